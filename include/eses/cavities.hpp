@@ -40,6 +40,12 @@ struct Cavity {
   bool overlaps_outside = false;      ///< Whether the void overlaps that of the outside.
 };
 
+/// A cavity that is filled: its void counts as inside.
+struct FilledCavity {
+  std::size_t id = 0;      ///< Number of the cavity in descending order of the voids, from 1.
+  double void_volume = 0;  ///< Volume of its void, in cubic angstrom.
+};
+
 /// A piece of the molecule: atoms that hang together because their SAS balls overlap. The bodies
 /// within the solvent excluded surface may separate further. Lengths are in angstrom.
 struct Piece {

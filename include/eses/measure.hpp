@@ -105,6 +105,8 @@ struct Measures {
   /// The cavities, in descending order of their void volumes. Empty unless MeasureOptions::cavities
   /// is set.
   std::vector<Cavity> cavities;
+  /// The filled cavities, which are not in `cavities`; see SurfaceOptions::max_filled_void.
+  std::vector<FilledCavity> filled_cavities;
   /// The pieces of the molecule, in descending order of their SAS volumes. Empty unless
   /// MeasureOptions::cavities is set.
   std::vector<Piece> pieces;

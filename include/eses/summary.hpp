@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "eses/cavities.hpp"
+
 namespace eses {
 
 /// Times, in seconds.
@@ -82,6 +84,8 @@ struct Summary {
   double concave_area = 0;         ///< Area of concave patches, in square angstrom.
   /// The number of crossings.
   std::int64_t edges() const { return convex + saddle + concave; }
+  /// The filled cavities, in descending order of their voids; see SurfaceOptions::max_filled_void.
+  std::vector<FilledCavity> filled_cavities;
   std::uint64_t bytes_written = 0;           ///< Total size of all files, in bytes.
   std::optional<MeshCounts> mesh;            ///< Size of the mesh, if there is one.
   std::optional<MeshQuality> mesh_quality;   ///< Angles, if MeshOptions::quality is set.

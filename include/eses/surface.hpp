@@ -4,6 +4,7 @@
 
 #include <concepts>
 #include <memory>
+#include <optional>
 #include <span>
 #include <type_traits>
 #include <utility>
@@ -39,6 +40,9 @@ inline constexpr double max_coordinate = 1e6;
 struct SurfaceOptions {
   /// Radius of the probe, in angstrom, `min_probe_radius` to `max_probe_radius`.
   double probe_radius = 1.4;
+  /// Fills the cavities whose voids have at most this volume, in cubic angstrom: they are inside.
+  /// Infinity fills all cavities, and none are filled without a value. See doc/cavities.md.
+  std::optional<double> max_filled_void = {};
   /// Number of threads that index the atoms; 0 for all available processors, or one for a few
   /// thousand atoms, which it indexes faster. It does not affect the result.
   int threads = 0;
@@ -50,7 +54,7 @@ struct SurfaceOptions {
 /// not overlap any van der Waals sphere. The surface is the boundary of the space that no
 /// accessible probe covers. It consists of convex spherical, saddle toroidal and concave spherical
 /// patches (M. L. Connolly, J. Appl. Cryst. 16, 548, 1983, doi:10.1107/S0021889883010985). Cavities
-/// that can contain a probe are outside.
+/// that can contain a probe are outside, unless SurfaceOptions::max_filled_void fills them.
 ///
 /// A Surface is immutable. Copies share all data and are cheap. Moving a Surface copies it, so that
 /// the old object stays valid. A Surface may be used for many
@@ -89,6 +93,9 @@ class Surface {
 
   /// The radius of the probe, in angstrom.
   double probe_radius() const { return probe_radius_; }
+  /// The maximum void of the cavities that are filled, in cubic angstrom; none are filled without a
+  /// value.
+  std::optional<double> max_filled_void() const { return max_filled_void_; }
 
   /// The diagnostics of the atoms, one for each kind that occurs, in the order of DiagnosticKind.
   std::span<const Diagnostic> diagnostics() const;
@@ -97,6 +104,7 @@ class Surface {
   friend struct detail::SurfaceAccess;
   std::shared_ptr<const detail::Molecule> molecule_;
   double probe_radius_;
+  std::optional<double> max_filled_void_;
 };
 
 }  // namespace eses

@@ -2,14 +2,17 @@
 
 #include <pybind11/stl.h>
 
+#include <cmath>
 #include <eses/eses.hpp>
 #include <functional>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <stdexcept>
 #include <string>
 #include <tuple>
 #include <utility>
+#include <variant>
 
 #include "arrays.hpp"
 #include "block_stream.hpp"
@@ -38,6 +41,9 @@ radii : array_like
     (N,) van der Waals radii of the atoms, in angstrom.
 probe_radius : float, optional
     Radius of the probe, in angstrom, 0.01 to 1000.
+fill_cavities : bool or float, optional
+    Whether cavities are filled, so that they are inside. With a number, only those whose voids have
+    at most this volume, in cubic angstrom.
 threads : int, optional
     Number of threads that index the atoms; 0 for all that the process may use, or one for a few
     thousand atoms.
@@ -50,7 +56,8 @@ ValueError
 TypeError
     If an array does not contain real numbers.)";
 
-constexpr const char* init_text = R"(__init__(self, centers, radii, probe_radius=1.4, *, threads=0)
+constexpr const char* init_text =
+    R"(__init__(self, centers, radii, probe_radius=1.4, *, fill_cavities=False, threads=0)
 --
 
 Check and index the atoms.)";
@@ -165,12 +172,27 @@ constexpr const char* diagnostic_text =
 
 constexpr double default_margin = 0.8;  // angstrom
 
+std::optional<double> max_filled_void(const std::variant<double, bool>& fill_cavities) {
+  if (const double* const volume = std::get_if<double>(&fill_cavities)) return *volume;
+  if (!std::get<bool>(fill_cavities)) return std::nullopt;
+  return std::numeric_limits<double>::infinity();
+}
+
+// Returns the value of the argument `fill_cavities` for a surface.
+std::variant<double, bool> fill_choice(const Surface& surface) {
+  const std::optional<double> max_void = surface.max_filled_void();
+  if (!max_void) return false;
+  if (std::isinf(*max_void)) return true;
+  return *max_void;
+}
+
 Surface make_surface(const py::object& centers, const py::object& radii, double probe_radius,
-                     int threads) {
+                     const std::variant<double, bool>& fill_cavities, int threads) {
   std::vector<Atom> atoms = make_atoms(centers, radii);
   const py::gil_scoped_release unlocked;
   Interrupts interrupts;
   return Surface(std::move(atoms), {.probe_radius = probe_radius,
+                                    .max_filled_void = max_filled_void(fill_cavities),
                                     .threads = usable_threads(threads),
                                     .check = [&interrupts] { interrupts.check(); }});
 }
@@ -298,7 +320,8 @@ void bind_surface(py::module_& module) {
   py::class_<Surface> type(module, "Surface", class_text);
   type.attr("__module__") = "eses";
   type.def(py::init(&make_surface), init_text, py::arg("centers"), py::arg("radii"),
-           py::arg("probe_radius") = 1.4, py::kw_only(), py::arg("threads") = 0)
+           py::arg("probe_radius") = 1.4, py::kw_only(), py::arg("fill_cavities") = false,
+           py::arg("threads") = 0)
       .def("__len__", [](const Surface& self) { return self.atoms().size(); })
       .def("__repr__",
            [](const Surface& self) {
@@ -307,6 +330,9 @@ void bind_surface(py::module_& module) {
            })
       .def_property_readonly("probe_radius", &Surface::probe_radius,
                              "float: radius of the probe, in angstrom.")
+      .def_property_readonly("fill_cavities", &fill_choice,
+                             "bool or float: whether cavities are filled, or the maximum volume of "
+                             "the voids that are, in cubic angstrom.")
       .def_property_readonly(
           "centers",
           [](const py::object& self) {
@@ -338,12 +364,12 @@ void bind_surface(py::module_& module) {
       .def(py::pickle(
           [](const py::object& self) {
             return py::make_tuple(self.attr("centers"), self.attr("radii"),
-                                  self.attr("probe_radius"));
+                                  self.attr("probe_radius"), self.attr("fill_cavities"));
           },
           [](const py::tuple& state) {
-            const auto [centers, radii, probe_radius] =
-                unpack_state<std::tuple<py::object, py::object, double>>(state);
-            return make_surface(centers, radii, probe_radius, 1);
+            const auto [centers, radii, probe_radius, fill_cavities] = unpack_state<
+                std::tuple<py::object, py::object, double, std::variant<double, bool>>>(state);
+            return make_surface(centers, radii, probe_radius, fill_cavities, 1);
           }));
   protect_instances(type);
   bind_measures(module, type);

@@ -30,6 +30,25 @@ def test_a_place_that_just_holds_a_probe():
     assert surface.cavities(probe_radius=0.72) == []
 
 
+def test_filled_cavities_are_inside():
+    probe = 0.7
+    centers, radii = octahedron(1 + probe), np.ones(7)
+    plain = eses.Surface(centers, radii, probe_radius=probe)
+    assert plain.fill_cavities is False
+    sphere = 4 / 3 * math.pi * probe**3
+    for choice, is_filled in ((True, True), (sphere * 1.001, True), (sphere * 0.999, False),
+                              (False, False)):
+        surface = eses.Surface(centers, radii, probe_radius=probe, fill_cavities=choice)
+        assert surface.fill_cavities == choice
+        change = surface.measure().ses_volume - plain.measure().ses_volume
+        assert change == pytest.approx(sphere if is_filled else 0, rel=1e-6, abs=1e-9)
+        assert len(surface.cavities()) == (0 if is_filled else 1)
+        grid = surface.grid(0.5, origin=(0.2, 0.1, 0), shape=(2, 2, 2))
+        assert bool(surface.compute(grid).inside[0, 0, 0]) == is_filled
+    with pytest.raises(ValueError, match="void"):
+        eses.Surface(centers, radii, fill_cavities=-1.0)
+
+
 def test_arguments_are_checked():
     surface = eses.Surface(octahedron(2), np.ones(7))
     with pytest.raises(ValueError, match="probe radius"):

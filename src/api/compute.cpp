@@ -47,7 +47,8 @@ detail::Parameters parameters_of(const Surface& surface, const Grid& grid,
                                 .block_size = options.block_size,
                                 .threads = options.threads,
                                 .max_memory = options.max_memory,
-                                .verify = options.verify};
+                                .verify = options.verify,
+                                .max_filled_void = surface.max_filled_void()};
   if (options.region) parameters.part = *options.region;
   return parameters;
 }

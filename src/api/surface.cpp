@@ -35,7 +35,8 @@ std::shared_ptr<const detail::Molecule> make_molecule(std::vector<Atom> atoms,
     throw std::invalid_argument(
         detail::formatted("{} atoms are too many; the limit is {}", atoms.size(), max_atoms));
   require_near(atoms);
-  detail::require_valid(detail::Parameters{.probe_radius = options.probe_radius});
+  detail::require_valid(detail::Parameters{.probe_radius = options.probe_radius,
+                                           .max_filled_void = options.max_filled_void});
   return std::make_shared<const detail::Molecule>(std::move(atoms), std::move(labels),
                                                   options.threads, options.check);
 }
@@ -48,7 +49,8 @@ Surface::Surface(std::vector<Atom> atoms, const SurfaceOptions& options)
 Surface::Surface(std::vector<Atom> atoms, std::vector<AtomLabel> labels,
                  const SurfaceOptions& options)
     : molecule_(make_molecule(std::move(atoms), std::move(labels), options)),
-      probe_radius_(options.probe_radius) {}
+      probe_radius_(options.probe_radius),
+      max_filled_void_(options.max_filled_void) {}
 
 std::span<const Atom> Surface::atoms() const { return molecule_->atoms(); }
 std::span<const AtomLabel> Surface::labels() const { return molecule_->labels(); }

@@ -98,6 +98,7 @@ void add_options(CLI::App& app, MeasureCommandOptions& options) {
       "of each part, such as 'A,B|C'",
       options.parts,
       Format<PartChoice>{parts_in, "chains, or the chains of two or more parts, such as 'A,B|C'"});
+  add_fill_cavities(app, options.max_filled_void);
   add_flag(app, "--cavities", "report the cavities, and the pieces of the molecule",
            options.cavities);
   begin_group(app, "Input and output");

@@ -25,7 +25,8 @@ struct MeasureCommandOptions {
   StructureOptions structure;  ///< for PDB and mmCIF files
   double probe_radius = SurfaceOptions().probe_radius;
   PartChoice parts;
-  bool cavities = false;  ///< whether cavities and pieces are reported
+  std::optional<double> max_filled_void;  ///< see SurfaceOptions
+  bool cavities = false;                  ///< whether cavities and pieces are reported
   TableChoice tables;
   std::filesystem::path output_directory;  ///< of the tables; empty if it is not given
   std::filesystem::path csv;               ///< empty if it is not given

@@ -5,6 +5,7 @@
 #include <array>
 #include <string_view>
 
+#include "cli/filling_report.hpp"
 #include "cli/json.hpp"
 #include "cli/report.hpp"
 #include "cli/structure_report.hpp"
@@ -160,6 +161,7 @@ std::string measure_text(const MeasureCommandOptions& options, const MeasuredFil
   text += surface_line("van der Waals", measures.vdw_area, measures.vdw_volume);
   text += kinds_line(measures.ses_areas);
   text += formatted("Euler number of the SAS: {}\n", measures.euler_number);
+  if (file.surface.max_filled_void()) text += filling_text(measures.filled_cavities);
   if (options.cavities) text += cavities_text(file);
   return text + parts_text(file);
 }
@@ -194,6 +196,9 @@ std::string measure_json(const MeasureCommandOptions& options, const MeasuredFil
   add_measures(object, file.measures);
   add_derivatives(object, file.measures.gradients);
   if (options.cavities) add_cavities(object, file);
+  if (file.surface.max_filled_void())
+    object["filled_cavities"] =
+        filled_json(file.surface.max_filled_void(), file.measures.filled_cavities);
   if (!file.parts.empty()) {
     json::Value parts = json::Value::array();
     for (const MeasuredPart& part : file.parts) {

@@ -104,7 +104,9 @@ MeasuredPart measure_part(std::uint32_t part, const MeasureOptions& options, Mea
     indices.push_back(i);
   }
   MeasuredPart measured{file.part_names[part], atoms.size(), {}};
-  const Surface surface(std::move(atoms), {.threads = options.threads, .check = options.check});
+  const Surface surface(std::move(atoms), {.max_filled_void = file.surface.max_filled_void(),
+                                           .threads = options.threads,
+                                           .check = options.check});
   measured.measures = measure(surface, options);
   const eses::AtomAreas areas = std::exchange(measured.measures.by_atom, {});
   if (!options.by_atom) return measured;
@@ -160,7 +162,8 @@ MeasuredFile measure_file(const MeasureCommandOptions& options, const std::files
              .with_labels = options.tables.any() || options.parts.is_chosen() || options.cavities,
              .structure = options.structure,
              .check = check});
-  const SurfaceOptions indexing{.threads = threads, .check = check};
+  const SurfaceOptions indexing{
+      .max_filled_void = options.max_filled_void, .threads = threads, .check = check};
   const Surface surface(std::move(file.atoms), std::move(file.labels), indexing);
   MeasuredFile result{.path = path, .surface = surface};
   result.diagnostics = describe_all(file, surface, path);

@@ -281,6 +281,7 @@ void add_grid_options(CLI::App& app, CommandLine& line) {
             line.blocks,
             Format{blocks_in, "i0:i1,j0:j1,k0:k1, whole numbers from 0, i0 < i1 and so on"})
       ->excludes(region);
+  add_fill_cavities(app, parameters.max_filled_void);
   add_flag(app, "--exact",
            "report area and volume of the whole surface in closed\n"
            "form, too; needs a single process",
@@ -560,11 +561,12 @@ void require_known_instruction_set() {
 /// Throws UsageError for `--verify 100`, in which 100 would be parsed as the probe radius.
 void refuse_separate_number(std::span<const std::string> arguments) {
   for (std::size_t i = 0; i + 1 < arguments.size() && arguments[i] != "--"; ++i)
-    if (arguments[i] == "--verify" && whole_text<std::int64_t>(arguments[i + 1]))
+    if ((arguments[i] == "--verify" || arguments[i] == "--fill-cavities") &&
+        whole_text<double>(arguments[i + 1]))
       throw UsageError(
-          formatted("--verify takes its number after '='; use --verify={0}, as {0} is a "
+          formatted("{0} takes its number after '='; use {0}={1}, as {1} is a "
                     "positional argument",
-                    arguments[i + 1]));
+                    arguments[i], arguments[i + 1]));
 }
 
 }  // namespace

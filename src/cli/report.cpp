@@ -10,6 +10,7 @@
 #include <variant>
 #include <vector>
 
+#include "cli/filling_report.hpp"
 #include "cli/json.hpp"
 #include "cli/structure_report.hpp"
 #include "eses/version.hpp"
@@ -169,7 +170,8 @@ json::Value parameters_json(const Plan& plan) {
   const auto* const grid = std::get_if<GridOptions>(&plan.parameters.grid);
   return {{"probe_radius", plan.parameters.probe_radius},
           {"spacing", plan.grid.spacing},
-          {"margin", grid != nullptr ? json::Value(grid->margin) : json::Value()}};
+          {"margin", grid != nullptr ? json::Value(grid->margin) : json::Value()},
+          {"fill_cavities", fill_choice_json(plan.parameters.max_filled_void)}};
 }
 
 // The physical quantities of maps that are not chosen are null.
@@ -439,6 +441,7 @@ std::string summary_text(const Report& report) {
       "divergence theorem: {:.6g} cubic angstrom, the accurate volume (surface volume is ESES's "
       "formula)\n",
       summary.divergence_volume);
+  if (report.plan.parameters.max_filled_void) text += filling_text(summary.filled_cavities);
   text += exact_text(report);
   text += mesh_text(report);
   text += verification_text(summary);
@@ -477,6 +480,8 @@ std::string json_text(const Report& report) {
                      {"inside_points", summary.inside_points},
                      {"crossings", crossings_json(summary)},
                      {"area_by_kind", area_by_kind_json(summary)},
+                     {"filled_cavities",
+                      filled_json(report.plan.parameters.max_filled_void, summary.filled_cavities)},
                      {"verification", verification_json(summary.verification)},
                      {"mesh", mesh_json(report)},
                      {"output", output_json(report)},

@@ -56,6 +56,18 @@ void add_threads(CLI::App& app, int& threads) {
             whole_number_between(1, max_threads));
 }
 
+void add_fill_cavities(CLI::App& app, std::optional<double>& max_filled_void) {
+  CLI::Option* const fill = app.add_flag("--fill-cavities{inf}")
+                                ->option_text("[=VOLUME]")
+                                ->multi_option_policy(CLI::MultiOptionPolicy::Throw)
+                                ->description(
+                                    "fill cavities with voids of up to VOLUME cubic\n"
+                                    "angstrom: they are inside [all cavities]");
+  read_into(fill, max_filled_void,
+            number_between(0, std::numeric_limits<double>::infinity(),
+                           "a number of at least 0, in cubic angstrom"));
+}
+
 void add_structure_options(CLI::App& app, StructureOptions& structure) {
   begin_group(app, structure_group);
   add_value(app, "--radii", "NAME",

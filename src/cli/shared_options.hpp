@@ -1,6 +1,7 @@
 #pragma once
 /// Options of the input that several commands have.
 
+#include <optional>
 #include <string_view>
 
 #include "cli/arguments.hpp"
@@ -14,6 +15,9 @@ void add_format(CLI::App& app, AtomFormat& format);
 
 /// Adds --threads.
 void add_threads(CLI::App& app, int& threads);
+
+/// Adds --fill-cavities. Without a value it fills all cavities.
+void add_fill_cavities(CLI::App& app, std::optional<double>& max_filled_void);
 
 /// Adds the options for PDB and mmCIF files, in a group of their own.
 void add_structure_options(CLI::App& app, StructureOptions& structure);

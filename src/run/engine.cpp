@@ -125,15 +125,17 @@ void combine_verifications(Verification& found, const Processes& processes) {
 }
 
 // Measures the surface, and compares it with a grid that encloses the molecule if the run is
-// verified.
+// verified and no cavities are filled.
 ExactMeasures measure_surface(const RunTask& task, const RunPlan& plan,
                               const std::function<void()>& check, Summary& summary) {
   const Molecule& molecule = plan.slab.molecule;
   const double probe_radius = task.parameters.probe_radius;
   const int threads = plan.slab_plan.threads;
-  const ExactMeasures exact = measure_exactly(molecule, probe_radius, threads, check);
+  const ExactMeasures exact =
+      measure_exactly(molecule, probe_radius, threads, check, task.parameters.max_filled_void);
   const Plan& whole = plan.whole_plan;
-  if (!summary.verification || whole.cut_depth > 0 || whole.tiling.region != whole.grid.whole())
+  if (!summary.verification || plan.cavities || whole.cut_depth > 0 ||
+      whole.tiling.region != whole.grid.whole())
     return exact;
   const Stopwatch watch;
   const VolumeBounds bounds =
@@ -245,6 +247,7 @@ RunResult execute(const RunTask& task, const RunPlan& plan, const RunPaths& path
 
   RunResult result;
   Summary& summary = result.summary;
+  if (plan.cavities) summary.filled_cavities = plan.cavities->filled();
   if (task.parameters.verify > 0) summary.verification.emplace();
   const std::optional<mesh::MeshText> mesh = mesh_text(task, plan, processes);
   SlabSweep sweep(task, plan, ranges, sweep_files(plan, mesh, files.get(), processes), callbacks,

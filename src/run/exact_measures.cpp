@@ -37,9 +37,11 @@ double exact_measure_bytes(std::size_t atoms) {
 }
 
 ExactMeasures measure_exactly(const Molecule& molecule, double probe_radius, int threads,
-                              const CheckCallback& check) {
-  const Measures measures =
-      measure_patches(molecule, {.probe_radius = probe_radius, .threads = threads, .check = check});
+                              const CheckCallback& check, std::optional<double> max_filled_void) {
+  const Measures measures = measure_patches(molecule, {.probe_radius = probe_radius,
+                                                       .threads = threads,
+                                                       .check = check,
+                                                       .max_filled_void = max_filled_void});
   return {measures.ses_area, measures.ses_volume};
 }
 

@@ -16,9 +16,10 @@ struct ExactMeasures {
   double area = 0, volume = 0;
 };
 
-/// Measures the surface of a molecule.
+/// Measures the surface of a molecule. Cavities up to `max_filled_void` are filled, see Parameters.
 ExactMeasures measure_exactly(const Molecule& molecule, double probe_radius, int threads,
-                              const CheckCallback& check);
+                              const CheckCallback& check,
+                              std::optional<double> max_filled_void = {});
 
 /// Memory of the functions of this file in bytes, besides that of patches.
 double exact_measure_bytes(std::size_t atoms);

@@ -274,6 +274,9 @@ void require_valid(const Parameters& p) {
           "the number of points to verify must be between 0 and 10000000",
           static_cast<double>(p.verify));
   require(p.threads >= 0, "the number of threads must not be negative", p.threads);
+  if (p.max_filled_void)
+    require(*p.max_filled_void >= 0, "the maximum void of filled cavities must not be negative",
+            *p.max_filled_void);
 }
 
 void require_valid(const Outputs& outputs, const Molecule& molecule) {

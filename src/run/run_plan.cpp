@@ -19,6 +19,7 @@
 #include "input/other_formats.hpp"
 #include "output/grid_map.hpp"
 #include "output/mesh_writer.hpp"
+#include "surface/measure_patches.hpp"
 #include "system/bytes_text.hpp"
 #include "system/formatted.hpp"
 #include "system/hints.hpp"
@@ -31,6 +32,11 @@ namespace {
 
 // Version of checkpoints. Must increase with each change of the results or of the format of chunks.
 constexpr int checkpoint_format = 4;
+
+// Memory of the patches of an atom, and of all patches that are kept from the search for cavities
+// until the sweep (bytes).
+constexpr double kept_patch_bytes = 400;
+constexpr double max_kept_bytes = 100 << 20;
 
 // Returns a hash of an atom and its index in the molecule.
 std::uint64_t hash_of(const Atom& atom, std::uint64_t index) {
@@ -94,13 +100,15 @@ std::string identity_of(const RunTask& task, const RunPlan& run, std::uint64_t h
   const GridRegion& region = run.whole_plan.region;
   return formatted(
       "eses-blocks {} format {} {} {}\natoms {} {:016x}\nprobe {:a} spacing {:a} margin {:a}\n"
-      "origin {:a} {:a} {:a} size {}\npoints {} {}\ngrid {} edges {} gzip {} maps {} mesh {}\n",
+      "origin {:a} {:a} {:a} size {}\npoints {} {}\ngrid {} edges {} gzip {} maps {} mesh {}\n"
+      "filled {}\n",
       version, checkpoint_format, sizeof(ChunkInfo), task.outputs.gzip ? zlibVersion() : "",
       run.atoms, hash, p.probe_radius, grid.spacing, options != nullptr ? options->margin : 0.0,
       grid.origin.x, grid.origin.y, grid.origin.z, fmt::join(grid.size, " "),
       fmt::join(region.begin, " "), fmt::join(region.end, " "), task.outputs.grid,
       task.outputs.edges, task.outputs.gzip, map_identity(task.outputs),
-      mesh_identity(task.outputs.mesh, run.potential));
+      mesh_identity(task.outputs.mesh, run.potential),
+      p.max_filled_void ? formatted("{:a}", *p.max_filled_void) : "none");
 }
 
 // Whether the mesh names chains and residues, or has the colours of chains.
@@ -160,6 +168,8 @@ void take_potential(const RunTask& task, const Processes& processes, RunPlan& ru
 std::uint64_t held_bytes(const RunPlan& run) {
   std::uint64_t bytes = run.names.bytes() + run.radii.size() * sizeof(double) +
                         (run.potential ? run.potential->bytes() : 0);
+  if (run.patches)
+    bytes += static_cast<std::uint64_t>(kept_patch_bytes) * run.slab.molecule.atoms().size();
   for (const std::span<const AtomLabel> labels :
        {std::span<const AtomLabel>(run.groups.chains),
         std::span<const AtomLabel>(run.groups.residues),
@@ -273,6 +283,45 @@ void expect_chunks(const RunTask& task, const GridRegion& region, FileSizes& fil
   if (task.resume) files.text_scratch += mesh;
 }
 
+FoundCavities find_cavities_of(const Molecule& molecule, const Parameters& parameters, int threads,
+                               bool keeps_patches) {
+  return find_cavities(molecule,
+                       {.probe_radius = parameters.probe_radius,
+                        .threads = threads > 0 ? threads : available_threads(),
+                        .max_filled_void = parameters.max_filled_void},
+                       keeps_patches);
+}
+
+// Finds the cavities of a molecule that a single process has. The run needs all patches again, so
+// they are kept unless there are many.
+void find_all_cavities(const Molecule& molecule, int threads, RunPlan& run) {
+  const Plan& plan = run.whole_plan;
+  const Parameters& parameters = plan.parameters;
+  if (!parameters.max_filled_void) return;
+  const double bytes = kept_patch_bytes * static_cast<double>(molecule.atoms().size());
+  const bool fits =
+      bytes <= max_kept_bytes &&
+      (parameters.max_memory == 0 || 8 * bytes <= static_cast<double>(parameters.max_memory));
+  const bool is_whole = plan.cut_depth <= 0 && plan.region == plan.grid.whole();
+  FoundCavities found = find_cavities_of(molecule, parameters, threads, fits && is_whole);
+  run.cavities = std::move(found.map);
+  run.patches = std::move(found.patches);
+}
+
+// Gives the cavities the indices of the atoms in the slab.
+std::shared_ptr<const CavityMap> with_slab_indices(std::shared_ptr<const CavityMap> cavities,
+                                                   const Slab& slab) {
+  if (slab.atoms_in_file.empty()) return cavities;
+  CavityMap renumbered = *cavities;
+  renumbered.renumber([&](AtomIndex atom) -> std::optional<AtomIndex> {
+    const auto begin = slab.atoms_in_file.begin(), end = slab.atoms_in_file.end();
+    const auto found = std::lower_bound(begin, end, static_cast<FileIndex>(atom));
+    if (found == end || *found != static_cast<FileIndex>(atom)) return std::nullopt;
+    return static_cast<AtomIndex>(found - begin);
+  });
+  return std::make_shared<const CavityMap>(std::move(renumbered));
+}
+
 // Reads the file, makes the grid, and gives this process its slab. Returns the labels of the atoms
 // that this process has read.
 LabelTotals take_file(const InputFile& file, const RunTask& task, const Processes::Machine& machine,
@@ -302,9 +351,22 @@ LabelTotals take_file(const InputFile& file, const RunTask& task, const Processe
   const Box bounds = bounds_of_all(part.atoms, processes);
   processes.all_or_throw([&] { run.whole_plan = {plan_grid(bounds, task.parameters), {}}; });
   open_checkpoint(task, part, processes, run);
+  const int threads = threads_of(task, machine, processes);
+  if (task.parameters.max_filled_void && processes.count() > 1) {
+    std::vector<Atom> atoms = processes.gather<Atom>(part.atoms);
+    processes.all_or_throw([&] {
+      run.cavities =
+          find_cavities_of(Molecule(std::move(atoms), {}, threads), task.parameters, threads, false)
+              .map;
+    });
+  }
   std::tie(run.slab, run.diagnostics) =
-      make_slab(std::move(part), run.whole_plan, outputs, run.finished_planes,
-                threads_of(task, machine, processes), processes);
+      make_slab(std::move(part), run.whole_plan, outputs, run.finished_planes, threads, processes);
+  if (run.cavities) {
+    run.cavities = with_slab_indices(std::move(run.cavities), run.slab);
+  } else {
+    find_all_cavities(run.slab.molecule, threads, run);
+  }
   run.diagnostics.add(of_names);
   if (has_names) name_examples(run.names, run.diagnostics);
   if (!needs_residues) run.names = {};
@@ -323,6 +385,7 @@ LabelTotals take_molecule(const Molecule& molecule, const RunTask& task, const P
   run.whole_plan = {plan_grid(sphere_bounds(molecule.atoms()), task.parameters), {}};
   run.slab.planes = region_planes(run.whole_plan);
   run.slab.molecule = molecule;
+  find_all_cavities(molecule, task.parameters.threads, run);
   if (task.outputs.residues || needs_groups(task.outputs))
     for (const AtomLabel& label : molecule.labels()) run.names.add_residue(label);
   LabelTotals labels = take_groups(task.outputs, processes, run, run.slab.groups);

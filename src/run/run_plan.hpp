@@ -16,6 +16,8 @@
 #include "run/plan.hpp"
 #include "run/slabs.hpp"
 #include "run/task.hpp"
+#include "surface/cavity_map.hpp"
+#include "surface/patch_schedule.hpp"
 
 namespace eses::detail {
 
@@ -39,6 +41,10 @@ struct RunPlan {
   std::optional<StructureReport> structure;
   /// Checkpoint of a run that can be resumed, else null. The first process locks it.
   std::unique_ptr<Checkpoint> checkpoint;
+  /// The cavities, with the atoms of the slab; null if none are filled.
+  std::shared_ptr<const CavityMap> cavities;
+  /// The surface with all patches, if they are known from the search for cavities; else null.
+  std::shared_ptr<ScheduledSurface> patches;
   std::vector<PlaneRange> finished_planes;  ///< planes of the chunks of an earlier run
 };
 

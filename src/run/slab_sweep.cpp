@@ -122,18 +122,21 @@ SlabSweep::SlabSweep(const RunTask& task, const RunPlan& plan, std::span<const P
 SweepResult SlabSweep::run(Summary& summary) {
   SweepResult result;
   if (ranges_.empty()) return result;
-  const SurfaceModel surface = make_surface();
   const Stopwatch sweeping;
   const Box slab = slab_box(plan_.whole_plan, plan_.slab.planes);
-  PatchSchedule patches(surface, {slab.low.z, slab.high.z});
+  const std::shared_ptr<ScheduledSurface> surface =
+      plan_.patches ? plan_.patches
+                    : std::make_shared<ScheduledSurface>(make_surface(),
+                                                         HeightRange{slab.low.z, slab.high.z});
   for (const PlaneRange& planes : ranges_)
-    result.chunks.push_back(sweep(patches, planes, result, summary));
+    result.chunks.push_back(sweep(surface->schedule, planes, result, summary));
   summary.seconds.blocks = sweeping.seconds() - summary.seconds.verify;
   return result;
 }
 
 SurfaceModel SlabSweep::make_surface() const {
   SurfaceModel surface(plan_.slab.molecule, task_.parameters.probe_radius);
+  surface.cavities = plan_.cavities;
   const GridRegion all = plan_.whole_plan.grid.whole();
   if (plan_.whole_plan.cut_depth > 0 || plan_.whole_plan.tiling.region != all ||
       plan_.slab.planes != PlaneRange{0, all.end[2]})
@@ -272,7 +275,7 @@ PlaneChunk SlabSweep::sweep(PatchSchedule& patches, const PlaneRange& planes, Sw
   std::optional<Verifier> verifier;
   if (plan.parameters.verify > 0) {
     const Stopwatch drawing;
-    verifier.emplace(plan_.slab.molecule.atoms(), plan);
+    verifier.emplace(plan_.slab.molecule.atoms(), plan, plan_.cavities.get());
     summary.seconds.verify += drawing.seconds();
   }
   Pipeline pipeline(patches, plan,

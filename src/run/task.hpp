@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <span>
 #include <variant>
 #include <vector>
@@ -46,6 +47,9 @@ struct Parameters {
   std::int64_t verify = 0;  ///< number of points, and of edges, to verify; 0 to `max_verify`
   /// Whether to measure the whole surface in closed form, too. Only for a single process.
   bool exact = false;
+  /// Maximum void of the cavities that are filled (cubic angstrom); none are filled without a
+  /// value.
+  std::optional<double> max_filled_void = {};
   GridPart part = {};
 
   bool has_custom_grid() const { return std::holds_alternative<Grid>(grid); }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <functional>
 #include <mutex>
 #include <numeric>
 #include <string>
@@ -51,11 +52,19 @@ std::int64_t owner_of(const BlockTiling& tiling, const GridIndex& point) {
   return (block[2] * tiling.blocks[1] + block[1]) * tiling.blocks[0] + block[0];
 }
 
+std::function<bool(Vec3)> in_filled_cavities(const CavityMap* cavities) {
+  if (cavities == nullptr) return {};
+  return [cavities](Vec3 center) {
+    std::vector<AtomIndex> found;
+    return cavities->is_filled(cavities->locate(center, found).component);
+  };
+}
+
 }  // namespace
 
-Verifier::Verifier(std::span<const Atom> atoms, const Plan& plan)
+Verifier::Verifier(std::span<const Atom> atoms, const Plan& plan, const CavityMap* cavities)
     : plan_(plan),
-      definition_(atoms, plan.parameters.probe_radius),
+      definition_(atoms, plan.parameters.probe_radius, in_filled_cavities(cavities)),
       samples_(static_cast<std::size_t>(plan.threads),
                verify::CrossingSample(kept_per_checked * wanted(plan))),
       searches_(static_cast<std::size_t>(plan.threads), CentreSearch(definition_)) {

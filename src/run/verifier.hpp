@@ -9,6 +9,7 @@
 
 #include "run/plan.hpp"
 #include "solve/block_solver.hpp"
+#include "surface/cavity_map.hpp"
 #include "verify/definition.hpp"
 #include "verify/sample.hpp"
 
@@ -20,8 +21,9 @@ namespace eses::detail {
 /// others are the crossings nearest to the seam with another patch.
 class Verifier {
  public:
-  /// Keeps views of both arguments, which must outlive the object.
-  Verifier(std::span<const Atom> atoms, const Plan& plan);
+  /// Keeps views of all arguments, which must outlive the object. `cavities` is null if none are
+  /// filled.
+  Verifier(std::span<const Atom> atoms, const Plan& plan, const CavityMap* cavities = nullptr);
   Verifier(const Verifier&) = delete;
   Verifier& operator=(const Verifier&) = delete;
 

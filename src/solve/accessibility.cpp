@@ -32,15 +32,20 @@ void try_face(const BlockFeatures& features, const FaceFeature& face, Vec3 point
   const double distance = face.sas_radius - length;
   if (distance < 0 || distance >= nearest.distance || length == 0) return;
   if (!is_exposed(features.cones_of(face), offset, length)) return;
+  if (features.is_filled(face, (1 / length) * offset)) return;
   nearest = {distance, face.center + (face.sas_radius / length) * offset, {face.atom}, 1};
 }
 
 }  // namespace
 
-bool is_in_sas_ball(const BlockFeatures& features, Vec3 point) {
-  return std::any_of(features.balls.begin(), features.balls.end(), [&](const BallFeature& ball) {
-    return squared_norm(point - ball.center) < ball.sas_radius * ball.sas_radius;
-  });
+bool is_probe_center(const BlockFeatures& features, Vec3 point) {
+  if (std::any_of(features.balls.begin(), features.balls.end(), [&](const BallFeature& ball) {
+        return squared_norm(point - ball.center) < ball.sas_radius * ball.sas_radius;
+      }))
+    return false;
+  std::vector<AtomIndex> found;
+  return features.cavities == nullptr ||
+         !features.cavities->is_filled(features.cavities->locate(point, found).component);
 }
 
 NearestProbe nearest_probe(const PatchIndex& patches, Vec3 point, double limit, double sufficient) {

@@ -17,13 +17,15 @@ struct NearestProbe {
 
 /// Returns the accessible probe centre nearest to `point`, if it is nearer than `limit` (angstrom);
 /// otherwise `atom_count` is 0 and `distance` equals `limit`. The search stops at the first centre
-/// that is nearer than `sufficient`. `point` must lie in a SAS ball, in the box of the index, and
-/// outside of the surface or on it up to rounding: for points inside, the search finds nothing.
+/// that is nearer than `sufficient`. `point` must not be an accessible probe centre. It must lie
+/// in the box of the index, and outside of the surface or on it up to rounding: for points inside,
+/// the search finds nothing.
 NearestProbe nearest_probe(const PatchIndex& patches, Vec3 point, double limit,
                            double sufficient = 0);
 
-/// Returns whether `point` is inside some SAS ball. If it is not, it is an accessible probe centre.
-bool is_in_sas_ball(const BlockFeatures& features, Vec3 point);
+/// Returns whether `point` is an accessible probe centre: outside of all SAS balls, and not in a
+/// filled cavity.
+bool is_probe_center(const BlockFeatures& features, Vec3 point);
 
 /// Returns whether an accessible probe centre is nearer to `point` than `distance` (angstrom). See
 /// nearest_probe for the conditions on `point`.

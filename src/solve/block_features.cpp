@@ -87,6 +87,13 @@ void add_face(const SurfaceModel& surface, AtomIndex i, const AtomPatches& patch
     features.cones.push_back({cap.axis, cap.height / sphere.radius});
   });
   face.cone_end = static_cast<std::uint32_t>(features.cones.size());
+  if (surface.cavities) {
+    const WallAtom* const atom = surface.cavities->find(i);
+    if (atom != nullptr && atom->is_divided()) {
+      face.divided = atom;
+      features.cavities = surface.cavities.get();
+    }
+  }
   features.faces.push_back(face);
 }
 
@@ -157,6 +164,8 @@ void collect_features(const Patches& patches, const Box& box, BlockFeatures& fea
   features.placements.clear();
   features.listed.clear();
   features.near_placements.clear();
+  features.cavities =
+      surface.cavities && surface.cavities->may_be_filled(box) ? surface.cavities.get() : nullptr;
   // The slack exceeds rounding errors, so that all blocks near a patch have it.
   const double probe = surface.probe_radius + box_slack;
   const double squared_probe = probe * probe;

@@ -11,6 +11,7 @@
 #include "geometry/arc_sector.hpp"
 #include "geometry/box.hpp"
 #include "grid/tiling.hpp"
+#include "surface/cavity_map.hpp"
 #include "surface/survey.hpp"
 
 namespace eses::detail {
@@ -53,6 +54,8 @@ struct FaceFeature {
   Box shell_box;    ///< box of the face, the convex patch and the points between the two
   Box surface_box;  ///< box of the convex patch
   std::uint32_t cone_begin = 0, cone_end = 0;  ///< range of indices into BlockFeatures::cones
+  /// The faces of the atom, if some of them belong to filled cavities; else null.
+  const WallAtom* divided = nullptr;
 };
 
 /// An accessible arc.
@@ -89,6 +92,9 @@ struct BlockFeatures {
   std::vector<CapCone> cones;
   std::vector<ArcFeature> arcs;
   std::vector<PlacementFeature> placements;
+  /// The cavities, if the block may contain probe centres of filled ones, or faces of atoms whose
+  /// other faces belong to filled ones; else null.
+  const CavityMap* cavities = nullptr;
 
   // Scratch memory.
   std::vector<AtomIndex> nearby;
@@ -101,6 +107,11 @@ struct BlockFeatures {
   /// The cones of a face.
   std::span<const CapCone> cones_of(const FaceFeature& face) const {
     return std::span(cones).subspan(face.cone_begin, face.cone_end - face.cone_begin);
+  }
+  /// Returns whether a direction is in a face of the atom that belongs to a filled cavity. The
+  /// direction is in none of the cones.
+  bool is_filled(const FaceFeature& face, Vec3 direction) const {
+    return face.divided != nullptr && cavities->is_filled(face.divided->component_at(direction));
   }
 };
 

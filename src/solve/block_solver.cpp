@@ -40,6 +40,20 @@ void cover_points(const SurfaceModel& surface, double ion_radius, BlockWorkspace
     fill_balls(workspace.grid, surface.atoms, nearby, ion_radius, covered);
 }
 
+// Adds the points of filled cavities to the inside points, and to those without ion access.
+void fill_cavities(const SurfaceModel& surface, BlockWorkspace& workspace, BlockResult& result) {
+  if (!surface.cavities->may_be_filled(workspace.grid.box)) return;
+  PointBits filled;
+  find_filled_points(surface, workspace.grid, workspace.features, workspace.filled, filled);
+  const auto add_to = [&](PointBits& bits) {
+    for (std::size_t w = 0; w < filled.words.size(); ++w) bits.words[w] |= filled.words[w];
+  };
+  add_to(result.inside);
+  if (!workspace.extras.ion_radius) return;
+  if (result.covered.words.empty()) result.covered.reset(workspace.grid.block.points);
+  add_to(result.covered);
+}
+
 // Finds inside points and crossings without adding them to the sums. Inside lengths are found for
 // the edges that start at the `owned` points.
 BlockResult find_crossings(const Patches& patches, const Grid& grid, const BlockBounds& block,
@@ -51,11 +65,12 @@ BlockResult find_crossings(const Patches& patches, const Grid& grid, const Block
   if (workspace.extras.ion_radius)
     cover_points(patches.surface(), *workspace.extras.ion_radius, workspace, result.covered);
   collect_features(patches, workspace.grid.box, workspace.features);
-  if (workspace.features.balls.empty()) {
+  if (workspace.features.balls.empty() && workspace.features.cavities == nullptr) {
     result.inside.reset_empty(block.points);
     return result;
   }
   classify_points(workspace.grid, workspace.features, workspace.classify, result.inside);
+  if (workspace.features.cavities != nullptr) fill_cavities(patches.surface(), workspace, result);
   workspace.classify_seconds += classifying.seconds();
   const Stopwatch intersecting;
   workspace.intersect.finds_doubtful = workspace.extras.inside_fractions;

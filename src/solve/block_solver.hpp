@@ -9,6 +9,7 @@
 #include "grid/block_crossing.hpp"
 #include "grid/point_bits.hpp"
 #include "solve/classify.hpp"
+#include "solve/filled_points.hpp"
 #include "solve/inside_fractions.hpp"
 #include "solve/intersect.hpp"
 #include "solve/tally.hpp"
@@ -55,6 +56,7 @@ struct BlockWorkspace {
   BlockGrid grid;
   BlockFeatures features;
   ClassifyScratch classify;
+  FilledScratch filled;
   IntersectScratch intersect;
   Tally tally;
   double classify_seconds = 0;

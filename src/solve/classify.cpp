@@ -177,23 +177,41 @@ HWY_INLINE Points batch_points(const PointBatch& batch, std::size_t i) {
   return {load(batch.x.data() + i), load(batch.y.data() + i), load(batch.z.data() + i)};
 }
 
+// Clears the bits of the points of the mask, except those below faces of filled cavities.
+void clear_kept_lanes(const BlockFeatures& features, const FaceFeature& face,
+                      const PointBatch& batch, std::size_t first, DoubleMask mask,
+                      std::uint64_t* words) {
+  for_each_lane(mask, [&](std::size_t lane) {
+    const std::size_t k = first + lane;
+    const Vec3 offset{batch.x[k], batch.y[k], batch.z[k]};
+    const double length = norm(offset);
+    if (length > 0 && features.is_filled(face, (1 / length) * offset)) return;
+    words[batch.bit[k] / 64] &= ~(std::uint64_t{1} << (batch.bit[k] % 64));
+  });
+}
+
 // Clears the points of the batch that lie in none of the cones. Their radial projection onto the
 // SAS sphere is an accessible probe centre, and nearer than the probe radius.
-void clear_exposed(std::span<const CapCone> cones, PointBatch& batch, std::uint64_t* words) {
+void clear_exposed(const BlockFeatures& features, const FaceFeature& face, PointBatch& batch,
+                   std::uint64_t* words) {
   const Doubles doubles;
-  ConeFilter filter(cones);
+  ConeFilter filter(features.cones_of(face));
   for (std::size_t i = 0; i < batch.count; i += hn::Lanes(doubles)) {
     const Points offset = batch_points(batch, i);
     const auto length = hn::Sqrt(squared_norm(offset));
     const auto exposed =
         filter.outside(hn::FirstN(doubles, batch.count - i), offset,
                        [&](const CapCone& cone) { return length * broadcast(cone.cosine); });
+    if (face.divided != nullptr) {
+      clear_kept_lanes(features, face, batch, i, exposed, words);
+      continue;
+    }
     clear_lanes(batch, i, exposed, words);
   }
   batch.count = 0;
 }
 
-void clear_face(const BlockGrid& grid, const FaceFeature& face, std::span<const CapCone> cones,
+void clear_face(const BlockGrid& grid, const BlockFeatures& features, const FaceFeature& face,
                 ClassifyScratch& scratch) {
   const Words words;
   PointBits& undecided = scratch.undecided;
@@ -217,11 +235,11 @@ void clear_face(const BlockGrid& grid, const FaceFeature& face, std::span<const 
                        add_points(grid, face.center, {column, y_lane, k, first_word + j + lane},
                                   waiting[lane], batch);
                        if (batch.count + 64 > PointBatch::capacity)
-                         clear_exposed(cones, batch, undecided.words.data());
+                         clear_exposed(features, face, batch, undecided.words.data());
                      }
                    }
                  });
-  clear_exposed(cones, batch, undecided.words.data());
+  clear_exposed(features, face, batch, undecided.words.data());
 }
 
 // Clears the points of the batch that are nearer to the arc than the probe radius.
@@ -266,6 +284,10 @@ void mask_undecided(PointBits& inside, PointBits& undecided) {
   }
 }
 
+void clear_points_of_ball(const BlockGrid& grid, Vec3 center, double radius, PointBits& bits) {
+  stamp_ball<Stamp::clear>(grid, center, radius, bits);
+}
+
 void stamp_balls(const BlockGrid& grid, std::span<const Atom> atoms,
                  std::span<const AtomIndex> indices, double radius, PointBits& bits) {
   for (const AtomIndex i : indices)
@@ -282,8 +304,7 @@ void classify(const BlockGrid& grid, const BlockFeatures& features, ClassifyScra
   mask_undecided(inside, undecided);
   for (const PlacementFeature& placement : features.placements)
     stamp_ball<Stamp::clear>(grid, placement.center, features.probe_radius, undecided);
-  for (const FaceFeature& face : features.faces)
-    clear_face(grid, face, features.cones_of(face), scratch);
+  for (const FaceFeature& face : features.faces) clear_face(grid, features, face, scratch);
   for (const ArcFeature& arc : features.arcs)
     clear_arc(grid, arc, features.probe_radius * features.probe_radius, scratch);
   for (std::size_t w = 0; w < inside.words.size(); ++w) inside.words[w] |= undecided.words[w];
@@ -298,6 +319,10 @@ void fill_balls(const BlockGrid& grid, std::span<const Atom> atoms,
                 std::span<const AtomIndex> indices, double radius, PointBits& bits) {
   bits.reset(grid.block.points);
   ESES_BEST_VERSION(stamp_balls)(grid, atoms, indices, radius, bits);
+}
+
+void clear_ball(const BlockGrid& grid, Vec3 center, double radius, PointBits& bits) {
+  ESES_BEST_VERSION(clear_points_of_ball)(grid, center, radius, bits);
 }
 
 void classify_points(const BlockGrid& grid, const BlockFeatures& features, ClassifyScratch& scratch,

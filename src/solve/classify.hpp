@@ -36,6 +36,9 @@ struct ClassifyScratch {
 void fill_balls(const BlockGrid& grid, std::span<const Atom> atoms,
                 std::span<const AtomIndex> indices, double radius, PointBits& bits);
 
+/// Clears the bits of the points in a ball.
+void clear_ball(const BlockGrid& grid, Vec3 center, double radius, PointBits& bits);
+
 /// Sets the bits of all inside points. A point in no SAS ball is outside, and a point in a van der
 /// Waals ball is inside. Any other point is inside unless it is nearer to an accessible probe
 /// centre than the probe radius. The nearest centre is a probe placement, or on an arc, or on an

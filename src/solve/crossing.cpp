@@ -39,7 +39,7 @@ BlockCrossing bisect(const PatchIndex& patches, const CrossedEdge& edge) {
     const double middle = 0.5 * (outside + inside);
     const Vec3 point = edge.point_at(middle);
     const bool is_covered =
-        !is_in_sas_ball(patches.features(), point) || is_probe_nearer(patches, point, probe);
+        is_probe_center(patches.features(), point) || is_probe_nearer(patches, point, probe);
     (is_covered ? outside : inside) = middle;
   }
   const Vec3 point = edge.point_at(inside);
@@ -89,7 +89,7 @@ BlockCrossing decide_crossing(const PatchIndex& patches, const CrossedEdge& edge
         const Vec3 point = edge.point_at(candidate.coordinate);
         if (is_probe_nearer(patches, point, covering)) return false;
         // The far side of a probe whose normal cone is unknown sticks out of the SAS balls.
-        return !needs_proof || is_in_sas_ball(patches.features(), point);
+        return !needs_proof || !is_probe_center(patches.features(), point);
       });
   return chosen == candidates.end() ? bisect(patches, edge) : *chosen;
 }

@@ -58,7 +58,7 @@ class EdgeDivider {
  private:
   bool is_inside(Vec3 point) const {
     return !is_probe_nearer(patches_, point, features_.probe_radius) &&
-           is_in_sas_ball(features_, point);
+           !is_probe_center(features_, point);
   }
 
   // Adds the cuts of all patches in the cells of the index through which the edge passes.

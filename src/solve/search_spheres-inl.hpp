@@ -37,6 +37,7 @@ struct FaceSearch : Candidates {
       };
       meet_lines<axis()>(grid, {face.center, face.radius, face.surface_box}, is_exposed,
                          [&](const GridIndex& line, double met, int side, Vec3 direction) {
+                           if (features.is_filled(face, direction)) return;
                            BlockCrossing crossing{met,    direction, {face.atom}, 0,
                                                   axis(), 1,         side > 0};
                            if (is_point) {

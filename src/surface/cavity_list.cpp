@@ -103,19 +103,6 @@ Vec3 clamped(Vec3 point, const Box& box) {
   return point;
 }
 
-/// Returns the atoms that a trapped probe touches.
-std::vector<AtomIndex> touched_atoms(const SurfaceModel& surface, Vec3 center) {
-  std::vector<AtomIndex> found;
-  surface.tree().find_reaching(center, surface.probe_radius + look_up_slack, found);
-  std::erase_if(found, [&](AtomIndex i) {
-    const SasSphere sphere = surface.sas_sphere(i);
-    return std::fabs(norm(center - sphere.center) - sphere.radius) > tolerance::touching ||
-           surface.molecule.is_contained(i);
-  });
-  std::sort(found.begin(), found.end());
-  return found;
-}
-
 class CavityLister {
  public:
   CavityLister(const SurfaceModel& surface, Vec3 origin, double probe_radius,
@@ -126,10 +113,11 @@ class CavityLister {
         components_(components),
         piece_of_atom_(connect_atoms(surface).labels()) {}
 
-  void list(int threads, std::vector<Cavity>& cavities, std::vector<Piece>& pieces) {
+  void list(int threads, bool has_largest_probes, std::vector<Cavity>& cavities,
+            std::vector<Piece>& pieces) {
     list_atoms(cavities, pieces);
     add_walls(cavities, pieces);
-    find_largest_probes(threads, cavities);
+    if (has_largest_probes) find_largest_probes(threads, cavities);
     for (const auto& [first, second] : components_.overlaps) {
       if (first == Components::outside) {
         cavities[second - 1].overlaps_outside = true;
@@ -223,7 +211,7 @@ class CavityLister {
   }
 
   static void sort(std::vector<Cavity>& cavities, std::vector<Piece>& pieces) {
-    const auto cavity_order = order_by(cavities, &Cavity::void_volume);
+    const auto cavity_order = order_by_void(cavities);
     const auto piece_order = order_by(pieces, &Piece::sas_volume);
     const auto cavity_rank = inverse_of(cavity_order), piece_rank = inverse_of(piece_order);
     reorder(cavities, cavity_order);
@@ -248,10 +236,15 @@ class CavityLister {
 
 }  // namespace
 
+std::vector<std::size_t> order_by_void(const std::vector<Cavity>& cavities) {
+  return order_by(cavities, &Cavity::void_volume);
+}
+
 void list_components(const SurfaceModel& surface, Vec3 origin, double probe_radius, int threads,
-                     const Components& components, std::vector<Cavity>& cavities,
-                     std::vector<Piece>& pieces) {
-  CavityLister(surface, origin, probe_radius, components).list(threads, cavities, pieces);
+                     const Components& components, bool has_largest_probes,
+                     std::vector<Cavity>& cavities, std::vector<Piece>& pieces) {
+  CavityLister(surface, origin, probe_radius, components)
+      .list(threads, has_largest_probes, cavities, pieces);
 }
 
 }  // namespace eses::detail

@@ -9,10 +9,15 @@
 
 namespace eses::detail {
 
+/// Returns the indices of cavities in descending order of their voids, and in the order of their
+/// first atoms if the voids are equal.
+std::vector<std::size_t> order_by_void(const std::vector<Cavity>& cavities);
+
 /// Replaces `cavities` and `pieces` by those of a surface, the largest first. `probe_radius` is the
-/// nominal one; that of `surface` may be slightly smaller.
+/// nominal one; that of `surface` may be slightly smaller. Without `has_largest_probes`, those are
+/// not searched.
 void list_components(const SurfaceModel& surface, Vec3 origin, double probe_radius, int threads,
-                     const Components& components, std::vector<Cavity>& cavities,
-                     std::vector<Piece>& pieces);
+                     const Components& components, bool has_largest_probes,
+                     std::vector<Cavity>& cavities, std::vector<Piece>& pieces);
 
 }  // namespace eses::detail

@@ -3,22 +3,25 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
+#include <utility>
 
 #include "surface/atom_loops.hpp"
+#include "surface/normal_cone.hpp"
 
 namespace eses::detail {
 namespace {
-
-using std::numbers::pi;
 
 // An arc ends at the nearest placement of its atoms within this distance (angstrom). It is far
 // above the errors of positions.
 constexpr double end_search = 1e-5;
 
-// Without slack, placements and ends of arcs this close together are connected (angstrom). Rounding
-// may hide the arcs between them.
+// Placements and ends of arcs this close together are connected (angstrom), unless three arcs end
+// at each placement. Rounding may hide the arcs between them.
 constexpr double connected = tolerance::touching;
+
+// The extreme point of a wall must be this far outside of the other SAS balls, or this deep in one
+// of them, so that rounding does not decide whether it is accessible (angstrom).
+constexpr double clear_of_others = 1e-7;
 
 // Length of the parts of a ray for which atoms are searched together (angstrom).
 constexpr double ray_step = 8;
@@ -30,10 +33,16 @@ struct ArcMatch {
   std::uint32_t arc, placement;
 };
 
+// Returns whether there may be places that no arc connects although probes pass between them.
+bool may_hide_arcs(const SurfaceModel& surface, const ClusterPatches& patches) {
+  return !surface.has_slack || !patches.is_regular;
+}
+
 // Finds the placements at the ends of the arcs of a cluster.
 void find_ends(const SurfaceModel& surface, const ClusterPatches& patches, const SweepLayer& layer,
                std::vector<ArcMatch>& matches) {
   matches.clear();
+  const bool may_be_hidden = may_hide_arcs(surface, patches);
   for (std::uint32_t k = 0; k < patches.arcs.size(); ++k) {
     const Arc& arc = patches.arcs[k];
     if (arc.kind == ArcKind::full) continue;
@@ -45,7 +54,7 @@ void find_ends(const SurfaceModel& surface, const ClusterPatches& patches, const
       ArcMatch best{k, 0};
       layer.tree.for_each_within(end, end_search, [&](std::uint32_t number) {
         const double squared = squared_norm(layer.centers[number] - end);
-        if (!surface.has_slack && squared < connected * connected) matches.push_back({k, number});
+        if (may_be_hidden && squared < connected * connected) matches.push_back({k, number});
         const auto& atoms = layer.placements[number]->atoms;
         if (squared >= min_squared ||
             std::find(atoms.begin(), atoms.end(), arc.first) == atoms.end() ||
@@ -103,6 +112,31 @@ std::optional<RayHit> first_hit(const SurfaceModel& surface, Vec3 from, Vec3 alo
   return std::nullopt;
 }
 
+enum class Access : std::uint8_t { accessible, covered, uncertain };
+
+// Returns whether a point on the SAS sphere of an atom is outside of all other SAS balls.
+Access access_at(const SurfaceModel& surface, AtomIndex atom, Vec3 point) {
+  std::vector<AtomIndex> found;
+  surface.tree().find_reaching(point, surface.probe_radius + look_up_slack, found);
+  double min_gap = std::numeric_limits<double>::infinity();
+  for (const AtomIndex k : found) {
+    if (k == atom || surface.molecule.is_contained(k)) continue;
+    const SasSphere sphere = surface.sas_sphere(k);
+    min_gap = std::min(min_gap, norm(point - sphere.center) - sphere.radius);
+  }
+  if (min_gap > clear_of_others) return Access::accessible;
+  return min_gap < -clear_of_others ? Access::covered : Access::uncertain;
+}
+
+// Returns whether the atoms that a probe touches surround it.
+bool is_trapped(const SurfaceModel& surface, Vec3 center) {
+  std::vector<Vec3> toward;
+  for (const AtomIndex i : touched_atoms(surface, center))
+    toward.push_back(normalized(surface.atoms[i].center - center));
+  std::vector<SphericalCap> caps;
+  return toward.size() > 3 && bound_cone(toward, caps) == ConeShape::whole;
+}
+
 bool is_split(const DisjointSets& sets, std::span<const SphereArc> arcs) {
   return std::any_of(arcs.begin(), arcs.end(), [&](const SphereArc& arc) {
     return sets.root(arc.node) != sets.root(arcs.front().node);
@@ -125,6 +159,18 @@ Box united(const Box& a, const Box& b) {
   return box;
 }
 
+std::vector<AtomIndex> touched_atoms(const SurfaceModel& surface, Vec3 center) {
+  std::vector<AtomIndex> found;
+  surface.tree().find_reaching(center, surface.probe_radius + look_up_slack, found);
+  std::erase_if(found, [&](AtomIndex i) {
+    const SasSphere sphere = surface.sas_sphere(i);
+    return std::fabs(norm(center - sphere.center) - sphere.radius) > tolerance::touching ||
+           surface.molecule.is_contained(i);
+  });
+  std::sort(found.begin(), found.end());
+  return found;
+}
+
 std::optional<std::uint32_t> Components::wall_at(AtomIndex atom, Vec3 direction) const {
   const std::uint32_t wall = wall_of_atom_[atom];
   if (wall == no_wall) return std::nullopt;
@@ -133,7 +179,14 @@ std::optional<std::uint32_t> Components::wall_at(AtomIndex atom, Vec3 direction)
 }
 
 ComponentFinder::ComponentFinder(const SurfaceModel& surface, Vec3 origin)
-    : surface_(surface), origin_(origin), node_of_atom_(surface.atoms.size(), no_node) {}
+    : surface_(surface), origin_(origin), node_of_atom_(surface.atoms.size(), no_node) {
+  const auto bottom = [](const Atom& atom) { return atom.center.z - atom.radius; };
+  const auto lowest =
+      std::min_element(surface.atoms.begin(), surface.atoms.end(),
+                       [&](const Atom& a, const Atom& b) { return bottom(a) < bottom(b); });
+  if (lowest != surface.atoms.end())
+    lowest_atom_ = static_cast<AtomIndex>(lowest - surface.atoms.begin());
+}
 
 void ComponentFinder::begin_layer(const SweepLayer& layer) {
   add_nodes(layer);
@@ -173,11 +226,15 @@ void ComponentFinder::connect_arcs(const SweepLayer& layer) {
     const double high = clusters.heights(chosen[k]).high + look_up_slack;
     are_connected_[chosen[k]] = clusters.count_below(high) <= layer.complete_end ? 1 : 0;
   }
+  for_each_complete(layer, [&](ClusterIndex cluster, const ClusterPatches& patches) {
+    if (!may_hide_arcs(surface_, patches)) return;
+    const std::uint32_t first = layer.first_placement[cluster];
+    for (std::uint32_t k = first; k < first + patches.placements.size(); ++k)
+      layer.tree.for_each_within(layer.centers[k], connected, [&](std::uint32_t other) {
+        sets_.unite(placement_node_[k], placement_node_[other]);
+      });
+  });
   if (surface_.has_slack) return;
-  for (std::uint32_t k = 0; k < layer.placements.size(); ++k)
-    layer.tree.for_each_within(layer.centers[k], connected, [&](std::uint32_t other) {
-      sets_.unite(placement_node_[k], placement_node_[other]);
-    });
   for (std::uint32_t k = 0; k < layer.placements.size(); ++k)
     sets_.unite(placement_node_[k], placement_node_[layer.same_place[k]]);
 }
@@ -252,11 +309,19 @@ void ComponentFinder::add(SharedCut cut) { cuts_.push_back(std::move(cut)); }
 
 void ComponentFinder::end_layer() {
   merge_sums();
+  drop_kept_outside();
   std::erase_if(cuts_, [&](const SharedCut& cut) {
     const Node root = sets_.root(cut.node);
     return std::all_of(cut.cutters.begin(), cut.cutters.end(),
                        [&](Node cutter) { return sets_.root(cutter) == root; });
   });
+}
+
+void ComponentFinder::drop_kept_outside() {
+  const Node outside = node_of_atom_[lowest_atom_];
+  if (outside >= divided_begin) return;
+  const Node root = sets_.root(outside);
+  std::erase_if(kept_, [&](const auto& kept) { return sets_.root(kept.wall) == root; });
 }
 
 // Adds up the sums of nodes that have been united.
@@ -338,26 +403,23 @@ void ComponentFinder::add_faces(const std::vector<Node>& labels,
       wall = labels[node];
     }
     components.wall_of_atom_[i] = wall;
-    add_face(components.walls[wall], i, integrals_of(i));
+    add_face(components.walls[wall], i, integrals_of ? integrals_of(i) : FaceIntegrals());
   }
 }
 
-// A wall that encloses atoms has at least the volume of one SAS ball.
+// The extreme point of a wall that encloses atoms is on the SAS sphere of its extreme atom. That of
+// another wall is in the caps of other atoms, as all spheres of the wall end below it.
 void ComponentFinder::connect_walls(Components& components) const {
   const std::span<const Atom> atoms = surface_.atoms;
-  double min_radius = std::numeric_limits<double>::infinity();
-  for (const Atom& atom : atoms) min_radius = std::min(min_radius, atom.radius);
-  min_radius = std::max(0.0, min_radius + surface_.probe_radius);
   std::vector<Wall>& walls = components.walls;
   DisjointSets sets(static_cast<DisjointSets::Element>(walls.size()) + 1);  // 0 is the outside
   std::vector<std::uint32_t> open;
   for (std::uint32_t w = 0; w < walls.size(); ++w) {
-    Wall& wall = walls[w];
-    wall.encloses_atoms =
-        wall.atom && wall.faces.sas_flux > 2 * pi * min_radius * min_radius * min_radius;
-    if (wall.encloses_atoms) open.push_back(w);
-    // A placement near an arc that rounding has hidden bounds nothing.
-    if (!wall.atom && wall.patches.curvature < 2 * pi) sets.unite(0, w + 1);
+    if (walls[w].atom) {
+      open.push_back(w);
+    } else if (!is_trapped(surface_, 0.5 * (walls[w].box.low + walls[w].box.high))) {
+      sets.unite(0, w + 1);  // a placement near an arc that rounding has hidden bounds nothing
+    }
   }
   for (const Vec3 direction : sphere_part::test_directions()) {
     if (open.empty()) break;
@@ -376,11 +438,17 @@ void ComponentFinder::connect_walls(Components& components) const {
       });
     }
     std::erase_if(open, [&](std::uint32_t w) {
-      const SasSphere sphere = surface_.sas_sphere(extremes[w].atom);
-      const auto hit = first_hit(surface_, sphere.center + sphere.radius * along, along,
-                                 top - extremes[w].height);
+      const AtomIndex atom = extremes[w].atom;
+      const SasSphere sphere = surface_.sas_sphere(atom);
+      const Vec3 extreme = sphere.center + sphere.radius * along;
+      const Access access = access_at(surface_, atom, extreme);
+      if (access != Access::accessible) return access == Access::covered;
+      const auto wall = components.wall_at(atom, along);
+      if (wall != w) return wall.has_value();
+      const auto hit = first_hit(surface_, extreme, along, top - extremes[w].height);
       const auto next = hit ? components.wall_at(hit->atom, hit->direction) : std::nullopt;
       if (hit && !next) return false;
+      walls[w].encloses_atoms = true;
       sets.unite(w + 1, next ? *next + 1 : 0);
       return true;
     });
@@ -431,6 +499,8 @@ Components ComponentFinder::finish(const std::function<FaceIntegrals(AtomIndex)>
     wall.patches += sums.sums;
     wall.box = united(wall.box, sums.box);
   }
+  components.placements = std::move(kept_);
+  for (auto& placement : components.placements) placement.wall = labels[placement.wall];
   add_faces(labels, integrals_of, components);
   connect_walls(components);
   find_overlaps(labels, components);

@@ -29,6 +29,9 @@ Box empty_box();
 /// Returns the smallest box that contains two boxes.
 Box united(const Box& a, const Box& b);
 
+/// Returns the atoms that a probe touches, ascending.
+std::vector<AtomIndex> touched_atoms(const SurfaceModel& surface, Vec3 center);
+
 /// A wall of the set of accessible probe centres.
 struct Wall {
   PatchSums patches;
@@ -49,6 +52,13 @@ class Components {
   std::uint32_t count = 1;
   /// By component: what to add to the sums of its walls, because only its own probes cut patches.
   std::vector<PatchSums> corrections;
+  /// A placement on a wall.
+  struct WallPlacement {
+    Vec3 center;
+    std::uint32_t wall = 0;
+  };
+  /// Those that were kept, see ComponentFinder::keep.
+  std::vector<WallPlacement> placements;
   /// Pairs of components whose voids overlap, ascending. The first one of a pair is smaller.
   std::vector<std::pair<std::uint32_t, std::uint32_t>> overlaps;
 
@@ -63,6 +73,14 @@ class Components {
     if (wall == no_wall) return;
     if (wall < split_begin_) return action(wall);
     for (const std::uint32_t each : divided_[wall - split_begin_].walls) action(each);
+  }
+
+  /// The arcs of an atom with faces on several walls. Their nodes are indices of walls. Empty for
+  /// other atoms.
+  std::span<const SphereArc> arcs_of(AtomIndex atom) const {
+    const std::uint32_t wall = wall_of_atom_[atom];
+    if (wall == no_wall || wall < split_begin_) return {};
+    return divided_[wall - split_begin_].arcs;
   }
 
  private:
@@ -130,6 +148,9 @@ class ComponentFinder {
   };
   void add(const RootSums& sums);
   void add(SharedCut cut);
+  /// Keeps the placements of the current layer for Components::placements. Those that are surely
+  /// connected with the outside are dropped at the end of the layer.
+  void keep(Node root, Vec3 center) { kept_.push_back({center, root}); }
   /// Ends the layer. All sums have been added.
   void end_layer();
 
@@ -139,7 +160,8 @@ class ComponentFinder {
     Vec3 vector_area;
     Vec3 moment;  ///< sum of the terms of second_moment_term, for the atom's position
   };
-  /// Returns the components. `integrals_of` is called for atoms with faces.
+  /// Returns the components. `integrals_of` is called for atoms with faces. If it is empty, the
+  /// sums over faces are not valid.
   Components finish(const std::function<FaceIntegrals(AtomIndex)>& integrals_of);
 
  private:
@@ -149,6 +171,7 @@ class ComponentFinder {
   void connect_arcs(const SweepLayer& layer);
   void connect_faces_of_atoms(const SweepLayer& layer);
   void merge_sums();
+  void drop_kept_outside();
   void add_face(Wall& wall, AtomIndex atom, const FaceIntegrals& integrals) const;
   void add_divided_atom(AtomIndex atom, Components::DividedAtom& divided,
                         std::vector<Wall>& walls) const;
@@ -168,6 +191,8 @@ class ComponentFinder {
   std::vector<Node> placement_node_;  // by placement of the layer
   std::vector<RootSums> sums_;
   std::vector<SharedCut> cuts_;
+  std::vector<Components::WallPlacement> kept_;  // with nodes instead of walls
+  AtomIndex lowest_atom_ = 0;                    // it has a face outside
 };
 
 }  // namespace eses::detail

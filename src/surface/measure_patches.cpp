@@ -4,6 +4,7 @@
 #include <array>
 #include <atomic>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <memory>
 #include <numbers>
@@ -16,6 +17,7 @@
 #include "geometry/sphere_part.hpp"
 #include "surface/atom_loops.hpp"
 #include "surface/cavity_list.hpp"
+#include "surface/cavity_map.hpp"
 #include "surface/components.hpp"
 #include "surface/gradient_terms.hpp"
 #include "surface/normal_cone.hpp"
@@ -148,14 +150,20 @@ Vec3 middle_of(const Arc& arc, Vec3 axis) {
   return arc.kind == ArcKind::minor ? normalized(sum) : -normalized(sum);
 }
 
+// What a sweep finds.
+enum class Sought : std::uint8_t { measures, components };
+
 class PatchMeasurement {
  public:
-  PatchMeasurement(const Molecule& molecule, const MeasureSettings& settings,
-                   const Accessibility& accessibility)
+  // Measures a surface, or finds its components. The patches need no bounds for it.
+  PatchMeasurement(std::shared_ptr<ScheduledSurface> surface, const MeasureSettings& settings,
+                   double same_placement, Sought sought = Sought::measures)
       : settings_(settings),
-        same_placement_(accessibility.same_placement),
-        surface_(make_surface(molecule, settings, accessibility)),
-        schedule_(surface_, {-infinity, infinity}, false),
+        sought_(sought),
+        same_placement_(same_placement),
+        scheduled_(std::move(surface)),
+        surface_(scheduled_->surface),
+        schedule_(scheduled_->schedule),
         origin_(middle_of(surface_.atoms)),
         weights_(settings.weights),
         faces_(surface_.atoms.size()),
@@ -170,11 +178,11 @@ class PatchMeasurement {
         gradient->radii.resize(surface_.atoms.size());
       }
     }
-    if (settings.cavities) {
+    if (settings.cavities || sought == Sought::components) {
       components_.emplace(surface_, origin_);
       face_moments_.resize(surface_.atoms.size());
     }
-    if (!divides_areas()) return;
+    if (!divides_areas() || sought == Sought::components) return;
     for (auto* areas : {&result_.by_atom.sas, &result_.by_atom.convex, &result_.by_atom.saddle,
                         &result_.by_atom.concave})
       areas->resize(surface_.atoms.size());
@@ -189,7 +197,7 @@ class PatchMeasurement {
       if (!measure_layer(begin, end)) return false;
       begin = end;
     }
-    measure_faces();
+    if (sought_ == Sought::measures) measure_faces();
     return true;
   }
 
@@ -200,6 +208,7 @@ class PatchMeasurement {
 
   Measures take_result() {
     if (components_) list_cavities();
+    if (surface_.cavities) result_.filled_cavities = surface_.cavities->filled();
     return std::move(result_);
   }
   Components take_components();
@@ -207,12 +216,6 @@ class PatchMeasurement {
  private:
   static constexpr double infinity = std::numeric_limits<double>::infinity();
 
-  static SurfaceModel make_surface(const Molecule& molecule, const MeasureSettings& settings,
-                                   const Accessibility& accessibility) {
-    SurfaceModel surface(molecule, settings.probe_radius - accessibility.shrinkage);
-    surface.has_slack = accessibility.has_slack;
-    return surface;
-  }
   double probe() const { return surface_.probe_radius; }
   bool has_weights() const { return !settings_.weights.empty(); }
   bool divides_areas() const { return settings_.by_atom || has_weights(); }
@@ -225,6 +228,7 @@ class PatchMeasurement {
 
   bool measure_layer(ClusterIndex begin, ClusterIndex end);
   void connect_patches(ClusterIndex begin, ClusterIndex end, double complete_to);
+  void keep_placements(ClusterIndex begin, ClusterIndex end);
   void build_patches(double up_to);
   void index_placements();
   bool is_regular_cluster(ClusterIndex cluster) const;
@@ -253,12 +257,15 @@ class PatchMeasurement {
   void finish_gradients();
   void measure_faces();
   void list_cavities();
+  bool is_filled_face(AtomIndex i, Vec3 direction) const;
   double face_angle(AtomIndex i, std::vector<AtomIndex>& found) const;
 
   const MeasureSettings& settings_;
+  Sought sought_;
   double same_placement_;  // see Accessibility
-  SurfaceModel surface_;
-  PatchSchedule schedule_;
+  std::shared_ptr<ScheduledSurface> scheduled_;
+  const SurfaceModel& surface_;
+  PatchSchedule& schedule_;
   Vec3 origin_;
   AreaWeights weights_, equal_weights_{{}};
   std::vector<Face> faces_;  // by atom
@@ -289,21 +296,25 @@ bool PatchMeasurement::measure_layer(ClusterIndex begin, ClusterIndex end) {
   if (components_) connect_patches(begin, end, high + 2 * (probe() + look_up_slack));
   std::atomic<bool> is_regular = true;
   terms_.resize(std::max<std::size_t>(terms_.size(), end - begin));
-  parallel_for(end - begin, std::min<int>(settings_.threads, static_cast<int>(end - begin)),
-               [&](std::int64_t k, int thread) {
-                 const auto index = static_cast<std::size_t>(k);
-                 const ClusterIndex cluster = begin + static_cast<ClusterIndex>(k);
-                 if (surface_.has_slack && !is_regular_cluster(cluster)) is_regular = false;
-                 if (!is_regular) return;
-                 terms_[index].clear();
-                 measure_cluster(cluster, scratch_[static_cast<std::size_t>(thread)],
-                                 terms_[index]);
-               });
+  parallel_for(
+      end - begin, std::min<int>(settings_.threads, static_cast<int>(end - begin)),
+      [&](std::int64_t k, int thread) {
+        const auto index = static_cast<std::size_t>(k);
+        const ClusterIndex cluster = begin + static_cast<ClusterIndex>(k);
+        if (sought_ == Sought::measures && surface_.has_slack && !is_regular_cluster(cluster))
+          is_regular = false;
+        if (!is_regular) return;
+        terms_[index].clear();
+        measure_cluster(cluster, scratch_[static_cast<std::size_t>(thread)], terms_[index]);
+      });
   if (!is_regular) return false;
   // The order of the sums does not depend on the threads.
   for (ClusterIndex cluster = begin; cluster < end; ++cluster)
     add_terms(cluster, terms_[cluster - begin]);
-  if (components_) components_->end_layer();
+  if (components_) {
+    if (sought_ == Sought::components) keep_placements(begin, end);
+    components_->end_layer();
+  }
   double low = infinity;
   for (ClusterIndex cluster = end; cluster < clusters.count(); ++cluster)
     low = std::min(low, clusters.heights(cluster).low);
@@ -316,6 +327,16 @@ void PatchMeasurement::connect_patches(ClusterIndex begin, ClusterIndex end, dou
   components_->begin_layer({schedule_, begin, end,
                             schedule_.patches().clusters().count_below(complete_to), placements_,
                             centers_, first_placement_, node_, tree_, settings_.threads});
+}
+
+void PatchMeasurement::keep_placements(ClusterIndex begin, ClusterIndex end) {
+  for (ClusterIndex cluster = begin; cluster < end; ++cluster) {
+    const std::size_t count = schedule_.patches().of_cluster(cluster).placements.size();
+    for (std::uint32_t k = 0; k < count; ++k) {
+      const std::uint32_t number = first_placement_[cluster] + k;
+      components_->keep(components_->root_of_placement(number), centers_[number]);
+    }
+  }
 }
 
 void PatchMeasurement::build_patches(double up_to) {
@@ -407,6 +428,13 @@ bool PatchMeasurement::touches_others(const Arc& arc, std::span<const AtomIndex>
 void PatchMeasurement::measure_cluster(ClusterIndex cluster, MeasureScratch& scratch,
                                        ClusterTerms& terms) const {
   const ClusterPatches& patches = schedule_.patches().of_cluster(cluster);
+  if (sought_ == Sought::components) {
+    for (std::uint32_t k = 0; k < patches.placements.size(); ++k) {
+      const std::uint32_t number = first_placement_[cluster] + k;
+      terms.add({}, components_->root_of_placement(number)).box.include(centers_[number]);
+    }
+    return;
+  }
   scratch.near_distance = -1;
   for (std::size_t k = 0; k < patches.arcs.size(); ++k)
     terms.add(add_arc(patches.arcs[k], terms),
@@ -722,10 +750,17 @@ void PatchMeasurement::share_among_atoms(const SpherePart& part, MeasureScratch&
   }
 }
 
+bool PatchMeasurement::is_filled_face(AtomIndex i, Vec3 direction) const {
+  if (!surface_.cavities) return false;
+  const WallAtom* const atom = surface_.cavities->find(i);
+  return atom != nullptr && surface_.cavities->is_filled(atom->component_at(direction));
+}
+
 double PatchMeasurement::face_angle(AtomIndex i, std::vector<AtomIndex>& found) const {
   const Face& face = faces_[i];
   if (!face.has_arcs) return face.is_whole ? 4 * pi : 0;
   return solid_angle_of(face.boundary.solid_angle, [&](Vec3 direction) {
+    if (is_filled_face(i, direction)) return false;
     const SasSphere sphere = surface_.sas_sphere(i);
     const Vec3 point = sphere.center + sphere.radius * direction;
     surface_.tree().find_reaching(point, probe() + look_up_slack, found);
@@ -807,10 +842,13 @@ void PatchMeasurement::measure_faces() {
 }
 
 Components PatchMeasurement::take_components() {
-  Components components = components_->finish([&](AtomIndex i) {
+  const auto integrals_of = [&](AtomIndex i) {
     return ComponentFinder::FaceIntegrals{faces_[i].solid_angle, faces_[i].boundary.vector_area,
                                           face_moments_[i]};
-  });
+  };
+  const std::function<ComponentFinder::FaceIntegrals(AtomIndex)> none;
+  Components components =
+      sought_ == Sought::measures ? components_->finish(integrals_of) : components_->finish(none);
   components_.reset();
   return components;
 }
@@ -818,21 +856,142 @@ Components PatchMeasurement::take_components() {
 void PatchMeasurement::list_cavities() {
   const Components components = take_components();
   list_components(surface_, origin_, settings_.probe_radius, settings_.threads, components,
-                  result_.cavities, result_.pieces);
+                  settings_.largest_probes, result_.cavities, result_.pieces);
 }
+
+// The boxes of the placements of the same cavity differ by less than this (angstrom). Placements at
+// narrow windows move by up to sqrt(2 R accessible).
+constexpr double same_shape = 1e-3;
 
 // Coordinates larger than this are rounded too much for placements that are close together
 // (angstrom).
 constexpr double far_away = 1024;
 
+// The atoms with a face in each component, and the box of its placements. Component 0 is left out.
+struct ComponentShape {
+  std::vector<AtomIndex> atoms;
+  Box box = empty_box();
+};
+
+std::vector<ComponentShape> shapes_of(const SurfaceModel& surface, const Components& components) {
+  std::vector<ComponentShape> shapes(components.count);
+  const auto add = [&](std::uint32_t component, AtomIndex i) {
+    std::vector<AtomIndex>& atoms = shapes[component].atoms;
+    if (component != Components::outside && (atoms.empty() || atoms.back() != i))
+      atoms.push_back(i);
+  };
+  for (AtomIndex i = 0; i < surface.atoms.size(); ++i)
+    components.for_each_wall_of(
+        i, [&](std::uint32_t wall) { add(components.walls[wall].component, i); });
+  for (const Wall& wall : components.walls) {
+    ComponentShape& shape = shapes[wall.component];
+    if (wall.component == Components::outside) continue;
+    shape.box = united(shape.box, wall.box);
+    if (!wall.atom) shape.atoms = touched_atoms(surface, 0.5 * (wall.box.low + wall.box.high));
+  }
+  return shapes;
+}
+
+// Returns the largest difference of coordinates. That of empty boxes is 0.
+double largest_difference(const Box& a, const Box& b) {
+  double largest = 0;
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    largest = std::max(
+        {largest, std::fabs(a.low[axis] - b.low[axis]), std::fabs(a.high[axis] - b.high[axis])});
+  return largest;
+}
+
+// Measures the voids of all cavities. Only atoms with faces in a cavity matter for it: without the
+// others, it is still a component. Returns the cavities in the order of the components from 1, with
+// their voids and atoms only.
+std::vector<Cavity> measure_voids(const SurfaceModel& surface, const MeasureSettings& settings,
+                                  const std::vector<ComponentShape>& shapes) {
+  std::vector<AtomIndex> chosen;
+  for (const ComponentShape& shape : shapes)
+    chosen.insert(chosen.end(), shape.atoms.begin(), shape.atoms.end());
+  std::sort(chosen.begin(), chosen.end());
+  chosen.erase(std::unique(chosen.begin(), chosen.end()), chosen.end());
+  if (chosen.empty()) return {};
+  std::vector<Atom> atoms;
+  for (const AtomIndex i : chosen) atoms.push_back(surface.atoms[i]);
+  std::vector<Cavity> found =
+      measure_patches(Molecule(std::move(atoms)), {.probe_radius = settings.probe_radius,
+                                                   .cavities = true,
+                                                   .threads = settings.threads,
+                                                   .check = settings.check,
+                                                   .largest_probes = false})
+          .cavities;
+  for (Cavity& cavity : found)
+    for (AtomIndex& i : cavity.atoms) i = chosen[i];
+  std::vector<Cavity> cavities;
+  for (std::size_t c = 1; c < shapes.size(); ++c) {
+    // The cavity with the same atoms in the same place.
+    const Box box = grown(shapes[c].box, settings.probe_radius);
+    double min_difference = same_shape;
+    Cavity& cavity = cavities.emplace_back();
+    cavity.void_volume = 4 * pi / 3 * std::pow(settings.probe_radius, 3);
+    cavity.atoms = shapes[c].atoms;
+    for (const Cavity& candidate : found) {
+      if (candidate.atoms != shapes[c].atoms) continue;
+      const double difference = largest_difference({candidate.low, candidate.high}, box);
+      if (difference > min_difference) continue;
+      min_difference = difference;
+      cavity.void_volume = candidate.void_volume;
+    }
+  }
+  return cavities;
+}
+
+SurfaceModel make_surface(const Molecule& molecule, double probe_radius,
+                          const Accessibility& accessibility) {
+  SurfaceModel surface(molecule, probe_radius - accessibility.shrinkage);
+  surface.has_slack = accessibility.has_slack;
+  return surface;
+}
+
+std::shared_ptr<ScheduledSurface> schedule_surface(const SurfaceModel& surface, bool has_bounds) {
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  return std::make_shared<ScheduledSurface>(surface, HeightRange{-infinity, infinity}, has_bounds);
+}
+
+// Finds the cavities of a surface whose patches have not been built.
+std::shared_ptr<const CavityMap> find_cavities(const std::shared_ptr<ScheduledSurface>& surface,
+                                               const MeasureSettings& settings) {
+  PatchMeasurement sweep(surface, settings, 0, Sought::components);
+  sweep.run();
+  const Components components = sweep.take_components();
+  const SurfaceModel& model = surface->surface;
+  const std::vector<Cavity> cavities = measure_voids(model, settings, shapes_of(model, components));
+  std::vector<ComponentNumber> number_of(components.count);
+  std::vector<double> volumes;
+  for (const std::size_t c : order_by_void(cavities)) {
+    volumes.push_back(cavities[c].void_volume);
+    number_of[c + 1] = static_cast<ComponentNumber>(volumes.size());
+  }
+  const auto map = std::make_shared<CavityMap>(model, components, number_of, std::move(volumes));
+  if (settings.max_filled_void) map->fill(*settings.max_filled_void);
+  return map;
+}
+
+// Schedules the measurement of a surface, without the cavities that are filled.
+std::unique_ptr<PatchMeasurement> make_measurement(const Molecule& molecule,
+                                                   const MeasureSettings& settings,
+                                                   const Accessibility& accessibility) {
+  SurfaceModel surface = make_surface(molecule, settings.probe_radius, accessibility);
+  if (settings.max_filled_void)
+    surface.cavities = find_cavities(schedule_surface(surface, false), settings);
+  return std::make_unique<PatchMeasurement>(schedule_surface(surface, false), settings,
+                                            accessibility.same_placement);
+}
+
 // Returns a complete measurement, without slack if a decision depends on it.
 std::unique_ptr<PatchMeasurement> measure_consistently(const Molecule& molecule,
                                                        const MeasureSettings& settings) {
-  auto best = std::make_unique<PatchMeasurement>(molecule, settings, Accessibility());
+  auto best = make_measurement(molecule, settings, Accessibility());
   if (best->run()) return best;
   best.reset();
   for (const Accessibility& accessibility : without_slack) {
-    auto next = std::make_unique<PatchMeasurement>(molecule, settings, accessibility);
+    auto next = make_measurement(molecule, settings, accessibility);
     next->run();
     if (best && next->curvature_error() >= best->curvature_error()) continue;
     best = std::move(next);
@@ -860,6 +1019,22 @@ Measures measure_patches(const Molecule& molecule, const MeasureSettings& settin
     for (Vec3* point : {&cavity.centroid, &cavity.low, &cavity.high, &cavity.largest_probe_center})
       *point = *point + middle;
   return measures;
+}
+
+FoundCavities find_cavities(const Molecule& molecule, const MeasureSettings& settings,
+                            bool keeps_patches) {
+  auto surface = schedule_surface(make_surface(molecule, settings.probe_radius, {}), keeps_patches);
+  if (keeps_patches) surface->schedule.keep_passed();
+  FoundCavities found{find_cavities(surface, settings), nullptr};
+  if (!keeps_patches) return found;
+  surface->schedule.rewind();
+  surface->surface.cavities = found.map;
+  Patches& patches = surface->schedule.patches();
+  for_each_index(patches.clusters().count(), settings.threads, [&](std::size_t cluster) {
+    patches.drop_filled(static_cast<ClusterIndex>(cluster));
+  });
+  found.patches = std::move(surface);
+  return found;
 }
 
 Components find_components(const Molecule& molecule, const MeasureSettings& settings) {

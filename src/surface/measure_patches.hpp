@@ -1,11 +1,15 @@
 #pragma once
 /// Areas and volumes from the patches of a molecule, in a sweep along z.
 
+#include <memory>
+#include <optional>
 #include <span>
 
 #include "eses/measure.hpp"
+#include "surface/cavity_map.hpp"
 #include "surface/components.hpp"
 #include "surface/molecule.hpp"
+#include "surface/patch_schedule.hpp"
 
 namespace eses::detail {
 
@@ -18,10 +22,27 @@ struct MeasureSettings {
   bool cavities = false;
   int threads = 1;
   CheckCallback check = {};
+  /// Maximum void of the cavities that are filled (cubic angstrom); none are filled without a
+  /// value.
+  std::optional<double> max_filled_void = {};
+  bool largest_probes = true;  ///< whether to find the largest probe of each cavity
 };
 
 /// Measures the surface for one probe radius. Leaves the values of the van der Waals surface 0.
 Measures measure_patches(const Molecule& molecule, const MeasureSettings& settings);
+
+/// The cavities of a molecule.
+struct FoundCavities {
+  std::shared_ptr<const CavityMap> map;
+  /// The surface without filled cavities, and all its patches if they are kept; else null.
+  std::shared_ptr<ScheduledSurface> patches;
+};
+
+/// Finds the cavities of a molecule, and fills those up to `max_filled_void`. Uses the probe
+/// radius, the threads and the callback of the settings. The patches pass in a sweep. With
+/// `keeps_patches`, they are kept, and the schedule is at its start.
+FoundCavities find_cavities(const Molecule& molecule, const MeasureSettings& settings,
+                            bool keeps_patches);
 
 /// Returns the components of the set of accessible probe centres.
 Components find_components(const Molecule& molecule, const MeasureSettings& settings);

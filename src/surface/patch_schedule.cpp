@@ -14,8 +14,10 @@ PatchSchedule::PatchSchedule(const SurfaceModel& surface, const HeightRange& hei
                              bool has_bounds)
     : patches_(surface, has_bounds),
       reach_(surface.probe_radius + look_up_slack),
+      all_heights_(heights_to_solve),
       heights_to_solve_(heights_to_solve),
       stages_(patches_.clusters().count(), Stage::none),
+      is_passed_(patches_.clusters().count()),
       highest_(-infinity) {
   find_heights_with_arcs();
 }
@@ -112,14 +114,30 @@ void PatchSchedule::skip_to(double low) {
   pass(low);
 }
 
+void PatchSchedule::rewind() {
+  keeps_passed_ = false;
+  is_passed_.assign(is_passed_.size(), 0);
+  heights_to_solve_ = all_heights_;
+  open_begin_ = 0;
+  find_heights_with_arcs();
+}
+
 // Closes the clusters that the sweep has passed, if all clusters that overlap them are complete.
 void PatchSchedule::close_passed() {
   for (ClusterIndex cluster = open_begin_; cluster < open_end_; ++cluster) {
-    if (!patches_.is_open(cluster) || must_complete(cluster)) continue;
+    if (!patches_.is_open(cluster) || is_passed_[cluster] != 0 || must_complete(cluster)) continue;
     const ClusterIndex end = overlap_end(cluster);
-    if (arcs_before_ >= end && complete_before_ >= end) patches_.close(cluster);
+    if (arcs_before_ < end || complete_before_ < end) continue;
+    if (keeps_passed_) {
+      is_passed_[cluster] = 1;
+    } else {
+      patches_.close(cluster);
+    }
   }
-  while (open_begin_ < open_end_ && !patches_.is_open(open_begin_)) ++open_begin_;
+  const auto is_needed = [&](ClusterIndex cluster) {
+    return patches_.is_open(cluster) && is_passed_[cluster] == 0;
+  };
+  while (open_begin_ < open_end_ && !is_needed(open_begin_)) ++open_begin_;
 }
 
 }  // namespace eses::detail

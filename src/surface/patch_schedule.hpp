@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "surface/patches.hpp"
@@ -39,7 +40,8 @@ class PatchSchedule {
   bool is_ready(double up_to) const;
   /// Returns whether the patches of a cluster are complete and not yet freed.
   bool is_complete(ClusterIndex cluster) const {
-    return stages_[cluster] == Stage::complete && patches_.is_open(cluster);
+    return stages_[cluster] == Stage::complete && patches_.is_open(cluster) &&
+           is_passed_[cluster] == 0;
   }
 
   /// Frees patches that are not required at or above this height.
@@ -48,6 +50,12 @@ class PatchSchedule {
   /// Continues the sweep at a greater height. Patches that are required only below it are not
   /// built.
   void skip_to(double low);
+
+  /// Keeps the patches that the sweep passes from now on, for another sweep. They do not count as
+  /// complete until `rewind`.
+  void keep_passed() { keeps_passed_ = true; }
+  /// Returns to the start of the sweep. Patches that have been kept are not built again.
+  void rewind();
 
  private:
   enum class Stage : std::uint8_t { none, has_arcs, complete };
@@ -63,16 +71,30 @@ class PatchSchedule {
   void close_passed();
 
   Patches patches_;
-  double reach_;  // distance from a cluster at which its patches are used (angstrom)
+  double reach_;             // distance from a cluster at which its patches are used (angstrom)
+  HeightRange all_heights_;  // heights of all points
   HeightRange heights_to_solve_;   // heights of the points that are still to be solved
   HeightRange heights_with_arcs_;  // heights of the clusters to be completed
   std::vector<Stage> stages_;      // by cluster
+  bool keeps_passed_ = false;
+  std::vector<std::uint8_t> is_passed_;  // by cluster: whether the sweep has passed and kept it
   ClusterIndex next_arcs_ = 0, next_complete_ = 0;  // the next clusters to be scheduled
   ClusterIndex arcs_before_ = 0;      // all clusters before it that need arcs have them
   ClusterIndex complete_before_ = 0;  // all clusters before it that must be complete are complete
   ClusterIndex open_begin_ = 0, open_end_ = 0;  // all open clusters are in this range
   ClusterIndex highest_before_ = 0;             // number of clusters that `highest_` includes
   double highest_;                              // maximum height of the clusters to be completed
+};
+
+/// A surface and the schedule of its patches.
+struct ScheduledSurface {
+  SurfaceModel surface;
+  PatchSchedule schedule;
+
+  ScheduledSurface(SurfaceModel of, const HeightRange& heights_to_solve, bool has_bounds = true)
+      : surface(std::move(of)), schedule(surface, heights_to_solve, has_bounds) {}
+  ScheduledSurface(const ScheduledSurface&) = delete;
+  ScheduledSurface& operator=(const ScheduledSurface&) = delete;
 };
 
 }  // namespace eses::detail

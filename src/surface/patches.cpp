@@ -12,6 +12,7 @@
 #include "geometry/arc_sector.hpp"
 #include "geometry/patch_boxes.hpp"
 #include "surface/atomic_update.hpp"
+#include "surface/cavity_map.hpp"
 
 namespace eses::detail {
 namespace {
@@ -130,6 +131,21 @@ std::vector<std::uint32_t> begins_of(std::span<const std::uint32_t> counts) {
   return begins;
 }
 
+// Removes the items for which `is_dropped` holds. The items of member m are [begin[m], begin[m +
+// 1]).
+template <class Item, class IsDropped>
+void drop_items(std::vector<Item>& items, std::vector<std::uint32_t>& begin,
+                IsDropped&& is_dropped) {
+  std::uint32_t kept = 0, next = 0;
+  for (std::size_t m = 0; m + 1 < begin.size(); ++m) {
+    const std::uint32_t end = begin[m + 1];
+    for (; next < end; ++next)
+      if (!is_dropped(items[next])) items[kept++] = items[next];
+    begin[m + 1] = kept;
+  }
+  items.resize(kept);
+}
+
 }  // namespace
 
 void FaceDirections::include(const Box& directions) {
@@ -227,7 +243,14 @@ void Patches::complete(ClusterIndex cluster) {
     if (has_bounds_ && exposure == AtomExposure::exposed) extend_face_to_poles(members[m]);
   }
   place_probes(patches);
+  if (surface_.cavities) drop_filled_patches(members, patches);
   patches.found.has_arc = {};
+  if (has_bounds_) patches.crowded = list_crowded_patches(surface_, patches);
+}
+
+void Patches::drop_filled(ClusterIndex cluster) {
+  ClusterPatches& patches = *clusters_patches_[cluster];
+  drop_filled_patches(clusters_.members(cluster), patches);
   if (has_bounds_) patches.crowded = list_crowded_patches(surface_, patches);
 }
 
@@ -276,6 +299,22 @@ void Patches::place_probes(ClusterPatches& patches) {
   patches.is_regular = patches.is_regular &&
                        patches.placements.size() == static_cast<std::size_t>(end - keys.begin());
   keys = std::vector<PlacementKey>();  // unlike {}, this frees the memory
+}
+
+// Atoms whose faces are all filled count as buried.
+void Patches::drop_filled_patches(std::span<const AtomIndex> members,
+                                  ClusterPatches& patches) const {
+  const CavityMap& cavities = *surface_.cavities;
+  for (std::size_t m = 0; m < members.size(); ++m)
+    if (const WallAtom* const atom = cavities.find(members[m]);
+        atom != nullptr && cavities.is_filled(*atom))
+      patches.exposure[m] = AtomExposure::buried;
+  drop_items(patches.arcs, patches.arc_begin, [&](const Arc& arc) {
+    return cavities.is_filled(cavities.component_of(surface_, arc));
+  });
+  drop_items(patches.placements, patches.placement_begin, [&](const ProbePlacement& placement) {
+    return cavities.is_filled(cavities.component_of_placement(placement.center));
+  });
 }
 
 }  // namespace eses::detail

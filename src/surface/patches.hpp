@@ -89,9 +89,10 @@ struct AtomPatches {
   }
 };
 
-/// The patches of the clusters that are currently needed. Each cluster passes through four steps:
-/// it is opened, its arcs are found, its patches are completed, and it is closed. The surface near
-/// a point x depends on the patches of atoms with |x - center| < radius + 2 probe_radius.
+/// The patches of the clusters that are currently needed, without those of filled cavities. Each
+/// cluster passes through four steps: it is opened, its arcs are found, its patches are completed,
+/// and it is closed. The surface near a point x depends on the patches of atoms with |x - center| <
+/// radius + 2 probe_radius.
 class Patches {
  public:
   /// Keeps a reference to `surface`. Searches for patches near a block need the bounds of faces,
@@ -116,6 +117,8 @@ class Patches {
   /// Completes a cluster. The arcs of all needed clusters whose heights overlap its own must have
   /// been found. Several threads may call it for different clusters.
   void complete(ClusterIndex cluster);
+  /// Drops the patches of filled cavities from a cluster that was complete before they were filled.
+  void drop_filled(ClusterIndex cluster);
   /// Frees a cluster. All needed clusters whose heights overlap its own must be complete.
   void close(ClusterIndex cluster);
 
@@ -138,6 +141,7 @@ class Patches {
   void record_placements(std::span<const PlacementKey> keys);
   void extend_face_to_poles(AtomIndex atom);
   void place_probes(ClusterPatches& patches);
+  void drop_filled_patches(std::span<const AtomIndex> members, ClusterPatches& patches) const;
 
   const SurfaceModel& surface_;
   bool has_bounds_;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 namespace eses::detail {
@@ -161,5 +162,31 @@ std::optional<DisjointSets::Element> node_of_face(std::span<const SphereArc> arc
   }
   return std::nullopt;
 }
+
+DisjointSets::Element node_of_nearest_arc(std::span<const SphereArc> arcs, Vec3 direction) {
+  double max_cosine = -std::numeric_limits<double>::infinity();
+  DisjointSets::Element nearest = 0;
+  const auto visit = [&](const SphereArc& on, Vec3 point) {
+    const double cosine = dot(point, direction);
+    if (cosine <= max_cosine) return;
+    max_cosine = cosine;
+    nearest = on.node;
+  };
+  for (const SphereArc& on : arcs) {
+    const Vec3 across = direction - dot(direction, on.cap.axis) * on.cap.axis;
+    const double length = norm(across);
+    const Vec3 radial = length > 0 ? (1 / length) * across : on.arc.start;
+    if (angle_about(on.cap.axis, on.arc.start, radial) <= on.arc.angle) {
+      const double c = on.cap.cosine, s = std::sqrt(std::max(0.0, (1 - c) * (1 + c)));
+      visit(on, c * on.cap.axis + s * radial);
+    } else {
+      visit(on, point_at(on, 0));
+      visit(on, point_at(on, 1));
+    }
+  }
+  return nearest;
+}
+
+Vec3 middle_of(const SphereArc& arc) { return point_at(arc, 0.5); }
 
 }  // namespace eses::detail

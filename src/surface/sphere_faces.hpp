@@ -46,4 +46,11 @@ void connect_faces(std::span<const SphereArc> arcs,
 /// Returns nothing if the direction is in a cap, or if rounding decides.
 std::optional<DisjointSets::Element> node_of_face(std::span<const SphereArc> arcs, Vec3 direction);
 
+/// Returns the node of the arc nearest to a direction. If the direction is not in a cap, this arc
+/// bounds its face: the way to the nearest arc crosses no other one.
+DisjointSets::Element node_of_nearest_arc(std::span<const SphereArc> arcs, Vec3 direction);
+
+/// Returns the direction to the middle of an arc.
+Vec3 middle_of(const SphereArc& arc);
+
 }  // namespace eses::detail

@@ -1,6 +1,7 @@
 #pragma once
 /// A molecule and a probe radius, which define the surface.
 
+#include <memory>
 #include <optional>
 #include <span>
 #include <utility>
@@ -13,6 +14,8 @@
 
 namespace eses::detail {
 
+class CavityMap;
+
 /// The definition of a surface: its atoms and the probe radius.
 struct SurfaceModel {
   Molecule molecule;
@@ -24,6 +27,9 @@ struct SurfaceModel {
   /// Without slack, decisions on the three contact circles at a placement agree unless rounding
   /// decides, and a probe that just fits may be rejected.
   bool has_slack = true;
+  /// The cavities of the molecule, if some of them are filled; else null. Patches of filled
+  /// cavities are left out.
+  std::shared_ptr<const CavityMap> cavities;
 
   SurfaceModel(Molecule of, double probe)
       : molecule(std::move(of)), atoms(molecule.atoms()), probe_radius(probe) {}

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <limits>
 #include <numeric>
+#include <utility>
 
 namespace eses::detail::verify {
 namespace {
@@ -39,11 +40,13 @@ double max_radius_of(std::span<const Atom> atoms) {
 
 }  // namespace
 
-Definition::Definition(std::span<const Atom> all_atoms, double probe)
+Definition::Definition(std::span<const Atom> all_atoms, double probe,
+                       std::function<bool(Vec3)> in_filled_cavity)
     : atoms(all_atoms),
       probe_radius(probe),
       max_radius(max_radius_of(all_atoms)),
-      cells(all_atoms, max_radius + 2 * probe) {}
+      cells(all_atoms, max_radius + 2 * probe),
+      is_filled(std::move(in_filled_cavity)) {}
 
 // Collects the SAS balls within reach of x.
 CentreSearch::Surroundings CentreSearch::gather(Vec3 x) {
@@ -373,14 +376,18 @@ void CentreSearch::visit_centres(Vec3 x, double reach, const Access& access, Vis
   access_ = access;
   const Surroundings surroundings = gather(x);
   if (surroundings == Surroundings::covered) return;
-  if (surroundings == Surroundings::accessible) {
+  const auto is_filled = [&](Vec3 c) {
+    return definition_.is_filled && definition_.is_filled(x + c);
+  };
+  if (surroundings == Surroundings::accessible && !is_filled({})) {
     visit(Vec3{});
     return;
   }
   around_.resize(balls_.size());
   std::iota(around_.begin(), around_.end(), std::uint32_t{0});
   const auto visit_certain = [&](Vec3 c) {
-    return access_.max_uncertainty == 0 && !is_certain(x, c) ? true : visit(c);
+    if (access_.max_uncertainty == 0 && !is_certain(x, c)) return true;
+    return is_filled(c) || visit(c);
   };
   visit_cell({{}, reach}, 0, around_.size(), visit_certain);
 }

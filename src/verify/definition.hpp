@@ -20,6 +20,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <span>
 #include <vector>
@@ -36,8 +37,13 @@ struct Definition {
   double max_radius = 0;    ///< maximum van der Waals radius, angstrom
   AtomCells cells;
 
+  /// Returns whether an accessible centre is in a filled cavity, where it does not count. Empty if
+  /// no cavity is filled.
+  std::function<bool(Vec3)> is_filled;
+
   /// Keeps a view of `atoms`, which must outlive it.
-  Definition(std::span<const Atom> all_atoms, double probe);
+  Definition(std::span<const Atom> all_atoms, double probe,
+             std::function<bool(Vec3)> in_filled_cavity = {});
 };
 
 /// A criterion for accessible probe centres. Lengths are in angstrom.

@@ -171,7 +171,8 @@ const char* fault_of_crossing(CentreSearch& search, const Grid& grid, const Cros
   const Vec3 x = crossing.position;
   if (is_covered(search, x)) return "a probe covers the crossing";
   const Vec3 center = x + probe * crossing.normal, halfway = x + 0.5 * probe * crossing.normal;
-  if (!is_accessible(definition, center, same_probe))
+  if (!is_accessible(definition, center, same_probe) ||
+      (definition.is_filled && definition.is_filled(center)))
     return "the normal does not lead to an accessible probe";
   if (!is_accessible(definition, center, possibly_accessible.shrinkage) &&
       !may_be_covered(search, x))

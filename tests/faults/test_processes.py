@@ -134,6 +134,16 @@ class Identity(Processes):
         self.assertSame(3, DATA / "1ubq.xyzr", "--spacing", "0.6", "--blocks", "0:1,0:2,1:4",
                         "-b", "17")
 
+    def test_filled_cavities_are_the_same(self):
+        """Each process finds the cavities of all atoms."""
+        for count in (2, 3, 5):
+            self.assertSame(count, DATA / "1a0q.xyzr", "--spacing", "0.7", "--fill-cavities",
+                            options=("-b", "23"))
+            self.assertSame(count, DATA / "1ubq.xyzr", "--spacing", "0.5", "--fill-cavities=14",
+                            mesh="mesh.ply")
+        self.assertSame(3, DATA / "1ubq.xyzr", "--spacing", "0.6", "--blocks", "0:1,0:2,1:4",
+                        "-b", "17", "--fill-cavities")
+
     def test_chosen_files_are_the_same(self):
         for chosen in ("grid", "edges", "areas", "none"):
             with self.subTest(chosen=chosen):

@@ -172,6 +172,7 @@ class Resume(FaultTest):
         self.assertTrue(self.cut_off(20))
         for arguments in ((SMALL, "-q", "--spacing", "0.5", "-b", "9"),
                           (*RUN, "--probe-radius", "1.5"), (*RUN, "--write", "edges"),
+                          (*RUN, "--fill-cavities"),
                           (DATA / "1ubq.xyzr", *RUN[1:])):
             with self.subTest(arguments=arguments):
                 before = self.chunks()
@@ -296,6 +297,20 @@ class Resume(FaultTest):
             self.check_resumed_runs(
                 reference, arguments, 11, killed=("-b", "9", "-t", "2"),
                 resumed=lambda number: ("-b", 8 + number % 121, "-t", 1 + number % 4))
+
+    @needs_library
+    def test_filled_cavities_are_the_same_after_resuming(self):
+        arguments = (DATA / "1ubq.xyzr", "-q", "--spacing", "0.6", "--fill-cavities", "-b", "9",
+                     "-t", "2")
+        self.put({})
+        self.assertDone(self.run_program(*arguments))
+        self.check_resumed_runs(self.contents(), arguments, 23)
+        self.put({})
+        self.assertTrue(self.cut_off(40, *arguments))
+        for value in ("=13", "=20"):
+            other = (*arguments, f"--fill-cavities{value}")
+            other = tuple(one for one in other if one != "--fill-cavities")
+            self.assertFailed(self.run_program(*other, "--resume"), "cannot resume")
 
     @needs_library
     def test_files_from_structures_are_the_same_after_resuming(self):

@@ -191,6 +191,7 @@ struct Search {
   void offer_vertex(Vec3 center) {
     const double distance = norm(center - x);
     if (distance >= best.distance) return;
+    if (set.is_left_out && set.is_left_out(center)) return;
     best = {center, distance};
     found = true;
   }
@@ -468,7 +469,9 @@ const char* fault_of_crossing(const Check& check, const Crossing& crossing) {
   if (const char* fault = fault_of_surface(check, crossing.point)) return fault;
   if (std::fabs(norm(crossing.normal) - 1) > unit_length) return "the normal is not a unit vector";
   const Vec3 probe = crossing.point + check.parameters.probe_radius * crossing.normal;
-  if (!is_accessible(check.set, probe, contact)) return "no probe stands where the normal leads";
+  if (!is_accessible(check.set, probe, contact) ||
+      (check.set.is_left_out && check.set.is_left_out(probe)))
+    return "no probe stands where the normal leads";
   if (const char* fault = fault_of_atoms(check, crossing, probe)) return fault;
   return fault_of_last_interval(check, crossing);
 }
@@ -611,7 +614,8 @@ std::optional<ProbePlace> nearest_accessible(const AccessibleSet& set, Vec3 x, d
 }
 
 std::vector<std::string> find_faults(std::span<const Atom> atoms, const Parameters& parameters,
-                                     const EsesFiles& files, const Summary& summary) {
+                                     const EsesFiles& files, const Summary& summary,
+                                     const std::function<bool(Vec3)>& is_left_out) {
   Check check{atoms,
               parameters,
               files,
@@ -620,6 +624,7 @@ std::vector<std::string> find_faults(std::span<const Atom> atoms, const Paramete
               expected_grid(atoms, parameters),
               {},
               {}};
+  check.set.is_left_out = is_left_out;
   check_box(check);
   if (!check.faults.empty())
     return std::move(check.faults);  // without a grid nothing else can be checked

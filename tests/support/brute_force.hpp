@@ -19,6 +19,7 @@
 /// extended precision, and judges the points of an edge by halving it. src/verify finds vertices as
 /// angles on circles, in cells of space, and follows an edge from probe ball to probe ball.
 
+#include <functional>
 #include <optional>
 #include <span>
 #include <string>
@@ -48,9 +49,10 @@ struct SasCircle {
 
 struct AccessibleSet {
   double probe_radius = 0;
-  std::vector<SasSphere> spheres;  ///< one for each atom
-  std::vector<SasCircle> circles;  ///< only those that are accessible somewhere
-  std::vector<Vec3> vertices;      ///< only the accessible ones, each once
+  std::vector<SasSphere> spheres;         ///< one for each atom
+  std::vector<SasCircle> circles;         ///< only those that are accessible somewhere
+  std::vector<Vec3> vertices;             ///< only the accessible ones, each once
+  std::function<bool(Vec3)> is_left_out;  ///< whether an accessible centre does not count
 };
 
 AccessibleSet make_accessible_set(std::span<const Atom> atoms, double probe_radius);
@@ -66,9 +68,11 @@ struct ProbePlace {
 /// Returns the accessible probe centre nearest to `x`, or nothing if none is nearer than `reach`.
 std::optional<ProbePlace> nearest_accessible(const AccessibleSet& set, Vec3 x, double reach);
 
-/// Returns all faults of the files and the summary of a run, one line each. A line begins with
+/// Returns all faults of the files and the summary of a run, one line each. The accessible centres
+/// for which `is_left_out` holds do not count; if it is empty, all count. A line begins with
 /// `box`, `point`, `edge`, `order`, `crossing`, `area` or `sum`.
 std::vector<std::string> find_faults(std::span<const Atom> atoms, const Parameters& parameters,
-                                     const EsesFiles& files, const Summary& summary);
+                                     const EsesFiles& files, const Summary& summary,
+                                     const std::function<bool(Vec3)>& is_left_out = {});
 
 }  // namespace eses::detail::test

@@ -1,0 +1,75 @@
+#include "solve/filled_points.hpp"
+
+#include <algorithm>
+#include <array>
+
+#include "solve/classify.hpp"
+#include "solve/index_range.hpp"
+
+namespace eses::detail {
+namespace {
+
+// Sets the bits of the points outside of all SAS balls.
+void find_free_points(const SurfaceModel& surface, const BlockGrid& grid,
+                      std::vector<AtomIndex>& found, PointBits& bits) {
+  const Box& box = grid.box;
+  surface.tree().find_reaching(
+      0.5 * (box.low + box.high),
+      0.5 * norm(box.high - box.low) + surface.probe_radius + look_up_slack, found);
+  fill_balls(grid, surface.atoms, found, surface.probe_radius, bits);
+  const std::int64_t rows = bits.size[1] * bits.size[2];
+  for (std::int64_t column = 0; column < bits.columns; ++column) {
+    const std::uint64_t in_row = low_bits(bits.size[0] - column * PointBits::column_step);
+    const std::size_t begin = bits.word_index(column, 0, 0);
+    for (std::size_t w = begin; w < begin + static_cast<std::size_t>(rows); ++w)
+      bits.words[w] = in_row & ~bits.words[w];
+  }
+}
+
+Vec3 point_at(const BlockGrid& grid, const WordPosition& word, int bit) {
+  const std::int64_t x = word.column * PointBits::column_step + bit;
+  return {grid.coordinates[0][static_cast<std::size_t>(x)],
+          grid.coordinates[1][static_cast<std::size_t>(word.y)],
+          grid.coordinates[2][static_cast<std::size_t>(word.z)]};
+}
+
+}  // namespace
+
+// The points within the clearance of a point belong to its component. In a wide cavity, few points
+// decide for all others.
+void find_filled_points(const SurfaceModel& surface, const BlockGrid& grid,
+                        const BlockFeatures& features, FilledScratch& scratch, PointBits& filled) {
+  const CavityMap& cavities = *features.cavities;
+  PointBits& left = scratch.left;
+  find_free_points(surface, grid, scratch.found, left);
+  filled.reset(grid.block.points);
+  const auto decide = [&](const WordPosition& word, int bit) {
+    const std::uint64_t mask = std::uint64_t{1} << bit;
+    if ((left.words[word.word] & mask) == 0) return;
+    const Vec3 point = point_at(grid, word, bit);
+    const CavityMap::Location location = cavities.locate(point, scratch.found);
+    const bool is_filled = cavities.is_filled(location.component);
+    left.words[word.word] &= ~mask;
+    if (is_filled) filled.words[word.word] |= mask;
+    const double radius = location.clearance - look_up_slack;
+    if (radius <= grid.grid.spacing) return;
+    if (is_filled) scratch.before = left.words;
+    clear_ball(grid, point, radius, left);
+    if (!is_filled) return;
+    for (std::size_t w = 0; w < left.words.size(); ++w)
+      filled.words[w] |= scratch.before[w] & ~left.words[w];
+  };
+  for (const Box& box : cavities.filled_boxes()) {
+    if (!overlap(box, grid.box)) continue;
+    std::array<IndexRange, 3> range;
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      range[axis] = points_within(grid, axis, box.low[axis], box.high[axis]);
+    for_each_word(left, left.words, range, [&](const WordPosition& word, std::uint64_t bits) {
+      for_each_bit(bits, [&](int bit) { decide(word, bit); });
+    });
+  }
+  for (const PlacementFeature& placement : features.placements)
+    clear_ball(grid, placement.center, features.probe_radius, filled);
+}
+
+}  // namespace eses::detail

@@ -1,0 +1,217 @@
+#include "surface/cavity_map.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace eses::detail {
+namespace {
+
+// Two placements within this distance are the same one, and a probe touches the atoms whose SAS
+// spheres are within this distance (angstrom).
+constexpr double same = tolerance::touching;
+
+// Directions that differ by less than this lead to the same probe (radians).
+constexpr double same_direction = 1e-6;
+
+// First distance of a search for the nearest atom (angstrom).
+constexpr double first_reach = 2;
+
+}  // namespace
+
+ComponentNumber WallAtom::component_at(Vec3 direction) const {
+  for (const Contact& contact : contacts)
+    if (squared_norm(contact.direction - direction) <= same_direction * same_direction)
+      return contact.component;
+  return arcs.empty() ? component : node_of_nearest_arc(arcs, direction);
+}
+
+CavityMap::CavityMap(const SurfaceModel& surface, const Components& components,
+                     std::span<const ComponentNumber> number_of, std::vector<double> void_volumes)
+    : void_volumes_(std::move(void_volumes)),
+      is_filled_(void_volumes_.size()),
+      boxes_(void_volumes_.size(), empty_box()),
+      balls_(std::vector<Atom>()) {
+  add_atoms(surface, components, number_of);
+  add_placements(surface, components, number_of);
+  add_surroundings(surface);
+}
+
+// A probe centre that is extreme in some direction touches an atom whose centre is farther in this
+// direction. The centres of the atoms therefore surround the cavity.
+void CavityMap::add_atoms(const SurfaceModel& surface, const Components& components,
+                          std::span<const ComponentNumber> number_of) {
+  const auto number_of_wall = [&](std::uint32_t wall) {
+    return number_of[components.walls[wall].component];
+  };
+  for (AtomIndex i = 0; i < surface.atoms.size(); ++i) {
+    WallAtom atom;
+    bool has_cavity = false, is_first = true, is_divided = false;
+    components.for_each_wall_of(i, [&](std::uint32_t wall) {
+      const ComponentNumber component = number_of_wall(wall);
+      is_divided = is_divided || (!is_first && component != atom.component);
+      is_first = false;
+      atom.component = component;
+      if (component == 0) return;
+      has_cavity = true;
+      boxes_[component - 1].include(surface.atoms[i].center);
+    });
+    if (!has_cavity) continue;
+    if (is_divided)
+      for (SphereArc arc : components.arcs_of(i)) {
+        arc.node = number_of_wall(arc.node);
+        atom.arcs.push_back(arc);
+      }
+    index_.emplace_back(i, static_cast<std::uint32_t>(atoms_.size()));
+    atoms_.push_back(std::move(atom));
+  }
+}
+
+// A probe that touches more than three atoms, or is trapped, may touch an atom where it has no face
+// in the cavity. Rounding would decide whether the direction to the probe is in another face.
+void CavityMap::add_placements(const SurfaceModel& surface, const Components& components,
+                               std::span<const ComponentNumber> number_of) {
+  std::vector<std::pair<AtomIndex, WallAtom::Contact>> contacts;
+  for (const auto& [center, wall] : components.placements) {
+    const ComponentNumber component = number_of[components.walls[wall].component];
+    if (component == 0) continue;
+    placements_.push_back({center, component});
+    boxes_[component - 1].include(center);
+    for (const AtomIndex i : touched_atoms(surface, center)) {
+      const WallAtom* const atom = find(i);
+      const bool has_face =
+          atom != nullptr &&
+          (atom->arcs.empty()
+               ? atom->component == component
+               : std::any_of(atom->arcs.begin(), atom->arcs.end(),
+                             [&](const auto& arc) { return arc.node == component; }));
+      if (!has_face)
+        contacts.push_back({i, {normalized(center - surface.atoms[i].center), component}});
+    }
+  }
+  std::sort(placements_.begin(), placements_.end(),
+            [](const Placement& a, const Placement& b) { return a.center.x < b.center.x; });
+  add_contacts(std::move(contacts));
+}
+
+void CavityMap::add_contacts(std::vector<std::pair<AtomIndex, WallAtom::Contact>> contacts) {
+  for (const auto& [i, contact] : contacts)
+    if (find(i) == nullptr) {
+      index_.emplace_back(i, static_cast<std::uint32_t>(atoms_.size()));
+      atoms_.emplace_back();
+      std::sort(index_.begin(), index_.end());
+    }
+  for (const auto& [i, contact] : contacts) {
+    const auto found =
+        std::lower_bound(index_.begin(), index_.end(), std::pair(i, std::uint32_t{0}));
+    atoms_[found->second].contacts.push_back(contact);
+  }
+}
+
+void CavityMap::add_surroundings(const SurfaceModel& surface) {
+  std::vector<AtomIndex> near, found;
+  for (const auto& [atom, position] : index_) {
+    const SasSphere sphere = surface.sas_sphere(atom);
+    surface.tree().find_reaching(sphere.center, sphere.radius + surface.probe_radius, found);
+    near.insert(near.end(), found.begin(), found.end());
+  }
+  std::sort(near.begin(), near.end());
+  near.erase(std::unique(near.begin(), near.end()), near.end());
+  std::vector<Atom> balls;
+  for (const AtomIndex i : near) {
+    if (surface.molecule.is_contained(i)) continue;
+    const auto wall_atom =
+        std::lower_bound(index_.begin(), index_.end(), std::pair(i, std::uint32_t{0}));
+    const bool has_wall = wall_atom != index_.end() && wall_atom->first == i;
+    balls.push_back({surface.atoms[i].center, surface.atoms[i].radius + surface.probe_radius});
+    atom_of_ball_.push_back(has_wall ? wall_atom->second : none);
+  }
+  balls_ = Molecule(std::move(balls));
+}
+
+void CavityMap::fill(double max_void_volume) {
+  filled_boxes_.clear();
+  for (std::size_t k = 0; k < void_volumes_.size(); ++k) {
+    is_filled_[k] = void_volumes_[k] <= max_void_volume ? 1 : 0;
+    if (is_filled_[k] != 0) filled_boxes_.push_back(grown(boxes_[k], same));
+  }
+}
+
+std::vector<FilledCavity> CavityMap::filled() const {
+  std::vector<FilledCavity> list;
+  for (std::size_t k = 0; k < void_volumes_.size(); ++k)
+    if (is_filled_[k] != 0) list.push_back({k + 1, void_volumes_[k]});
+  return list;
+}
+
+void CavityMap::renumber(const std::function<std::optional<AtomIndex>(AtomIndex)>& index_of) {
+  std::vector<std::pair<AtomIndex, std::uint32_t>> renumbered;
+  for (const auto& [atom, position] : index_)
+    if (const auto index = index_of(atom)) renumbered.emplace_back(*index, position);
+  std::sort(renumbered.begin(), renumbered.end());
+  index_ = std::move(renumbered);
+}
+
+const WallAtom* CavityMap::find(AtomIndex atom) const {
+  const auto found =
+      std::lower_bound(index_.begin(), index_.end(), std::pair(atom, std::uint32_t{0}));
+  return found != index_.end() && found->first == atom ? &atoms_[found->second] : nullptr;
+}
+
+bool CavityMap::is_filled(const WallAtom& atom) const {
+  if (atom.arcs.empty()) return is_filled(atom.component);
+  return std::all_of(atom.arcs.begin(), atom.arcs.end(),
+                     [&](const SphereArc& arc) { return is_filled(arc.node); });
+}
+
+ComponentNumber CavityMap::component_of(const SurfaceModel& surface, const Arc& arc) const {
+  const WallAtom* const first = find(arc.first);
+  const WallAtom* const second = first != nullptr ? find(arc.second) : nullptr;
+  if (second == nullptr) return 0;
+  if (first->arcs.empty()) return first->component;
+  if (second->arcs.empty()) return second->component;
+  const SasSphere sphere = surface.sas_sphere(arc.first);
+  const ContactCircle circle = make_contact_circle(sphere, surface.sas_sphere(arc.second));
+  return first->component_at(middle_of(on_first_sphere(arc, circle, sphere)));
+}
+
+ComponentNumber CavityMap::component_of_placement(Vec3 center) const {
+  auto near =
+      std::lower_bound(placements_.begin(), placements_.end(), center.x - same,
+                       [](const Placement& placement, double x) { return placement.center.x < x; });
+  for (; near != placements_.end() && near->center.x <= center.x + same; ++near)
+    if (squared_norm(near->center - center) <= same * same) return near->component;
+  return 0;
+}
+
+bool CavityMap::may_be_filled(const Box& box) const {
+  return std::any_of(filled_boxes_.begin(), filled_boxes_.end(),
+                     [&](const Box& filled) { return overlap(filled, box); });
+}
+
+CavityMap::Location CavityMap::locate(Vec3 center, std::vector<AtomIndex>& found) const {
+  if (const ComponentNumber component = component_of_placement(center)) return {component, 0};
+  if (balls_.atoms().empty()) return {};
+  const auto gap_to = [&](AtomIndex i) {
+    return norm(center - balls_.atoms()[i].center) - balls_.atoms()[i].radius;
+  };
+  double min_gap = std::numeric_limits<double>::infinity();
+  double reach = 0.5 * first_reach;
+  do {
+    reach *= 2;
+    balls_.tree().find_reaching(center, reach + same, found);
+    for (const AtomIndex i : found) min_gap = std::min(min_gap, gap_to(i));
+  } while (min_gap > reach);
+  Location location{0, std::max(0.0, min_gap)};
+  for (const AtomIndex i : found) {
+    if (gap_to(i) > min_gap + same) continue;
+    if (atom_of_ball_[i] == none) return {0, location.clearance};
+    const Vec3 offset = center - balls_.atoms()[i].center;
+    const ComponentNumber component =
+        atoms_[atom_of_ball_[i]].component_at(norm(offset) > 0 ? normalized(offset) : offset);
+    location.component = std::max(location.component, component);
+  }
+  return location;
+}
+
+}  // namespace eses::detail

@@ -1,0 +1,118 @@
+#pragma once
+/// The cavities to which probe centres belong, and the cavities that are filled.
+///
+/// Every point of a cavity has its nearest SAS sphere among those of the atoms with a face on a
+/// wall of the cavity. A segment from the face that is nearest among these atoms to a point meets
+/// none of their balls, so it cannot leave or enter a cavity. Therefore these atoms alone decide
+/// for any point, however far away it is.
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "eses/cavities.hpp"
+#include "geometry/box.hpp"
+#include "surface/components.hpp"
+#include "surface/surface_model.hpp"
+
+namespace eses::detail {
+
+/// The number of a component of the set of accessible probe centres: 0 is the outside, and the
+/// others are the numbers of the cavities, in descending order of their voids.
+using ComponentNumber = std::uint32_t;
+
+/// An atom that touches probes in a cavity.
+struct WallAtom {
+  /// The direction to a probe that touches the atom where it has no face.
+  struct Contact {
+    Vec3 direction;
+    ComponentNumber component = 0;
+  };
+
+  /// The component of all faces of the atom, if it has no arcs here.
+  ComponentNumber component = 0;
+  /// The arcs of an atom with faces in several components. Their nodes are component numbers.
+  std::vector<SphereArc> arcs;
+  std::vector<Contact> contacts;
+
+  /// Returns whether the component depends on the direction.
+  bool is_divided() const { return !arcs.empty() || !contacts.empty(); }
+  /// Returns the component of the face nearest to a direction from the centre of the atom.
+  ComponentNumber component_at(Vec3 direction) const;
+};
+
+/// The cavities of a molecule.
+class CavityMap {
+ public:
+  /// `number_of` has the number of each component of `components`. `void_volumes` are in the order
+  /// of the numbers.
+  CavityMap(const SurfaceModel& surface, const Components& components,
+            std::span<const ComponentNumber> number_of, std::vector<double> void_volumes);
+
+  /// Fills all cavities whose voids are at most this large (cubic angstrom).
+  void fill(double max_void_volume);
+
+  bool is_filled(ComponentNumber component) const {
+    return component != 0 && is_filled_[component - 1] != 0;
+  }
+  /// The filled cavities.
+  std::vector<FilledCavity> filled() const;
+
+  /// Gives the atoms other indices, those of a molecule with some of the atoms. `index_of` returns
+  /// the index of an atom there, or nothing.
+  void renumber(const std::function<std::optional<AtomIndex>(AtomIndex)>& index_of);
+
+  /// Returns the atom if it touches probes in a cavity, else null.
+  const WallAtom* find(AtomIndex atom) const;
+  /// Returns whether the atom has faces in filled cavities, and in no other component.
+  bool is_filled(const WallAtom& atom) const;
+
+  /// Returns the component of an arc of a surface with the same probe.
+  ComponentNumber component_of(const SurfaceModel& surface, const Arc& arc) const;
+  /// Returns the component of a placement by its centre.
+  ComponentNumber component_of_placement(Vec3 center) const;
+
+  /// Returns whether the box may contain probe centres of filled cavities.
+  bool may_be_filled(const Box& box) const;
+  /// Boxes around the probe centres of the filled cavities.
+  std::span<const Box> filled_boxes() const { return filled_boxes_; }
+
+  /// The component of an accessible probe centre.
+  struct Location {
+    ComponentNumber component = 0;
+    double clearance = 0;  ///< all points that are nearer to this one belong to it, too (angstrom)
+  };
+  /// Returns the component of a probe centre that is accessible up to rounding. `found` is scratch
+  /// memory.
+  Location locate(Vec3 center, std::vector<AtomIndex>& found) const;
+
+ private:
+  static constexpr std::uint32_t none = 0xffffffff;
+
+  struct Placement {
+    Vec3 center;
+    ComponentNumber component = 0;
+  };
+
+  void add_atoms(const SurfaceModel& surface, const Components& components,
+                 std::span<const ComponentNumber> number_of);
+  void add_placements(const SurfaceModel& surface, const Components& components,
+                      std::span<const ComponentNumber> number_of);
+  void add_contacts(std::vector<std::pair<AtomIndex, WallAtom::Contact>> contacts);
+  void add_surroundings(const SurfaceModel& surface);
+
+  std::vector<double> void_volumes_;       // by cavity
+  std::vector<std::uint8_t> is_filled_;    // by cavity
+  std::vector<Box> boxes_, filled_boxes_;  // around probe centres; `boxes_` by cavity
+  std::vector<WallAtom> atoms_;
+  std::vector<std::pair<AtomIndex, std::uint32_t>> index_;  // indices into `atoms_`, by atom
+  std::vector<Placement> placements_;                       // of the cavities, in the order of x
+  // The SAS balls of the atoms, and those of other atoms that they meet.
+  Molecule balls_;
+  std::vector<std::uint32_t> atom_of_ball_;  // index into `atoms_`, or `none`
+};
+
+}  // namespace eses::detail
