@@ -92,6 +92,7 @@ void QualityMesh::add_triangle(const Triangle& triangle) {
   const auto first = static_cast<Index>(4 * faces_.size());
   faces_.push_back(face);
   for (Index corner = first; corner < first + 3; ++corner) link(corner);
+  extend_reach(face);
 }
 
 void QualityMesh::finish() {
@@ -116,6 +117,16 @@ void QualityMesh::unlink(Index corner) {
   Index before = vertex.first_corner;
   while (next_corner(before) != corner) before = next_corner(before);
   faces_[before >> 2].next[before & 3] = next;
+}
+
+// A point of a triangle is at most 1 / sqrt(3) of the longest side away from the nearest corner.
+void QualityMesh::extend_reach(const Face& face) {
+  const TrianglePoints t = points(face.vertices);
+  const double longest =
+      std::max({squared_norm(t[1] - t[0]), squared_norm(t[2] - t[1]), squared_norm(t[0] - t[2])});
+  const double reach = std::sqrt(longest / 3);
+  for (const Index vertex : face.vertices)
+    vertices_[vertex].reach = std::max(vertices_[vertex].reach, reach);
 }
 
 // Returns the smallest scalar product of the unit normal of a triangle with the normals of the
@@ -271,6 +282,7 @@ void QualityMesh::collapse(Index from, Index to) {
     } else {
       face.vertices[corner & 3] = to;
       link(corner);
+      extend_reach(face);
     }
   }
   Vertex& removed = vertices_[from];
@@ -290,6 +302,8 @@ void QualityMesh::flip(Index corner, Index other) {
   faces_[at_a >> 2].vertices[at_a & 3] = from;
   link(at_b);
   link(at_a);
+  extend_reach(faces_[at_b >> 2]);
+  extend_reach(faces_[at_a >> 2]);
 }
 
 // Returns whether new triangles that replace old ones intersect no other triangle.
@@ -334,10 +348,9 @@ bool QualityMesh::gather(const Bounds& bounds, const Vec3& direction,
     faces_[face].mark = face_mark_;
     all_face = all_face && dot(direction, area_vector(points(faces_[face].vertices))) > 0;
   }
-  // The points of a triangle are at most 1 / sqrt(3) of its longest edge from a corner.
-  const double reach = max_edge * spacing_ / std::numbers::sqrt3;
-  const Vec3 margin{reach, reach, reach};
-  const Bounds wide{bounds.low - margin, bounds.high + margin};
+  const double max_reach = max_edge * spacing_ / std::numbers::sqrt3;
+  const double low_x = bounds.low.x - max_reach - spacing_,
+               high_x = bounds.high.x + max_reach + spacing_;
   std::int32_t low_y = std::numeric_limits<std::int32_t>::max(), high_y = 0;
   std::int32_t low_z = low_y, high_z = std::numeric_limits<std::int32_t>::min();
   for (const Index face : old_faces)
@@ -370,11 +383,15 @@ bool QualityMesh::gather(const Bounds& bounds, const Vec3& direction,
       // Within a row, the vertices are sorted by x up to a spacing.
       auto next =
           end - begin < 8 ? begin : std::partition_point(begin, end, [&](const Vertex& vertex) {
-            return vertex.plain.position.x < wide.low.x - spacing_;
+            return vertex.plain.position.x < low_x;
           });
-      for (; next != end && next->plain.position.x <= wide.high.x + spacing_; ++next) {
+      for (; next != end && next->plain.position.x <= high_x; ++next) {
         const Vec3& at = next->plain.position;
-        if (next->is_removed || is_apart(at, at, wide)) continue;
+        const double reach = next->reach;
+        if (next->is_removed || at.x + reach < bounds.low.x || at.x - reach > bounds.high.x ||
+            at.y + reach < bounds.low.y || at.y - reach > bounds.high.y ||
+            at.z + reach < bounds.low.z || at.z - reach > bounds.high.z)
+          continue;
         for (Index corner = next->first_corner; corner != none; corner = next_corner(corner)) {
           Face& face = faces_[corner >> 2];
           if (face.mark == face_mark_) continue;

@@ -81,6 +81,7 @@ class QualityMesh {
     PlainVertex plain;
     Index first_corner = none;  // head of the list of the corners at this vertex
     std::int32_t valence = 0;   // length of the list
+    double reach = 0;  // all points of its triangles nearest to it are within this distance
     Index mark = 0;
     bool is_removed = false;
     std::uint64_t new_number = 0;
@@ -127,6 +128,7 @@ class QualityMesh {
   Index corner_across(Index corner) const;
 
   void link(Index corner);
+  void extend_reach(const Face& face);
   void unlink(Index corner);
 
   void mark_ring(Index vertex);

@@ -190,6 +190,13 @@ class Identity(Processes):
             self.assertSame(3, DATA / "1ubq.xyzr", "--spacing", "0.6", "--color", "atom", "--write",
                             "none", *more, mesh=mesh)
 
+    def test_quality_meshes_are_the_same(self):
+        for count in (2, 3, 5):
+            for mesh in ("mesh.ply", "mesh.vert", "mesh.vtp", "mesh.stl"):
+                with self.subTest(count=count, mesh=mesh):
+                    self.assertSame(count, SMALL, "--spacing", "0.4", "--mesh-quality", mesh=mesh,
+                                    options=("-b", str(5 + 3 * count)))
+
     def test_meshes_of_parts_are_the_same(self):
         for blocks in ("1:3,0:2,1:4", "0:4,0:4,0:1", "1:2,1:2,2:4"):
             with self.subTest(blocks=blocks):

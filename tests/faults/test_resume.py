@@ -274,7 +274,9 @@ class Resume(FaultTest):
                                                            "none")),
                                  ("fas2.pqr", "mesh.glb", ("--color", "chain", "--write", "none")),
                                  ("fas2.pqr", "mesh.ply", (*self.potential(5), "--write", "none")),
-                                 ("fas2.pqr", "mesh.stl", ("--write", "none"))):
+                                 ("fas2.pqr", "mesh.stl", ("--write", "none")),
+                                 ("fas2.pqr", "mesh.ply", ("--mesh-quality", "--write", "none")),
+                                 ("c60.xyzr", "mesh.vtp", ("--mesh-quality",))):
             arguments = (DATA / name, "-q", "--spacing", "0.7", "-b", "9", "-t", "2", *more,
                          "--mesh", self.output / mesh)
             self.put({})
