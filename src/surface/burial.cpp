@@ -27,10 +27,6 @@ namespace {
 constexpr double small_shrinkage = 4e-9;
 constexpr double shrinkage_slack = 3e-5;
 
-// Number of vectors of directions that are tested against a cap at once. This hides the latency of
-// the instructions.
-constexpr std::size_t vectors_at_once = 2;
-
 // Caps are ordered by their minimum cosine of settled patches in steps.
 constexpr float steps_per_unit = 32;
 constexpr std::size_t size_steps = 66;
@@ -79,38 +75,29 @@ struct AxisAndLimit {
 };
 
 // Copies the first `count` directions whose patch none of the caps in `order` settles, and returns
-// their number. Marks the caps that settled a patch. The directions are padded to whole groups of
-// vectors. Both lists may be the same, as elements are read before they are overwritten.
+// their number. Marks the caps that settled a patch. The directions are padded to whole vectors.
+// Both lists may be the same, as elements are read before they are overwritten.
 std::size_t keep_unsettled(BurialCaps& caps, std::span<const std::uint32_t> order,
                            const DirectionList& from, std::size_t count, DirectionList& to) {
   const Lanes lanes;
   const std::size_t width = hn::Lanes(lanes);
   std::size_t kept = 0;
-  const auto keep = [&](const Directions& directions, LaneMask unsettled) {
-    if (hn::AllFalse(lanes, unsettled)) return;
-    const std::size_t n = compress_store(lanes, directions.x, unsettled, &to.x[kept]);
-    compress_store(lanes, directions.y, unsettled, &to.y[kept]);
-    compress_store(lanes, directions.z, unsettled, &to.z[kept]);
-    kept += n;
-  };
-  static_assert(vectors_at_once == 2);
-  for (std::size_t begin = 0; begin < count; begin += vectors_at_once * width) {
-    const std::size_t middle = begin + width;
-    const Directions first(from, begin), second(from, middle);
-    LaneMask first_left = hn::FirstN(lanes, count - begin),
-             second_left = hn::FirstN(lanes, count - std::min(count, middle));
+  for (std::size_t begin = 0; begin < count; begin += width) {
+    const Directions directions(from, begin);
+    LaneMask left = hn::FirstN(lanes, count - begin);
     for (const std::uint32_t k : order) {
-      const AxisAndLimit cap(caps.axes, caps.settled[k], k);
-      const auto first_settled = hn::And(cap.accepts(first), first_left);
-      const auto second_settled = hn::And(cap.accepts(second), second_left);
-      if (hn::AllFalse(lanes, hn::Or(first_settled, second_settled))) continue;
+      const auto settled =
+          hn::And(AxisAndLimit(caps.axes, caps.settled[k], k).accepts(directions), left);
+      if (hn::AllFalse(lanes, settled)) continue;
       caps.is_used[k] = 1;
-      first_left = hn::AndNot(first_settled, first_left);
-      second_left = hn::AndNot(second_settled, second_left);
-      if (hn::AllFalse(lanes, hn::Or(first_left, second_left))) break;
+      left = hn::AndNot(settled, left);
+      if (hn::AllFalse(lanes, left)) break;
     }
-    keep(first, first_left);
-    keep(second, second_left);
+    if (hn::AllFalse(lanes, left)) continue;
+    const std::size_t n = compress_store(lanes, directions.x, left, &to.x[kept]);
+    compress_store(lanes, directions.y, left, &to.y[kept]);
+    compress_store(lanes, directions.z, left, &to.z[kept]);
+    kept += n;
   }
   return kept;
 }
@@ -153,14 +140,17 @@ HWY_INLINE CosineAndSine angular_radius(DoubleVector height, double inverse_radi
 
 using Steps = hn::Rebind<std::int32_t, Doubles>;
 
-// Stores whole numbers as far as they fit into 16 bits, and else the nearest number that fits.
-HWY_INLINE void store_whole(DoubleVector values, std::int16_t* to) {
+// Stores the greatest whole numbers that are not above the values. Numbers that do not fit into 16
+// bits become the nearest ones that do.
+HWY_INLINE void store_floor(DoubleVector values, std::int16_t* to) {
   const hn::Rebind<std::int16_t, Doubles> shorts;
-  hn::StoreU(hn::DemoteTo(shorts, hn::DemoteTo(Steps(), values)), shorts, to);
+  constexpr std::int32_t offset = 1 << 16;  // makes all values positive, which are then truncated
+  const auto positive = hn::DemoteTo(Steps(), values + broadcast(offset));
+  hn::StoreU(hn::DemoteTo(shorts, hn::Sub(positive, hn::Set(Steps(), offset))), shorts, to);
 }
 
 HWY_INLINE void store_component(DoubleVector values, std::int16_t* to) {
-  store_whole(hn::Round(values * broadcast(direction_scale)), to);
+  store_floor(values * broadcast(direction_scale) + broadcast(0.5), to);
 }
 
 // Returns the step of a cap with this minimum cosine of settled patches.
@@ -190,7 +180,7 @@ void prepare_caps(const CapList& caps, const PatchCosines& patch, BurialCaps& pr
                            broadcast(shrinkage_slack),
                        broadcast(2));
     hn::StoreU(step_of(min_cosine), Steps(), &prepared.step[k]);
-    store_whole(hn::Ceil(min_cosine * broadcast(cosine_scale) + broadcast(max_cosine_excess)),
+    store_floor(min_cosine * broadcast(cosine_scale) + broadcast(max_cosine_excess + 1),
                 &prepared.settled[k]);
     store_component(load(&caps.x[k]), &prepared.axes.x[k]);
     store_component(load(&caps.y[k]), &prepared.axes.y[k]);
@@ -209,7 +199,7 @@ void find_touched(const CapList& caps, const PatchCosines& patch, BurialCaps& pr
         hn::IfThenElse(touches_any, broadcast(-2),
                        cosine * broadcast(patch.cosine) - sine * broadcast(patch.sine) -
                            broadcast(shrinkage_slack));
-    store_whole(hn::Floor(min_cosine * broadcast(cosine_scale) - broadcast(max_cosine_deficit)),
+    store_floor(min_cosine * broadcast(cosine_scale) - broadcast(max_cosine_deficit),
                 &prepared.touched[k]);
   }
 }
@@ -257,7 +247,7 @@ BurialPatches::BurialPatches(const CoveringDirections& covering)
       cosine(std::cos(covering.radius)),
       sine(std::sin(covering.radius)) {
   const std::size_t lanes = sizeof(float) / sizeof(std::int16_t) * vector_padding;
-  const std::size_t padded = count + vectors_at_once * lanes;
+  const std::size_t padded = count + lanes;
   for (auto* values : {&directions.x, &directions.y, &directions.z}) values->resize(padded);
   for (std::size_t k = 0; k < count; ++k) {
     directions.x[k] = to_component(covering.directions[k].x);

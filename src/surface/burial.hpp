@@ -28,9 +28,9 @@ struct DirectionList {
 };
 inline constexpr double direction_scale = 32767;
 
-/// Scale of the cosines that are computed from such vectors: the upper 16 bits of the sum of the
-/// products. Rounding the components moves the sum by at most 1/2 (|x1| + ... + |z2|) / 2, which is
-/// less than 0.9, and the loss of the lower bits reduces it by less than 3.
+/// Scale of the cosines that are computed from such vectors: sums of the upper 16 bits of products.
+/// Rounding the components moves the sum by at most (|x1| + |y1| + ... + |z2|) / 4, which is less
+/// than 0.9, and the loss of the lower bits reduces it by less than 3.
 inline constexpr double cosine_scale = direction_scale * direction_scale / 0x1p16;
 inline constexpr double max_cosine_excess = 0.9, max_cosine_deficit = 3.9;
 
