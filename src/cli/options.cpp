@@ -9,12 +9,12 @@
 #include <cstdlib>
 #include <filesystem>
 #include <limits>
-#include <map>
 #include <optional>
 #include <span>
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <system_error>
 #include <utility>
 #include <variant>
 #include <vector>
@@ -34,7 +34,6 @@ namespace eses::detail::cli {
 namespace {
 
 constexpr std::int64_t default_verify = 2000;
-constexpr std::int64_t max_verify = 10'000'000;
 
 constexpr double min_positive = std::numeric_limits<double>::denorm_min();
 constexpr double max_finite = std::numeric_limits<double>::max();
@@ -178,17 +177,15 @@ std::optional<Outputs> text_files_in(const std::string& list) {
   Outputs files = Outputs::none();
   if (list == "none") return files;
   files.box = true;
-  using File = bool Outputs::*;
-  const std::map<std::string, std::vector<File>> files_of{
-      {"grid", {&Outputs::grid}},   {"edges", {&Outputs::edges}},
-      {"areas", {&Outputs::areas}}, {"residues", {&Outputs::residues}},
-      {"atoms", {&Outputs::atoms}}, {"all", {&Outputs::grid, &Outputs::edges, &Outputs::areas}}};
-  for (const std::string& name : CLI::detail::split(list, ',')) {
-    const auto found = files_of.find(name);
-    if (found == files_of.end()) return std::nullopt;
-    for (const File file : found->second) files.*file = true;
-  }
-  return files;
+  return choice_in<Outputs>(list, files,
+                            {{"grid", &Outputs::grid},
+                             {"edges", &Outputs::edges},
+                             {"areas", &Outputs::areas},
+                             {"residues", &Outputs::residues},
+                             {"atoms", &Outputs::atoms},
+                             {"all", &Outputs::grid},
+                             {"all", &Outputs::edges},
+                             {"all", &Outputs::areas}});
 }
 
 std::optional<std::filesystem::path> map_in(const std::string& text) {
@@ -248,7 +245,7 @@ void add_grid_options(CLI::App& app, CommandLine& line) {
   const GridOptions grid;
   Parameters& parameters = line.options.parameters;
   add_value(app, "FILE", "", "input file (xyzr, PQR, PDB or mmCIF); - for standard input",
-            line.options.input, path_to("a file"))
+            line.options.input().path, path_to("a file"))
       ->required();
   const auto add_length = [&app](const char* positional, const char* option,
                                  const std::string& description, double fallback, Length& length,
@@ -321,7 +318,7 @@ void add_solver_maps(CLI::App& app, CommandLine& line) {
 void add_file_options(CLI::App& app, CommandLine& line) {
   begin_group(app, "Input and output");
   Options& options = line.options;
-  add_format(app, options.format);
+  add_format(app, options.input().format);
   add_value(app, "-o,--output-dir", "DIR", "output directory, created if missing [.]",
             options.output_directory, path_to("a directory"));
   add_value(app, "--write", "LIST",
@@ -429,7 +426,7 @@ void add_options(CLI::App& app, CommandLine& line) {
          footer);
   add_grid_options(app, line);
   add_file_options(app, line);
-  add_structure_options(app, line.options.structure);
+  add_structure_options(app, line.options.input().structure);
   add_solver_maps(app, line);
   add_computation_options(app, line.options.parameters);
   add_checks(app, line.options.parameters);
@@ -521,8 +518,7 @@ std::optional<MeshOptions> mesh_of(const CommandLine& line) {
     throw UsageError("--color needs --mesh with a .ply, .obj, .vtp or .glb file");
   if (mesh.is_ascii && format != MeshFormat::ply)
     throw UsageError("--ply-ascii needs --mesh with a .ply file");
-  if (mesh.color == MeshColor::chain)
-    refuse_xyzr({line.options.input, line.options.format}, "--color chain", "chains");
+  if (mesh.color == MeshColor::chain) refuse_xyzr(line.options.input(), "--color chain", "chains");
   return mesh.file.empty() ? std::nullopt : std::optional(mesh);
 }
 
@@ -538,8 +534,7 @@ Options options_of(const CommandLine& line) {
   check_grid_choice(line);
   options.grid.has_spacing = line.spacing.positional || line.spacing.option;
   options.outputs = line.text_files;
-  if (options.outputs.residues)
-    refuse_xyzr({options.input, options.format}, "--write residues", "residues");
+  if (options.outputs.residues) refuse_xyzr(options.input(), "--write residues", "residues");
   options.outputs.gzip = line.gzip;
   add_maps(line, options.output_directory, options.outputs);
   options.outputs.mesh = mesh_of(line);
@@ -574,6 +569,11 @@ bool is_same_directory(const std::filesystem::path& a, const std::filesystem::pa
   return plain(a) == plain(b);
 }
 
+bool is_same_file(const std::filesystem::path& input, const std::filesystem::path& output) {
+  std::error_code error;  // set if a file does not exist
+  return std::filesystem::equivalent(input == "-" ? "/dev/stdin" : input, output, error) && !error;
+}
+
 bool asks_to_be_independent(std::span<const std::string> arguments) {
   const auto end = std::find(arguments.begin(), arguments.end(), "--");
   return std::find(arguments.begin(), end, independent_flag) != end;
@@ -597,12 +597,13 @@ Options parse_arguments(const std::vector<std::string>& arguments) {
   CLI::App app("Solvent excluded surface of a molecule on a grid, computed block by block.",
                "eses-blocks");
   CommandLine line;
+  line.options.output_directory = ".";
   add_options(app, line);
   require_known_instruction_set();
   refuse_separate_number(arguments);
   parse(app, arguments, "FILE, PROBE, SPACING and MARGIN");
   Options options = options_of(line);
-  refuse_structure_options(app, {options.input, options.format});
+  refuse_structure_options(app, options.input());
   return options;
 }
 

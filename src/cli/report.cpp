@@ -379,7 +379,7 @@ std::string plan_text(const Report& report) {
   const Parameters& parameters = report.options.parameters;
   const auto* const grid = std::get_if<GridOptions>(&parameters.grid);
   const auto atoms = static_cast<std::int64_t>(report.atoms);
-  std::string text = formatted("input: {} ({}{})\n", path_text(report.options.input),
+  std::string text = formatted("input: {} ({}{})\n", path_text(report.options.input().path),
                                counted(atoms, "atom"), usual_text(report.diagnostics));
   if (report.structure) text += structure_text(*report.structure);
   text +=
@@ -440,7 +440,7 @@ std::string json_text(const Report& report) {
   json::Value document{
       {"program", "eses-blocks"},
       {"version", version},
-      {"input", report.options.input.string()},
+      {"input", report.options.input().path.string()},
       {"atoms", report.atoms},
       {"structure", report.structure ? structure_json(*report.structure) : json::Value()},
       {"diagnostics", diagnostics_json(report.diagnostics)},

@@ -157,6 +157,19 @@ void take_restored(const RunPlan& plan, const Processes& processes, std::vector<
   }
 }
 
+// Returns the files of the sweep, with the lengths of the headers of the mesh.
+SweepFiles sweep_files(const RunPlan& plan, const std::optional<mesh::MeshText>& mesh,
+                       OutputFiles* files, const Processes& processes) {
+  SweepFiles result{.final_files = files};
+  if (!mesh) return result;
+  result.mesh_text = &*mesh;
+  result.mesh_header_bytes =
+      header_bytes(mesh_header(*mesh, plan.groups, {}, processes), processes);
+  if (mesh->has_face_file())
+    result.face_header_bytes = header_bytes(face_header(*mesh, {}, processes), processes);
+  return result;
+}
+
 // Completes all files except the bounding box. Returns their length in bytes.
 std::uint64_t write_files(const RunTask& task, const RunPlan& plan,
                           const std::optional<mesh::MeshText>& mesh, const AtomAreas& areas,
@@ -228,21 +241,14 @@ RunResult execute(const RunTask& task, const RunPlan& plan, const RunPaths& path
   const std::vector<PlaneRange> ranges = ranges_to_sweep(task, plan);
   ProgressReport report(callbacks.progress, count_blocks(plan, ranges));
   const std::function<void()> check = [&report] { report.check(); };
-  check();  // from now on the caller must remove the locks on a signal
+  check();  // the first check tells the caller that the files are locked
 
   RunResult result;
   Summary& summary = result.summary;
   if (task.parameters.verify > 0) summary.verification.emplace();
   const std::optional<mesh::MeshText> mesh = mesh_text(task, plan, processes);
-  SweepFiles sweep_files{.final_files = files.get()};
-  if (mesh) {
-    sweep_files.mesh_text = &*mesh;
-    sweep_files.mesh_header_bytes =
-        header_bytes(mesh_header(*mesh, plan.groups, {}, processes), processes);
-    if (mesh->has_face_file())
-      sweep_files.face_header_bytes = header_bytes(face_header(*mesh, {}, processes), processes);
-  }
-  SlabSweep sweep(task, plan, ranges, sweep_files, callbacks, report, processes);
+  SlabSweep sweep(task, plan, ranges, sweep_files(plan, mesh, files.get(), processes), callbacks,
+                  report, processes);
   SweepResult swept = sweep.run(summary);
   // The heap memory of patches and blocks is too fragmented for the long lists of areas.
   release_free_memory();

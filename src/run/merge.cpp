@@ -258,7 +258,7 @@ std::uint64_t Merge::write_compressed_values(GridMap& map, SharedFile& to) const
   }
   if (processes_.rank() + 1 == processes_.count()) append(map.compressed_footer());
   const std::uint64_t length = text.size();
-  // No process knows the sum before all have read their words. Only then may members replace them.
+  // The sum is known when all processes have read their words. Only then may members replace these.
   const std::uint64_t all = processes_.sum(length);
   const std::uint64_t begin = processes_.sum_before(length);
   copy_file(text, length, to, begin, threads_of_shared_file(), check_);
@@ -382,7 +382,8 @@ std::uint64_t Merge::write_triangles(SharedFile& file, std::uint64_t begin,
     for_triangle_texts(chunk, first_vertex, text,
                        [&](std::span<const char> part) { lengths.back().bytes += part.size(); });
   });
-  std::map<std::int64_t, std::uint64_t> begins;  // offset by first plane; the lengths at first
+  std::map<std::int64_t, std::uint64_t>
+      begins;  // by first plane: the length of the text, then its offset
   for (const ChunkBytes& one : processes_.gather<ChunkBytes>(lengths))
     begins[one.plane] = one.bytes;
   std::uint64_t end = begin;

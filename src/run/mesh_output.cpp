@@ -195,6 +195,7 @@ void MeshOutput::release(const Layer& layer) {
 void MeshOutput::go_on_from(const Layer& below) {
   if (!has_cells_) return;
   number_rows(below);
+  // The first vertex above has index 0. The indices below wrap around.
   const std::uint64_t count = row_begin_.back();
   for (std::uint64_t& begin : row_begin_) begin -= count;
   release(below);

@@ -34,7 +34,6 @@ constexpr std::uint64_t area_line_bytes = 32;
 constexpr std::uint64_t table_header_bytes = 66, table_line_bytes = 16;
 // Compression ratios of gzip, measured with proteins.
 constexpr double grid_gzip_ratio = 0.2, edge_gzip_ratio = 0.3, area_gzip_ratio = 0.25;
-constexpr std::int64_t max_verified = 10'000'000;
 
 void require(bool holds, std::string_view what, double value) {
   if (!holds) throw std::invalid_argument(formatted("{}, not {}", what, value));
@@ -261,7 +260,7 @@ void require_valid(const Parameters& p) {
           formatted("the probe radius must be between {} and {} angstrom", min_probe_radius,
                     max_probe_radius),
           p.probe_radius);
-  require(p.verify >= 0 && p.verify <= max_verified,
+  require(p.verify >= 0 && p.verify <= max_verify,
           "the number of points to verify must be between 0 and 10000000",
           static_cast<double>(p.verify));
   require(p.threads >= 0, "the number of threads must not be negative", p.threads);

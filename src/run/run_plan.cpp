@@ -294,6 +294,7 @@ LabelTotals take_file(const InputFile& file, const RunTask& task, const Processe
   run.atoms = part.total;
   run.read_atoms = part.range();
   const LabelTotals labels = take_groups(outputs, processes, run, part.groups);
+  // Names take much memory. They are dropped as soon as they are not needed any more.
   const bool needs_residues = outputs.residues || outputs.atoms;
   if (!needs_residues && !has_names) run.names = {};
   const Box bounds = bounds_of_all(part.atoms, processes);

@@ -301,8 +301,8 @@ PlaneChunk SlabSweep::sweep(PatchSchedule& patches, const PlaneRange& planes, Sw
   for (const MapChoice& map : chosen_maps(task_.outputs))
     set_bytes(text_of(map.quantity), GridMap::row_bytes(map.quantity, plan.tiling.region));
   if (mesh) chunk.info.mesh = {mesh->vertex_count(), pipeline.triangle_count()};
-  const bool is_right = !verifier || verify(*verifier, summary);
-  if (plan_.checkpoint && is_right) save_chunk(chunk, checksums, sums.atom_shares);
+  const bool has_faults = verifier && !verify(*verifier, summary);
+  if (plan_.checkpoint && !has_faults) save_chunk(chunk, checksums, sums.atom_shares);
   add_shares(std::move(sums.atom_shares), result.atom_shares);
   return chunk;
 }

@@ -36,15 +36,15 @@ constexpr ClusterIndex clusters_per_layer = 128;
 // How the accessibility of probe centres is decided.
 struct Accessibility {
   bool has_slack = true;  // see SurfaceModel
-  // The SAS spheres are smaller by this (angstrom), which opens the places where a probe just fits,
+  // The SAS spheres are smaller by this (angstrom), which opens the gaps that a probe just fits,
   // and separates spheres that just touch.
   double shrinkage = 0;
   // Placements within this distance of each other are the same one (angstrom).
-  double same_place = 0;
+  double same_placement = 0;
 };
 
 // Without slack, the measures are consistent unless rounding decides, or distances between almost
-// equal placements are about as large as `same_place`.
+// equal placements are about as large as `same_placement`.
 constexpr std::array<Accessibility, 5> without_slack{{{false, tolerance::accessible, 1e-10},
                                                       {false, 2.3 * tolerance::accessible, 1e-10},
                                                       {false, tolerance::accessible, 1e-12},
@@ -124,7 +124,7 @@ struct MeasureScratch {
   std::vector<Vec3> toward;
   std::vector<AtomIndex> touched;
   std::vector<AtomIndex> borders;   // atoms whose caps follow those of the patch in `shared_caps`
-  std::vector<std::uint32_t> node;  // placements in the same place
+  std::vector<std::uint32_t> node;  // placements that coincide
   std::vector<std::uint32_t> near;  // placements within `near_distance` of `near_center`
   Vec3 near_center;
   double near_distance = -1;                   // angstrom
@@ -153,7 +153,7 @@ class PatchMeasurement {
   PatchMeasurement(const Molecule& molecule, const MeasureSettings& settings,
                    const Accessibility& accessibility)
       : settings_(settings),
-        same_place_(accessibility.same_place),
+        same_placement_(accessibility.same_placement),
         surface_(make_surface(molecule, settings, accessibility)),
         schedule_(surface_, {-infinity, infinity}, false),
         origin_(middle_of(surface_.atoms)),
@@ -256,7 +256,7 @@ class PatchMeasurement {
   double face_angle(AtomIndex i, std::vector<AtomIndex>& found) const;
 
   const MeasureSettings& settings_;
-  double same_place_;  // angstrom
+  double same_placement_;  // see Accessibility
   SurfaceModel surface_;
   PatchSchedule schedule_;
   Vec3 origin_;
@@ -271,7 +271,7 @@ class PatchMeasurement {
   std::vector<const ProbePlacement*> placements_;
   std::vector<Vec3> centers_;
   std::vector<std::uint32_t> first_placement_;  // by cluster
-  std::vector<std::uint32_t> node_;             // by placement: the first one in the same place
+  std::vector<std::uint32_t> node_;             // by placement: the first one that coincides
   PointTree tree_;
 
   std::vector<MeasureScratch> scratch_;  // by thread
@@ -352,7 +352,8 @@ void PatchMeasurement::index_placements() {
       centers_.push_back(placement.center);
     }
   }
-  tree_.reset(centers_);
+  // Without a probe, no placement cuts the patch of another one.
+  if (probe() > 0 || components_ || !surface_.has_slack) tree_.reset(centers_);
   node_.resize(placements_.size());
   std::iota(node_.begin(), node_.end(), 0U);
   if (surface_.has_slack) return;
@@ -364,18 +365,18 @@ void PatchMeasurement::index_placements() {
   }
 }
 
-// Replaces `node` by the placements that are in the same place, or are connected by others.
+// Replaces `node` by the placements that coincide with a placement, directly or through others.
 void PatchMeasurement::find_node(std::uint32_t number, std::vector<std::uint32_t>& node) const {
   node.assign(1, number);
   for (std::size_t k = 0; k < node.size(); ++k)
-    tree_.for_each_within(centers_[node[k]], same_place_, [&](std::uint32_t other) {
+    tree_.for_each_within(centers_[node[k]], same_placement_, [&](std::uint32_t other) {
       if (std::find(node.begin(), node.end(), other) == node.end()) node.push_back(other);
     });
 }
 
 // Returns whether no decision about the cluster's patches depends on the slack. If the circles of
-// several pairs of atoms coincide, arcs of all pairs are found in the same place. Then the middle
-// of each of them touches further atoms.
+// several pairs of atoms coincide, the arcs of all pairs coincide, too. Then the probe at the
+// middle of each arc touches further atoms.
 bool PatchMeasurement::is_regular_cluster(ClusterIndex cluster) const {
   const ClusterPatches& patches = schedule_.patches().of_cluster(cluster);
   if (!patches.is_regular) return false;
@@ -527,8 +528,8 @@ PatchSums PatchMeasurement::add_placement(std::uint32_t number, MeasureScratch& 
 }
 
 // Adds the derivatives at a placement that touches more than three atoms: those of the placements
-// into which it divides if the atoms grow, each of them much more than all later ones. They are in
-// the same place, and their cones divide the cone.
+// into which it divides if the atoms grow, each of them much more than all later ones. They
+// coincide, and their cones divide the cone.
 void PatchMeasurement::add_node_gradient(Vec3 center, MeasureScratch& scratch,
                                          ClusterTerms& terms) const {
   const std::vector<AtomIndex> touched = scratch.touched;
@@ -600,7 +601,7 @@ SpherePart PatchMeasurement::find_triangle(const ProbePlacement& placement,
   return triangle_part(a, b, c);
 }
 
-// Does the same for all placements in the same place as this one.
+// Does the same for all placements that coincide with this one.
 SpherePart PatchMeasurement::find_cone(std::uint32_t number, MeasureScratch& scratch) const {
   if (surface_.has_slack) return find_triangle(*placements_[number], scratch);
   find_node(number, scratch.node);
