@@ -4,11 +4,13 @@ import base64
 import fnmatch
 import pathlib
 import subprocess
+import threading
 
 from common import Failed
 
 RENDER = pathlib.Path(__file__).resolve().parents[1] / "render"
 WIDTH = 320  # pixels
+ONE_DISPLAY = threading.Lock()  # xvfb-run can choose one display for two calls at the same time
 HELP = ("draw a small picture of the structures whose {} match, such as '1a*,2b*'; needs "
         "python3-vtk9, and xvfb if there is no display")
 
@@ -36,14 +38,18 @@ def draw(run, command, scratch, picture):
     `run(command, **how)` returns the exit code and other values; `how` is passed to Popen.
     """
     mesh = scratch / "surface.ply"
-    for step in ([*command, "--write", "none", "--quiet", "--output-dir", scratch, "--mesh", mesh,
-                  "--color", "patch"],
-                 [RENDER, mesh, "-o", picture, "--size", WIDTH, "--no-legend"]):
+
+    def call(step):
         with open(scratch / "picture.log", "w+", encoding="utf-8", errors="replace") as log:
             code = run(list(map(str, step)), stdout=subprocess.DEVNULL, stderr=log)[0]
             log.seek(0)
             if code != 0:
                 raise Failed(f"no picture: {log.read().strip() or f'exit code {code}'}")
+
+    call([*command, "--write", "none", "--quiet", "--output-dir", scratch, "--mesh", mesh, "--color",
+          "patch"])
+    with ONE_DISPLAY:
+        call([RENDER, mesh, "-o", picture, "--size", WIDTH, "--no-legend"])
 
 
 def uri(picture):

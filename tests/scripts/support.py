@@ -109,6 +109,46 @@ def browser_errors(browser):
     return [line for line in browser.get_log("browser") if line["level"] == "SEVERE"]
 
 
+def accessibility_faults(browser):
+    """Returns texts with a contrast below 4.5 (WCAG 2.2), controls without a name, and controls that
+    the Tab key does not reach, in the page that the browser shows, with the light and the dark
+    theme of the system."""
+    faults = []
+    for theme in ("light", "dark"):
+        browser.execute_cdp_cmd("Emulation.setEmulatedMedia", {
+            "features": [{"name": "prefers-color-scheme", "value": theme}]})
+        faults += [f"{theme}: {fault}" for fault in browser.execute_script(r"""
+          const numbers = (color) => color.match(/[\d.]+/g).map(Number);
+          const light = (color) => numbers(color).slice(0, 3).map((one) => one / 255)
+            .map((one) => one <= 0.04045 ? one / 12.92 : ((one + 0.055) / 1.055) ** 2.4)
+            .reduce((sum, one, i) => sum + one * [0.2126, 0.7152, 0.0722][i], 0.05);
+          const canvas = document.body.appendChild(document.createElement("div"));
+          canvas.style.background = "Canvas"; // where no element has a background
+          const behind = (one) => {
+            if (one === null) return getComputedStyle(canvas).backgroundColor;
+            const color = getComputedStyle(one).backgroundColor;
+            return (numbers(color)[3] ?? 1) > 0.9 ? color : behind(one.parentElement);
+          };
+          const faults = [];
+          for (const one of document.body.querySelectorAll("*:not(script, noscript, option)")) {
+            const isText = Array.from(one.childNodes).some((node) => node.nodeType === 3 && node.data.trim());
+            if (!isText || !one.checkVisibility()) continue;
+            const [a, b] = [light(getComputedStyle(one).color), light(behind(one))];
+            const ratio = Math.max(a / b, b / a);
+            if (ratio < 4.5) faults.push(`contrast ${ratio.toFixed(1)}: ${one.textContent}`);
+          }
+          for (const one of document.querySelectorAll("input, select, button, canvas, img")) {
+            const name = one.labels?.length || one.getAttribute("aria-label") || one.alt
+              || one.textContent.trim();
+            if (!name) faults.push(`no name: ${one.outerHTML}`);
+            if (one.matches("input, select, button") && one.tabIndex < 0)
+              faults.push(`not reached: ${one.outerHTML}`);
+          }
+          canvas.remove();
+          return faults""")]
+    return faults
+
+
 def has_matplotlib(script):
     return can_import(script, "matplotlib")
 

@@ -8,8 +8,8 @@ import struct
 import subprocess
 import unittest
 
-from support import (PROGRAM, TestCase, browser_errors, can_draw, has_browser, open_browser,
-                     run)
+from support import (PROGRAM, TestCase, accessibility_faults, browser_errors, can_draw,
+                     has_browser, open_browser, run)
 
 RADIUS = 1.7
 
@@ -91,6 +91,7 @@ class Report(TestCase):
             if (data[i + 2] > data[i] + 100 && data[i + 3] > 127) count++;
           return count""")
         self.assertAlmostEqual(blue, 2 * 3.14 * 2.5**2, delta=12)
+        self.assertEqual(accessibility_faults(browser), [])
         self.assertEqual(browser_errors(browser), [])
 
     @unittest.skipUnless(can_draw(), "needs python3-vtk9 and a display or xvfb")
