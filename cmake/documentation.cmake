@@ -31,6 +31,7 @@ if(ESES_HELP2MAN AND ESES_BUILD_PROGRAM AND NOT ESES_SANITIZE AND NOT CMAKE_CROS
       "assemble|builds a large complex from copies of one structure"
       "pdbbind|molecular surfaces of all structures below a folder"
       "render|pictures of meshes of molecular surfaces"
+      "report|pages with the results of many structures"
       "view|pages that show molecular surfaces in a browser")
     string(REPLACE "|" ";" parts "${page}")
     list(GET parts 0 script)

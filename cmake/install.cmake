@@ -38,9 +38,9 @@ endif()
 
 # The scripts for users are installed in ESES_SCRIPT_DIR, where they find their modules in lib/. Links
 # in the folder of the program have the prefix eses-. scripts/lib/common.py knows this layout.
-set(ESES_SCRIPTS apbs assemble pdbbind render view)
+set(ESES_SCRIPTS apbs assemble pdbbind render report view)
 set(ESES_SCRIPT_MODULES atoms common measuring meshes mmcif open_dx page patch_borders pdb_to_pqr poisson_boltzmann
-    quiet_interrupt report_page structures summary)
+    quiet_interrupt report_page structures summary thumbnails)
 set(ESES_SCRIPT_DIR ${CMAKE_INSTALL_DATADIR}/eses-blocks)
 file(RELATIVE_PATH to_scripts ${CMAKE_INSTALL_FULL_BINDIR}
      ${CMAKE_INSTALL_FULL_DATADIR}/eses-blocks)
@@ -54,6 +54,7 @@ endforeach()
 foreach(module IN LISTS ESES_SCRIPT_MODULES)
   install(FILES scripts/lib/${module}.py DESTINATION ${ESES_SCRIPT_DIR}/lib COMPONENT program)
 endforeach()
+install(FILES scripts/lib/head.html DESTINATION ${ESES_SCRIPT_DIR}/lib COMPONENT program)
 install(DIRECTORY scripts/lib/report scripts/lib/viewer DESTINATION ${ESES_SCRIPT_DIR}/lib COMPONENT program)
 
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/include/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}

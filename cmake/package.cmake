@@ -35,7 +35,8 @@ adjacent atoms, and each atom's share of its area: the files of ESES,
 exact on every input, block by block, in parallel and in bounded memory.
 Scripts compute energies with APBS (eses-apbs) and folders of structures
 (eses-pdbbind), build large complexes (eses-assemble), render meshes
-(eses-render) and write pages that show surfaces in a browser (eses-view).")
+(eses-render) and write pages that show surfaces (eses-view) or the
+results of many structures (eses-report) in a browser.")
 
 # These are the packages that eses-config.cmake looks for. OpenMP comes with the compiler.
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_NAME libeses-dev)

@@ -15,6 +15,7 @@
 #include "eses/measure.hpp"
 #include "support/atom_lists.hpp"
 #include "support/atom_sets.hpp"
+#include "support/measured_sets.hpp"
 #include "surface/measure_patches.hpp"
 
 namespace eses::detail::test {
@@ -26,13 +27,6 @@ Measures measure_cavities(const std::vector<Atom>& atoms, double probe, int thre
   return measure(Surface(atoms), {.probe_radius = probe, .cavities = true, .threads = threads});
 }
 
-/// The atoms are rotated, so that their symmetries are not those of the axes.
-std::vector<Atom> rotated(std::vector<Atom> atoms) {
-  const Vec3 x{0.36, 0.48, 0.8}, y{0.8, -0.6, 0}, z = cross(x, y);
-  for (Atom& atom : atoms) atom.center = atom.center.x * x + atom.center.y * y + atom.center.z * z;
-  return atoms;
-}
-
 std::vector<Atom> joined(std::vector<Atom> atoms, const std::vector<Atom>& others) {
   atoms.insert(atoms.end(), others.begin(), others.end());
   return atoms;
@@ -40,22 +34,6 @@ std::vector<Atom> joined(std::vector<Atom> atoms, const std::vector<Atom>& other
 
 std::vector<Atom> read_data(const std::string& name) {
   return read_atom_list(std::string(ESES_DATA) + "/" + name);
-}
-
-double difference(double value, double expected) {
-  return std::fabs(value - expected) / std::max(1.0, std::fabs(expected));
-}
-
-/// Six atoms on the axes, at this distance from the origin.
-std::vector<Atom> octahedron(double distance, double radius) {
-  std::vector<Atom> atoms;
-  for (std::size_t axis = 0; axis < 3; ++axis)
-    for (const double sign : {-1, 1}) {
-      Vec3 center;
-      center[axis] = sign * distance;
-      atoms.push_back({center, radius});
-    }
-  return rotated(atoms);
 }
 
 /// Atoms on a sphere around the origin, on a spiral of the golden angle.

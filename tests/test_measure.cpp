@@ -16,6 +16,7 @@
 #include "eses/measure.hpp"
 #include "support/atom_lists.hpp"
 #include "support/atom_sets.hpp"
+#include "support/measured_sets.hpp"
 #include "support/near_degenerate.hpp"
 
 namespace eses::detail::test {
@@ -30,32 +31,8 @@ Measures measure_atoms(const std::vector<Atom>& atoms, double probe,
   return measure(Surface(atoms), with_probe);
 }
 
-/// The atoms are rotated, so that their symmetries are not those of the axes.
-std::vector<Atom> rotated(std::vector<Atom> atoms) {
-  const Vec3 x{0.36, 0.48, 0.8}, y{0.8, -0.6, 0}, z = cross(x, y);
-  for (Atom& atom : atoms) atom.center = atom.center.x * x + atom.center.y * y + atom.center.z * z;
-  return atoms;
-}
-
 std::vector<Atom> pair_of_atoms(double radius, double distance) {
   return rotated({{{0, 0, 0}, radius}, {{distance, 0, 0}, radius}});
-}
-
-/// Six atoms of radius 1 around a hole that just holds a probe of radius `probe`, if `slack` is 0.
-std::vector<Atom> octahedron(double probe, double slack) {
-  std::vector<Atom> atoms;
-  for (std::size_t axis = 0; axis < 3; ++axis)
-    for (const double sign : {-1, 1}) {
-      Vec3 center;
-      center[axis] = sign * (1 + probe + slack);
-      atoms.push_back({center, 1});
-    }
-  return rotated(atoms);
-}
-
-/// Difference of two values, relative to the second one or to 1.
-double difference(double value, double expected) {
-  return std::fabs(value - expected) / std::max(1.0, std::fabs(expected));
 }
 
 void check_same(const Measures& a, const Measures& b, double relative) {
@@ -326,7 +303,7 @@ TEST_CASE("measure: equal atoms in equal places have equal areas") {
   const Measures three =
       measure_atoms(rotated({{{0, 0, 0}, 1.7}, {{3, 0, 0}, 1.7}, {{1.5, height, 0}, 1.7}}), 1.4,
                     {.by_atom = true});
-  const Measures six = measure_atoms(octahedron(0.7, 0.1), 0.7, {.by_atom = true});
+  const Measures six = measure_atoms(octahedron(1.8, 1), 0.7, {.by_atom = true});
   for (const Measures* measures : {&three, &six}) {
     REQUIRE(measures->ses_areas.concave > 0);
     const auto count = static_cast<double>(measures->by_atom.sas.size());
@@ -340,8 +317,8 @@ TEST_CASE("measure: equal atoms in equal places have equal areas") {
 
 TEST_CASE("measure: a probe that just fits into a hole adds its whole sphere") {
   const double p = 0.7;
-  const Measures with = measure_atoms(octahedron(p, 0), p);
-  const Measures without = measure_atoms(octahedron(p, -1e-7), p);
+  const Measures with = measure_atoms(octahedron(1 + p, 1), p);
+  const Measures without = measure_atoms(octahedron(1 + p - 1e-7, 1), p);
   CHECK(with.euler_number == without.euler_number + 2);
   CHECK(std::fabs(with.ses_area - without.ses_area - 4 * pi * p * p) < 1e-5);
   CHECK(std::fabs(without.ses_volume - with.ses_volume - 4 * pi / 3 * p * p * p) < 1e-5);

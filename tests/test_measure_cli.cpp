@@ -218,6 +218,8 @@ TEST_CASE("measure: parts bury the areas of closed forms") {
     REQUIRE(outcome.code == 0);
     check_near(box, outcome.out, "r['buried_sas_area']", sas);
     check_near(box, outcome.out, "r['buried_ses_area']", ses);
+    check_near(box, outcome.out, "r['parts'][0]['vdw_area']",
+               4 * std::numbers::pi * radius * radius);
     check_json(box, outcome.out, "r['other_atoms']", parts == "A|B" ? "1" : "0");
     const auto residues = rows_of(box.directory() / "parts/dimer.residues.csv");
     REQUIRE(residues.size() == (parts == "A|B" ? 2 : 3));

@@ -12,6 +12,7 @@
 #include "support/all_patches.hpp"
 #include "support/atom_sets.hpp"
 #include "support/brute_force.hpp"
+#include "surface/burial.hpp"
 #include "surface/patch_schedule.hpp"
 
 namespace eses::detail::test {
@@ -27,6 +28,27 @@ std::vector<Vec3> placement_centers(const AllPatches& all) {
   std::vector<Vec3> centers;
   for (const ProbePlacement& placement : all.placements()) centers.push_back(placement.center);
   return centers;
+}
+
+// A single patch of a sphere and a single cap.
+struct PatchAndCap {
+  double patch_radius = 0;  // angular radius in radians
+  double cap_radius = 0;
+  double angle = 0;  // between the centre of the patch and the axis of the cap
+};
+
+enum class Decision { settled, may_reach, apart };
+
+// Returns what the proof of burial decides about a patch and a cap.
+Decision decide(const PatchAndCap& pair, Vec3 patch, Vec3 across) {
+  constexpr double radius = 3;
+  CapList caps;
+  const double height = radius * std::cos(pair.cap_radius);
+  caps.push_back({std::cos(pair.angle) * patch + std::sin(pair.angle) * across, height, height});
+  BurialScratch scratch;
+  if (is_buried(caps, radius, BurialPatches({{patch}, pair.patch_radius}), scratch))
+    return Decision::settled;
+  return scratch.relevant.empty() ? Decision::apart : Decision::may_reach;
 }
 
 // Where two circles just touch, the point is not an end of an arc but lies on one.
@@ -270,6 +292,36 @@ TEST_CASE("a sweep holds few patches at a time, and all that its blocks need") {
     CHECK(faces > 3000);
     INFO("with a giant atom: " << with_giant);
     if (!with_giant) CHECK(largest < all.patches.clusters().count() / 2);
+  }
+}
+
+TEST_CASE("rounding never decides that a cap covers a patch, or cannot reach it") {
+  Random random(31);
+  constexpr double max_error = 5e-4;  // of cosines, above the slack of both limits
+  for (int i = 0; i < 20000; ++i) {
+    Vec3 patch{random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)};
+    // Components of 1 and 0 are the extreme ones.
+    if (i % 4 == 0) patch = {0, 0, i % 8 == 0 ? 1.0 : -1.0};
+    if (squared_norm(patch) < 1e-2) continue;
+    patch = normalized(patch);
+    Vec3 across = cross(patch, {random.uniform(-1, 1), random.uniform(-1, 1), 0.5});
+    if (i % 12 == 0) across = {1, 0, 0};
+    across = normalized(across);
+    const double patch_radius = random.uniform(0.05, 0.3), beyond = random.uniform(0, 1e-6);
+    const double angle = random.uniform(0, 1.2);
+    const auto at = [&](double cap_radius) {
+      return decide({patch_radius, cap_radius, angle}, patch, across);
+    };
+    INFO("patch radius " << patch_radius << ", angle " << angle);
+    // The cap ends just before the far end of the patch, or clearly beyond it.
+    REQUIRE(at(patch_radius + angle - beyond) != Decision::settled);
+    const double larger = std::acos(std::cos(angle) - max_error);
+    REQUIRE(at(patch_radius + larger) == Decision::settled);
+    // The cap ends just beyond the near end of the patch, or clearly before it.
+    if (angle < 1.5 * patch_radius) continue;
+    REQUIRE(at(angle - patch_radius + beyond) != Decision::apart);
+    const double smaller = std::acos(std::cos(angle) + max_error);
+    if (smaller > patch_radius + 0.01) REQUIRE(at(smaller - patch_radius) == Decision::apart);
   }
 }
 

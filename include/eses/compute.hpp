@@ -141,6 +141,11 @@ Result compute(const Surface& surface, const Grid& grid, const Parts& parts,
 /// excluded the inside points or the crossings, and all exceptions of `check`.
 Mesh make_mesh(const Result& result, const CheckCallback& check = {});
 
+/// Does the same with triangles of quality, as MeshOptions::quality describes. The vertices are
+/// some of the crossings, in the same order; one whose crossing coincides with a grid point is 1e-6
+/// of the spacing away from that point.
+Mesh make_quality_mesh(const Result& result, const CheckCallback& check = {});
+
 /// A solved block of the grid. The object is a view, which is valid during the callback.
 class Block {
  public:

@@ -8,12 +8,27 @@
 
 namespace eses {
 
-/// Colours of the vertices of a PLY or VTP file.
+/// Colours of the vertices of a PLY, OBJ, VTP or glTF file.
 enum class MeshColor {
-  none,   ///< No colours.
-  patch,  ///< Different colours for convex, saddle and concave patches.
-  atom,   ///< A colour for the first adjacent atom.
-  chain,  ///< A colour for the chain of the first adjacent atom; needs labels.
+  none,       ///< No colours.
+  patch,      ///< Different colours for convex, saddle and concave patches.
+  atom,       ///< A colour for the first adjacent atom.
+  chain,      ///< A colour for the chain of the first adjacent atom; needs labels.
+  potential,  ///< Red, white and blue for a potential; needs MeshOptions::potential.
+};
+
+/// A map of an electrostatic potential, from which the vertices of a mesh get values and colours.
+/// The values are interpolated linearly. The map is in memory during the whole run, with four bytes
+/// for each value.
+struct MeshPotential {
+  /// OpenDX file with values in kT/e, such as those of APBS; may be compressed (.gz). It must
+  /// contain all vertices, moved by `offset`.
+  std::filesystem::path file;
+  /// Distance from the vertex, outward along its normal, at which the value is taken; angstrom, at
+  /// least 0.
+  double offset = 0;
+  /// End of the scale of colours, which begins at the negative value; kT/e, more than 0.
+  double limit = 5;
 };
 
 /// A mesh file, or the pair of mesh files of MSMS.
@@ -24,6 +39,11 @@ struct MeshOptions {
   std::filesystem::path file;
   MeshColor color = MeshColor::none;  ///< Colours, in PLY, OBJ, VTP and glTF files only.
   bool is_ascii = false;              ///< Whether a PLY file is text instead of binary.
+  /// Whether triangles with small angles are removed or improved. Vertices are then a part of the
+  /// crossings. doc/meshes.md describes the method.
+  bool quality = false;
+  /// A potential, only with MeshColor::potential. PLY and VTP files have its values, too.
+  std::optional<MeshPotential> potential = {};
 };
 
 /// Maps of the dielectric for finite-difference Poisson-Boltzmann solvers, such as APBS with

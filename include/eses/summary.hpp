@@ -38,6 +38,16 @@ struct MeshCounts {
   std::uint64_t triangles = 0;  ///< Number of triangles.
 };
 
+/// Angles of the triangles of a mesh with MeshOptions::quality.
+struct MeshQuality {
+  double smallest_angle = 0;           ///< Smallest angle of all triangles, in degrees.
+  std::uint64_t below_20 = 0;          ///< Number of triangles with an angle below 20 degrees.
+  std::uint64_t below_5 = 0;           ///< Number of triangles with an angle below 5 degrees.
+  std::uint64_t at_cusps = 0;          ///< Number of triangles at cusps: normals of the surface at
+                                       ///< two corners form an angle of more than 60 degrees.
+  std::uint64_t below_5_at_cusps = 0;  ///< Number of triangles at cusps among `below_5`.
+};
+
 /// Totals of the points and edges that were computed.
 ///
 /// With the spacing h, the outward unit normal n of a crossing on an edge along `axis`, and sums
@@ -78,6 +88,7 @@ struct Summary {
   std::vector<FilledCavity> filled_cavities;
   std::uint64_t bytes_written = 0;           ///< Total size of all files, in bytes.
   std::optional<MeshCounts> mesh;            ///< Size of the mesh, if there is one.
+  std::optional<MeshQuality> mesh_quality;   ///< Angles, if MeshOptions::quality is set.
   std::optional<Verification> verification;  ///< Result of the verification, if there was one.
   PhaseSeconds seconds;                      ///< Times.
 };

@@ -41,17 +41,18 @@ _eses_blocks() {
       ;;
     --parts) COMPREPLY=($(compgen -W chains -- "$cur")) && return ;;
     --csv) _filedir csv && return ;;
-    --color) COMPREPLY=($(compgen -W 'patch atom chain' -- "$cur")) && return ;;
+    --color) COMPREPLY=($(compgen -W 'patch atom chain potential' -- "$cur")) && return ;;
     --mesh) _filedir '@(ply|obj|off|vtp|stl|glb|vert|face)' && return ;;
     --inside) _filedir '@(dx|dx.gz|vti)' && return ;;
-    --kappa) _filedir 'dx?(.gz)' && return ;;
+    --kappa | --potential) _filedir 'dx?(.gz)' && return ;;
     --grid-like) _filedir '@(dx|vti|txt)?(.gz)' && return ;;
     --dielectric) _filedir && return ;;
     --output-dir | -o) _filedir -d && return ;;
     # These options take numbers, which cannot be completed.
     --probe-radius | --spacing | --margin | --threads | -t | --block-size | -b | --max-memory | \
       --region | --blocks | --tolerance | --grid-origin | --grid-center | --grid-points | \
-      --solute-dielectric | --solvent-dielectric | --ion-radius) return ;;
+      --solute-dielectric | --solvent-dielectric | --ion-radius | --potential-offset | \
+      --potential-limit) return ;;
   esac
   if $split; then return; fi
 

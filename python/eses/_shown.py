@@ -82,6 +82,27 @@ def _k3d_plot(mesh):
     return plot
 
 
+# What the descriptions of both show() have at {page}.
+_PAGE_PARAMETERS = """\
+backend : str
+    ``page`` for a page that is complete in itself, or ``k3d`` for a plot of k3d, in the colours
+    of the patches.
+title : str
+    The name of the molecule in the page.
+height : int
+    The height of the page in the notebook, in pixels.
+
+Returns
+-------
+Page or k3d.plot.Plot
+    An object that notebooks display. ``save(path)`` of a page writes it to a file.
+
+Raises
+------
+ImportError
+    If k3d is chosen and not installed."""
+
+
 def _show(mesh, atoms, color, style, backend, title, height):
     if backend not in ("page", "k3d"):
         raise ValueError("backend must be page or k3d")
@@ -96,23 +117,7 @@ def mesh_show(self, color=None, *, backend="page", title="surface", height=560):
     ----------
     color : str, optional
         The first colours: ``patch`` (the default), ``atom`` or ``plain``.
-    backend : str
-        ``page`` for a page that is complete in itself, or ``k3d`` for a plot of k3d, in the colours
-        of the patches.
-    title : str
-        The name of the molecule in the page.
-    height : int
-        The height of the page in the notebook, in pixels.
-
-    Returns
-    -------
-    Page or k3d.plot.Plot
-        An object that notebooks display. ``save(path)`` of a page writes it to a file.
-
-    Raises
-    ------
-    ImportError
-        If k3d is chosen and not installed.
+    {page}
     ValueError
         If the mesh has no triangles, or an argument is unknown.
     """
@@ -134,23 +139,7 @@ def surface_show(self, spacing=0.4, atoms=None, *, color=None, style="none", bac
         ``area`` or ``plain``.
     style : str
         How atoms are drawn at first: ``none``, ``sticks``, ``balls`` or ``spheres``.
-    backend : str
-        ``page`` for a page that is complete in itself, or ``k3d`` for a plot of k3d, in the colours
-        of the patches.
-    title : str
-        The name of the molecule in the page.
-    height : int
-        The height of the page in the notebook, in pixels.
-
-    Returns
-    -------
-    Page or k3d.plot.Plot
-        An object that notebooks display. ``save(path)`` of a page writes it to a file.
-
-    Raises
-    ------
-    ImportError
-        If k3d is chosen and not installed.
+    {page}
     ValueError
         If the number of atoms is not that of the surface, or an argument is unknown.
     """
@@ -274,6 +263,6 @@ def add_methods(mesh, result, surface):
         for method in methods:
             name = method.__name__.partition("_")[2]
             method.__name__, method.__module__ = name, "eses"
-            method.__doc__ = inspect.cleandoc(method.__doc__)
+            method.__doc__ = inspect.cleandoc(method.__doc__).replace("{page}", _PAGE_PARAMETERS)
             method.__qualname__ = f"{owner.__name__}.{name}"
             setattr(owner, name, method)

@@ -35,7 +35,8 @@ probe_radius : float, optional
     Radius of the probe, in angstrom: 0, or 0.01 to 1000. The default is that of the surface. With 0,
     all surfaces are the van der Waals surface.
 van_der_waals : bool, optional
-    Whether to measure the van der Waals surface, too. This takes about as long as the rest.
+    Whether to measure the van der Waals surface, too. This takes three quarters of the time of
+    the rest.
 by_atom : bool, optional
     Whether to divide the areas among the atoms.
 derivatives : bool, optional

@@ -49,7 +49,7 @@ constexpr const char* crossings_text = R"(Crossings: crossings of grid edges wit
 With a region, the crossings are those of the edges whose lower ends are in it. Raises ValueError if
 the surface was computed with ``crossings=False``.)";
 
-constexpr const char* mesh_text = R"(mesh(self)
+constexpr const char* mesh_text = R"(mesh(self, *, quality=False)
 --
 
 Make a triangle mesh of the surface.
@@ -57,6 +57,12 @@ Make a triangle mesh of the surface.
 The mesh covers the cells of the grid that have all their corners in the region, and has one vertex
 for each crossing of an edge with both ends in the region. With a region it is open and ends one cell
 before the mesh that ``eses-blocks --mesh --region`` writes.
+
+Parameters
+----------
+quality : bool, default False
+    Improve the triangles, as ``eses-blocks --mesh-quality`` does. The vertices are then some of the
+    crossings, in the same order.
 
 Returns
 -------
@@ -78,14 +84,16 @@ memory with the mesh.)";
 
 using InsideArray = py::array_t<bool, py::array::f_style | py::array::forcecast>;
 
-std::shared_ptr<Mesh> mesh_of(const ComputedResult& result) {
+std::shared_ptr<Mesh> mesh_of(const ComputedResult& result, bool quality) {
   if (!result.parts().inside || !result.parts().crossings)
     throw py::value_error(
         "a mesh needs the inside points and the crossings, which were not both chosen; compute "
         "with inside=True and crossings=True");
   const py::gil_scoped_release unlocked;
   Interrupts interrupts;
-  return std::make_shared<Mesh>(make_mesh(result, [&interrupts] { interrupts.check(); }));
+  const auto check = [&interrupts] { interrupts.check(); };
+  return std::make_shared<Mesh>(quality ? make_quality_mesh(result, check)
+                                        : make_mesh(result, check));
 }
 
 py::array inside_of(const py::object& self) {
@@ -287,7 +295,7 @@ void bind_result(py::module_& module) {
           "axis.")
       .def_property_readonly("inside", &inside_of, inside_text)
       .def_property_readonly("crossings", &crossings_of, crossings_text)
-      .def("mesh", &mesh_of, mesh_text)
+      .def("mesh", &mesh_of, py::kw_only(), py::arg("quality") = false, mesh_text)
       .def("__repr__", &text_of)
       .def(py::pickle(&result_state, &result_of_state));
   protect_instances(type);

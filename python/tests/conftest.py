@@ -3,6 +3,7 @@
 import os
 import pathlib
 import subprocess
+import sys
 
 import numpy as np
 import pytest
@@ -11,6 +12,8 @@ import eses
 
 PROJECT = pathlib.Path(__file__).resolve().parents[2]
 DATA = PROJECT / "data"
+
+sys.path.insert(0, str(PROJECT / "scripts/lib"))  # modules of the scripts
 
 
 @pytest.fixture(scope="session")
@@ -40,6 +43,17 @@ def ubiquitin():
 @pytest.fixture(scope="session")
 def ubiquitin_surface(ubiquitin):
     return eses.Surface(ubiquitin.centers, ubiquitin.radii)
+
+
+@pytest.fixture(scope="session")
+def fasciculin():
+    """Returns atoms with names."""
+    return eses.read_atoms(DATA / "fas2.pqr")
+
+
+@pytest.fixture(scope="session")
+def fasciculin_surface(fasciculin):
+    return eses.Surface(fasciculin.centers, fasciculin.radii)
 
 
 @pytest.fixture(scope="session")

@@ -13,33 +13,24 @@ from conftest import DATA
 
 
 @pytest.fixture(scope="module")
-def atoms():
-    return eses.read_atoms(DATA / "fas2.pqr")
-
-
-@pytest.fixture(scope="module")
-def surface(atoms):
-    return eses.Surface(atoms.centers, atoms.radii)
-
-
-@pytest.fixture(scope="module")
-def result(surface):
-    return surface.compute(surface.grid(1.0, margin=2.0))  # does not cut the surface
+def result(fasciculin_surface):
+    grid = fasciculin_surface.grid(1.0, margin=2.0)  # does not cut the surface
+    return fasciculin_surface.compute(grid)
 
 
 def data_of(page):
     return json.loads(re.search(r'id="molecules">(.*?)</script>', str(page), re.DOTALL)[1])
 
 
-def test_surface_shows_its_atoms(atoms, surface, tmp_path):
-    page = surface.show(1.0, atoms, color="chain", style="sticks", title="fas2")
+def test_surface_shows_its_atoms(fasciculin, fasciculin_surface, tmp_path):
+    page = fasciculin_surface.show(1.0, fasciculin, color="chain", style="sticks", title="fas2")
     data = data_of(page)
     molecule, = data["molecules"]
     assert data["settings"] == {"color": "chain", "style": "sticks", "opacity": 45}
     assert molecule["name"] == "fas2"
     assert molecule["residues"][1] == ["THR", "544", ""]
     assert {array["rows"] for array in molecule["arrays"] if array["name"] == "center"} == {
-        len(atoms)}
+        len(fasciculin)}
     page.save(tmp_path / "fas2.html")
     assert (tmp_path / "fas2.html").read_text(encoding="utf-8") == str(page)
     assert page._repr_html_().startswith("<iframe srcdoc=")
@@ -53,7 +44,8 @@ def test_mesh_shows_itself(result):
     assert molecule["triangles"] == len(mesh.faces)
 
 
-def test_unknown_arguments_are_refused(atoms, surface, result):
+def test_unknown_arguments_are_refused(fasciculin_surface, result):
+    surface = fasciculin_surface
     for call in (lambda: result.mesh().show("blue"), lambda: surface.show(1.0, style="dots"),
                  lambda: surface.show(1.0, backend="paper"),
                  lambda: surface.show(1.0, eses.read_atoms(DATA / "c60.xyzr")),
@@ -62,14 +54,13 @@ def test_unknown_arguments_are_refused(atoms, surface, result):
             call()
 
 
-def test_residue_table_is_that_of_the_program(atoms, result, run_program, tmp_path):
+def test_residue_table_is_that_of_the_program(fasciculin, result, run_program, tmp_path):
     pandas = pytest.importorskip("pandas")
     run_program(DATA / "fas2.pqr", "--spacing", "1", "--margin", "2", "--write", "residues", "-o",
                 tmp_path)
     file = pandas.read_csv(tmp_path / "residue_area.csv", keep_default_na=False,
                            dtype={"residue_number": str, "chain": str})
-    surface = eses.Surface(atoms.centers, atoms.radii)
-    table = surface.compute(surface.grid(1.0, 2.0)).residue_table(atoms)
+    table = result.residue_table(fasciculin)
     assert list(table.columns) == list(file.columns)
     for name in ("chain", "residue_number", "residue", "atoms"):
         assert table[name].tolist() == file[name].tolist()
@@ -92,7 +83,8 @@ def test_meshes_of_pyvista_have_the_area(result):
     assert np.array_equal(mesh.point_data["atom"], result.mesh().atoms)
 
 
-def test_data_sets_of_xarray_have_the_region(surface):
+def test_data_sets_of_xarray_have_the_region(fasciculin_surface):
+    surface = fasciculin_surface
     pytest.importorskip("xarray")
     grid = surface.grid(1.0)
     part = surface.compute(grid, region=((5, 5, 5), (15, 20, 25))).to_xarray()

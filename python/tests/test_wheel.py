@@ -57,7 +57,7 @@ def test_wheel_is_built_and_installed(environment, tmp_path):
     names = zipfile.ZipFile(wheel).namelist()
     assert all(name.startswith(("eses/", "eses_blocks-")) for name in names), names
     assert {"eses/__init__.py", "eses/_core.pyi", "eses/_page.py", "eses/_shown.py", "eses/py.typed",
-            "eses/viewer/viewer.js"} < set(names)
+            "eses/head.html", "eses/viewer/viewer.js"} < set(names)
 
     done = run(pip, "install", "--no-cache-dir", wheel, env=clean)
     assert done.returncode == 0, done.stdout + done.stderr

@@ -16,7 +16,7 @@ VTK_TYPES = {"Int8": "i1", "UInt8": "u1", "Int16": "i2", "UInt16": "u2", "Int32"
              "UInt32": "u4", "Int64": "i8", "UInt64": "u8", "Float32": "f4", "Float64": "f8"}
 
 # values: a dictionary from names to arrays with a row for each vertex: patch, atom, chain, residue,
-# component and color, if the file has them. chains, residues: names by number.
+# component, color and potential (kT/e), if the file has them. chains, residues: names by number.
 Mesh = collections.namedtuple("Mesh", "points normals triangles values chains residues")
 
 
@@ -64,8 +64,8 @@ def read_ply(path):
         faces = numpy.array([line.split()[1:] for line in
                              lines[counts["vertex"]:counts["vertex"] + counts["face"]]], "i4")
     names = [name for name, _ in fields]
-    values = {name: columns[name] for name in ("patch", "atom", "chain", "residue", "component")
-              if name in names}
+    values = {name: columns[name] for name in ("patch", "atom", "chain", "residue", "component",
+                                               "potential") if name in names}
     if "red" in names:
         values["color"] = stack(columns, "red", "green", "blue")
     return Mesh(stack(columns, "x", "y", "z"), stack(columns, "nx", "ny", "nz"), faces, values,

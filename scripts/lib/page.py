@@ -21,7 +21,8 @@ try:
 except ImportError:
     numpy = None  # fill() needs none
 
-PARTS = pathlib.Path(__file__).resolve().parent / "viewer"
+FOLDER = pathlib.Path(__file__).resolve().parent  # head.html is the head of all pages
+PARTS = FOLDER / "viewer"
 SCHEMES = ("patch", "atom", "element", "chain", "residue", "area", "component", "potential", "file",
            "plain")
 STYLES = ("none", "sticks", "balls", "spheres")
@@ -198,15 +199,22 @@ def script_text(value):
     return json.dumps(value, ensure_ascii=True).replace("<", "\\u003c")
 
 
+def replace_fields(text, fields):
+    """Returns the text with the value of each {{name}}."""
+    pieces = text.split("{{")  # each piece but the first begins with a name
+    return pieces[0] + "".join(
+        fields[name] + rest for name, _, rest in (piece.partition("}}") for piece in pieces[1:]))
+
+
 def fill(folder, scripts, fields):
     """Returns page.html of the folder with its style, these scripts and other fields."""
     def part(name):
         return (folder / name).read_text(encoding="utf-8")
 
-    fields = {**fields, "style": part("style.css"), "script": "\n".join(map(part, scripts))}
-    pieces = part("page.html").split("{{")  # each piece but the first begins with a name
-    return pieces[0] + "".join(
-        fields[name] + rest for name, _, rest in (piece.partition("}}") for piece in pieces[1:]))
+    head = replace_fields((FOLDER / "head.html").read_text(encoding="utf-8"),
+                          {**fields, "style": part("style.css")})
+    return replace_fields(part("page.html"),
+                          {**fields, "head": head, "script": "\n".join(map(part, scripts))})
 
 
 def make_page(molecules, title, color=None, style="none", opacity=None, potential_limit=None):

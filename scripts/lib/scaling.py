@@ -22,8 +22,10 @@ INFINITY = math.inf
 
 def source_constant(path, name):
     """Returns the value of a constant in a file of src/: a number, a product with `mebibyte`, or a
-    power of two such as `std::size_t{1} << 16`."""
-    found = re.search(rf"\b{name} = ([^;,]+)[;,]", (PROJECT / "src" / path).read_text("utf-8"))
+    power of two such as `std::size_t{1} << 16`. The size of a struct, such as `sizeof(Atom)`, is
+    that of a static_assert."""
+    found = re.search(rf"\b{re.escape(name)} ==? ([^;,]+?)\)?[;,]",
+                      (PROJECT / "src" / path).read_text("utf-8"))
     if not found:
         raise LookupError(f"src/{path} has no constant {name}")
     factors, _, shift = found[1].partition("<<")
@@ -40,8 +42,9 @@ ESTIMATE = {name: source_constant("run/slabs.cpp", f"seconds_per_{name}")
                          "point_text")}
 HALO_SLACK, REACH_SLACK = 1.0, 1e-3  # angstrom: slabs.cpp, src/surface/reach.hpp
 
-# Bytes of SentAtom, ChunkInfo and AtomSum in src/run and src/distributed.
-SENT_ATOM, CHUNK_INFO, AREA_SHARE = 48, 208, 32
+SENT_ATOM = source_constant("run/slabs.cpp", "sizeof(SentAtom)")
+CHUNK_INFO, AREA_SHARE = (source_constant("distributed/checkpoint.cpp", f"sizeof({name})")
+                          for name in ("ChunkInfo", "AtomSum"))
 BASE_MEMORY = source_constant("run/memory.cpp", "base_bytes")
 THREAD_MEMORY = source_constant("run/memory.cpp", "bytes_per_thread")
 MPI_MEMORY = 14 * 2**20  # src/distributed/processes_mpi.cpp

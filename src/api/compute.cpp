@@ -333,13 +333,25 @@ Result compute(const Surface& surface, const Grid& grid, const RunOptions& optio
   return detail::ResultBuilder::compute(surface, grid, options, parts);
 }
 
-Mesh make_mesh(const Result& result, const CheckCallback& check) {
+namespace {
+
+Mesh mesh_of(const Result& result, const CheckCallback& check, bool quality) {
   if (!result.parts().inside || !result.parts().crossings)
     throw std::invalid_argument(
         "a mesh needs ResultParts::inside and ResultParts::crossings, which were not both chosen");
   require_values(result.inside());
   return detail::make_mesh(result.grid(), result.region(), result.inside(), result.crossings(),
-                           check);
+                           check, quality);
+}
+
+}  // namespace
+
+Mesh make_mesh(const Result& result, const CheckCallback& check) {
+  return mesh_of(result, check, false);
+}
+
+Mesh make_quality_mesh(const Result& result, const CheckCallback& check) {
+  return mesh_of(result, check, true);
 }
 
 Summary for_each_block(const Surface& surface, const Grid& grid, const BlockCallback& callback,

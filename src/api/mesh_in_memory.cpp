@@ -1,9 +1,12 @@
 #include "api/mesh_in_memory.hpp"
 
+#include <algorithm>
 #include <cstddef>
 #include <utility>
+#include <vector>
 
 #include "grid/block_crossing.hpp"
+#include "mesh/quality_mesh.hpp"
 #include "mesh/triangulate.hpp"
 #include "mesh/vertex.hpp"
 
@@ -21,8 +24,10 @@ detail::BlockCrossing as_in_blocks(const eses::Crossing& crossing) {
   return result;
 }
 
-void add_vertex(const eses::Grid& grid, const eses::Crossing& crossing, Mesh& mesh) {
-  const mesh::Vertex vertex = mesh::make_vertex(grid, crossing.lower, as_in_blocks(crossing));
+void add_vertex(const eses::Grid& grid, const eses::Crossing& crossing, double clearance,
+                Mesh& mesh) {
+  const mesh::Vertex vertex =
+      mesh::make_vertex(grid, crossing.lower, as_in_blocks(crossing), clearance);
   mesh.vertices.push_back(vertex.position);
   mesh.normals.push_back(vertex.normal);
   mesh.atoms.push_back(vertex.first_atom());
@@ -33,8 +38,13 @@ void add_vertex(const eses::Grid& grid, const eses::Crossing& crossing, Mesh& me
 class RowMaker {
  public:
   RowMaker(const eses::Grid& grid, const GridRegion& region, std::span<const std::uint8_t> inside,
-           std::span<const eses::Crossing> crossings, Mesh& mesh)
-      : grid_(grid), region_(region), inside_(inside), crossings_(crossings), mesh_(mesh) {}
+           std::span<const eses::Crossing> crossings, double clearance, Mesh& mesh)
+      : grid_(grid),
+        region_(region),
+        inside_(inside),
+        crossings_(crossings),
+        clearance_(clearance),
+        mesh_(mesh) {}
 
   // Makes the next row, which has these indices in the grid.
   void make(std::int64_t y, std::int64_t z, mesh::Row& row) {
@@ -50,7 +60,7 @@ class RowMaker {
       if (!region_.contains(crossing.upper())) continue;
       row.edges.push_back(mesh::edge_key(
           static_cast<std::uint64_t>(crossing.lower[0] - region_.begin[0]), crossing.axis));
-      add_vertex(grid_, crossing, mesh_);
+      add_vertex(grid_, crossing, clearance_, mesh_);
     }
   }
 
@@ -63,29 +73,77 @@ class RowMaker {
   const GridRegion& region_;
   std::span<const std::uint8_t> inside_;
   std::span<const eses::Crossing> crossings_;
+  double clearance_;
   Mesh& mesh_;
   std::size_t point_ = 0, next_ = 0;
 };
+
+// The indices of the rows of a mesh, and the number of vertices before each.
+struct RowBegin {
+  std::int64_t y, z;
+  std::uint64_t first_vertex;
+};
+
+Mesh improve(const Mesh& plain, std::span<const RowBegin> rows, double spacing,
+             const CheckCallback& check) {
+  Mesh mesh;
+  mesh::QualityMesh* improved = nullptr;
+  mesh::QualityMesh quality_mesh(spacing, {.vertex =
+                                               [&](std::uint64_t vertex) {
+                                                 mesh.vertices.push_back(plain.vertices[vertex]);
+                                                 mesh.normals.push_back(plain.normals[vertex]);
+                                                 mesh.atoms.push_back(plain.atoms[vertex]);
+                                                 mesh.patches.push_back(plain.patches[vertex]);
+                                               },
+                                           .triangle =
+                                               [&](const mesh::Triangle& triangle) {
+                                                 mesh::Triangle& numbers =
+                                                     mesh.faces.emplace_back(triangle);
+                                                 for (std::uint64_t& vertex : numbers)
+                                                   vertex = improved->new_number(vertex);
+                                               }});
+  improved = &quality_mesh;
+  std::uint64_t next = 0;
+  auto row = rows.begin();
+  for (const mesh::Triangle& triangle : plain.faces) {
+    for (; next <= *std::max_element(triangle.begin(), triangle.end()); ++next) {
+      for (; row + 1 != rows.end() && (row + 1)->first_vertex <= next; ++row)
+        if (check) check();
+      quality_mesh.add_vertex({.position = plain.vertices[next],
+                               .normal = plain.normals[next],
+                               .y = static_cast<std::int32_t>(row->y),
+                               .z = static_cast<std::int32_t>(row->z),
+                               .patch = plain.patches[next]});
+    }
+    quality_mesh.add_triangle(triangle);
+  }
+  quality_mesh.finish();
+  return mesh;
+}
 
 }  // namespace
 
 Mesh make_mesh(const eses::Grid& grid, const GridRegion& region,
                std::span<const std::uint8_t> inside, std::span<const eses::Crossing> crossings,
-               const CheckCallback& check) {
+               const CheckCallback& check, bool quality) {
   Mesh mesh;
-  RowMaker rows(grid, region, inside, crossings, mesh);
+  RowMaker rows(grid, region, inside, crossings, quality ? mesh::coincidence : mesh::clearance,
+                mesh);
+  std::vector<RowBegin> row_begins;
   const auto rows_of_plane = static_cast<std::size_t>(region.size()[1]);
   std::vector<mesh::Row> below(rows_of_plane), plane(rows_of_plane);
   for (std::int64_t z = region.begin[2]; z < region.end[2]; ++z) {
     if (check) check();
-    for (std::size_t y = 0; y < rows_of_plane; ++y)
+    for (std::size_t y = 0; y < rows_of_plane; ++y) {
+      if (quality) row_begins.push_back({static_cast<std::int64_t>(y), z, mesh.vertices.size()});
       rows.make(region.begin[1] + static_cast<std::int64_t>(y), z, plane[y]);
+    }
     for (std::size_t y = 1; z > region.begin[2] && y < rows_of_plane; ++y)
       mesh::triangulate({&below[y - 1], &below[y], &plane[y - 1], &plane[y]}, region.size()[0],
                         mesh.faces);
     std::swap(below, plane);
   }
-  return mesh;
+  return quality ? improve(mesh, row_begins, grid.spacing, check) : mesh;
 }
 
 }  // namespace eses::detail

@@ -10,9 +10,10 @@
 namespace eses::detail {
 
 /// Returns the mesh of the cells that have all their corners in a region. `inside` and `crossings`
-/// are the values of a Result. `check` is called for every plane, if it is not empty.
+/// are the values of a Result. `check` is called for every plane, if it is not empty. See
+/// MeshOptions::quality for `quality`.
 Mesh make_mesh(const eses::Grid& grid, const GridRegion& region,
                std::span<const std::uint8_t> inside, std::span<const eses::Crossing> crossings,
-               const CheckCallback& check);
+               const CheckCallback& check, bool quality = false);
 
 }  // namespace eses::detail

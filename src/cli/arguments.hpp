@@ -52,6 +52,21 @@ Format<Value> one_of(const std::vector<std::pair<std::string, Value>>& choices) 
   return {read, expected};
 }
 
+/// Sets the members of `choice` that a list of names stands for, such as `atoms,chains`. A name may
+/// stand for several members. Returns nothing if a name is unknown.
+template <class Choice>
+std::optional<Choice> choice_in(
+    const std::string& list, Choice choice,
+    const std::vector<std::pair<std::string_view, bool Choice::*>>& members) {
+  for (const std::string& name : CLI::detail::split(list, ',')) {
+    bool is_known = false;
+    for (const auto& [member_name, member] : members)
+      if (member_name == name) choice.*member = is_known = true;
+    if (!is_known) return std::nullopt;
+  }
+  return choice;
+}
+
 /// Throws UsageError for an unaccepted value of an option or environment variable.
 [[noreturn]] void refuse(std::string_view name, std::string_view value, std::string_view expected);
 

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "input/text_source.hpp"
 #include "system/formatted.hpp"
 
 namespace eses::detail::cli {
@@ -90,8 +91,8 @@ DiagnosticText describe(const Diagnostic& diagnostic, const LineOf& line_of,
   for (const auto& [atom, other] : diagnostic.examples)
     text.examples.push_back({atom, line_of(atom), atom != other, other, line_of(other),
                              label_text(labels, atom), label_text(labels, other)});
-  text.message = formatted("{}: {} {}: {}", input == "-" ? "<stdin>" : input.string(), text.count,
-                           text.short_text, lines_text(text, wording.relation));
+  text.message = formatted("{}: {} {}: {}", input_name(input), text.count, text.short_text,
+                           lines_text(text, wording.relation));
   return text;
 }
 

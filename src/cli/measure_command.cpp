@@ -13,7 +13,6 @@
 #include <stdexcept>
 #include <string>
 #include <string_view>
-#include <system_error>
 #include <utility>
 #include <vector>
 
@@ -22,6 +21,7 @@
 #include "cli/measure_report.hpp"
 #include "cli/measured_file.hpp"
 #include "cli/messages.hpp"
+#include "cli/options.hpp"
 #include "eses/error.hpp"
 #include "output/output_directory.hpp"
 #include "output/output_file.hpp"
@@ -102,11 +102,9 @@ void check_outputs(const MeasureCommandOptions& options, const std::vector<std::
     const auto path = std::filesystem::absolute(output).lexically_normal();
     if (!seen.emplace(path, output).second)
       throw Error(formatted("{} would be written twice; use separate output directories", output));
-    for (const std::filesystem::path& input : options.inputs) {
-      std::error_code error;  // set if a file does not exist
-      if (std::filesystem::equivalent(input == "-" ? "/dev/stdin" : input, output, error) && !error)
+    for (const std::filesystem::path& input : options.inputs)
+      if (is_same_file(input, output))
         throw Error(formatted("{} is an input file, and would be overwritten", output));
-    }
   }
 }
 
@@ -121,9 +119,9 @@ class Reporter {
  public:
   Reporter(const MeasureCommandOptions& options, OutputFile* csv) : options_(options) {
     if (csv != nullptr) csv_.emplace(*csv, false);
-    append_csv(measure_csv_heading(options.parts, options.cavities));
+    append_csv(measure_csv_heading(options));
     if (options.inputs.size() > 1 && !options.quiet && !options.json)
-      print(measure_heading(options.parts, options.cavities));
+      print(measure_heading(options));
   }
 
   void take(std::size_t index, Outcome outcome) {
@@ -168,17 +166,12 @@ void write_tables(const MeasuredFile& file, const TableChoice& choice,
     table.write(file.table(), [&](std::string_view text) { writer.append(text); });
     files.back()->close();
   }
-  try {
-    for (const auto& output : files) output->commit();
-  } catch (...) {
-    for (const auto& output : files) output->withdraw();
-    throw;
-  }
+  commit_all(files);
 }
 
 std::string text_of(const MeasureCommandOptions& options, const MeasuredFile& file) {
-  if (options.json) return measure_json(file);
-  return options.inputs.size() > 1 ? measure_line(file) : measure_text(file, options.quiet);
+  if (options.json) return measure_json(options, file);
+  return options.inputs.size() > 1 ? measure_line(options, file) : measure_text(options, file);
 }
 
 /// Returns the message of an exception that ends the work on a file, with the name of the file.
@@ -200,7 +193,7 @@ Outcome outcome_of(const MeasureCommandOptions& options, const std::filesystem::
     if (!outcome.errors.empty()) return outcome;
     if (directory != nullptr) write_tables(file, options.tables, *directory);
     outcome.text = text_of(options, file);
-    outcome.csv = measure_csv_line(file);
+    outcome.csv = measure_csv_line(options, file);
   } catch (const Error& error) {
     outcome.errors.push_back(message_of(error, path));
   } catch (const std::invalid_argument& error) {
@@ -216,7 +209,7 @@ int measure_files(const MeasureCommandOptions& options) {
   const Paths paths = paths_of(options);
   check_outputs(options, paths.final);
   InterruptibleRun interruptible(paths.temporaries, paths.locks);
-  std::optional<OutputDirectory> directory, csv_place;
+  std::optional<OutputDirectory> directory, directory_of_csv;
   std::optional<OutputFile> csv;
   if (options.tables.any()) {
     directory.emplace(directory_of(options));
@@ -224,9 +217,9 @@ int measure_files(const MeasureCommandOptions& options) {
   }
   if (!options.csv.empty()) {
     const std::string name = options.csv.filename();
-    csv_place.emplace(csv_directory(options), name);
-    csv_place->remove_abandoned([&](std::string_view file) { return file == name; });
-    csv.emplace(*csv_place, name);
+    directory_of_csv.emplace(csv_directory(options), name);
+    directory_of_csv->remove_abandoned([&](std::string_view file) { return file == name; });
+    csv.emplace(*directory_of_csv, name);
   }
   std::mutex check_mutex;
   const CheckCallback check = [&] {

@@ -51,24 +51,13 @@ std::optional<double> probe_radius_in(const std::string& text) {
 }
 
 std::optional<TableChoice> tables_in(const std::string& list) {
-  TableChoice tables;
-  for (const std::string& name : CLI::detail::split(list, ',')) {
-    if (name == "atoms")
-      tables.atoms = true;
-    else if (name == "residues")
-      tables.residues = true;
-    else if (name == "chains")
-      tables.chains = true;
-    else if (name == "derivatives")
-      tables.derivatives = true;
-    else if (name == "cavities")
-      tables.cavities = true;
-    else if (name == "pieces")
-      tables.pieces = true;
-    else
-      return std::nullopt;
-  }
-  return tables;
+  return choice_in<TableChoice>(list, {},
+                                {{"atoms", &TableChoice::atoms},
+                                 {"residues", &TableChoice::residues},
+                                 {"chains", &TableChoice::chains},
+                                 {"derivatives", &TableChoice::derivatives},
+                                 {"cavities", &TableChoice::cavities},
+                                 {"pieces", &TableChoice::pieces}});
 }
 
 std::optional<PartChoice> parts_in(const std::string& text) {
@@ -151,7 +140,7 @@ void check(const CLI::App& app, const MeasureCommandOptions& options) {
   for (const std::filesystem::path& path : options.inputs) {
     if (path == "-" && options.inputs.size() > 1)
       throw UsageError("standard input (-) cannot be combined with other files");
-    const NamedInput input{path, options.format};
+    const InputFile input{path, options.format};
     refuse_structure_options(app, input);
     if (options.tables.residues) refuse_xyzr(input, "--write residues", "residues");
     if (options.tables.chains) refuse_xyzr(input, "--write chains", "chains");

@@ -2,14 +2,14 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
+#include <array>
 #include <string_view>
-#include <vector>
 
 #include "cli/filling_report.hpp"
 #include "cli/json.hpp"
 #include "cli/report.hpp"
 #include "cli/structure_report.hpp"
+#include "input/text_source.hpp"
 #include "output/area_table_writer.hpp"
 #include "system/formatted.hpp"
 
@@ -36,7 +36,7 @@ std::string parts_text(const MeasuredFile& file) {
     text += formatted("left out: {} of other chains\n",
                       counted(static_cast<std::int64_t>(file.other_atoms), "atom"));
   return text + formatted("buried area (parts alone minus complex): SES {:.4f}, SAS {:.4f}\n",
-                          file.buried_ses_area(), file.buried_sas_area());
+                          file.buried(&Measures::ses_area), file.buried(&Measures::sas_area));
 }
 
 /// Returns the numbers of an overlap list, with a word for the outside.
@@ -48,7 +48,6 @@ std::string overlaps_text(const Cavity& cavity) {
 }
 
 std::string cavities_text(const MeasuredFile& file) {
-  if (!file.has_cavities) return "";
   const Measures& measures = file.measures;
   std::string text =
       formatted("{}, {}\n", counted(static_cast<std::int64_t>(measures.pieces.size()), "piece"),
@@ -102,7 +101,6 @@ json::Value piece_json(const MeasuredAtoms& atoms, const Piece& piece) {
 }
 
 void add_cavities(json::Value& object, const MeasuredFile& file) {
-  if (!file.has_cavities) return;
   const MeasuredAtoms atoms = file.table();
   object["cavities"] = json::Value::array();
   object["pieces"] = json::Value::array();
@@ -111,28 +109,27 @@ void add_cavities(json::Value& object, const MeasuredFile& file) {
   for (const Piece& piece : atoms.pieces) object["pieces"].push_back(piece_json(atoms, piece));
 }
 
-/// A column of the results of a file.
-struct Column {
-  std::string_view name;
-  double value;
+/// A value, and its name in tables and JSON.
+struct NamedValue {
+  const char* name;
+  double Measures::*member;
 };
 
-std::vector<Column> columns_of(const Measures& measures) {
-  return {{"ses_area", measures.ses_area}, {"ses_volume", measures.ses_volume},
-          {"sas_area", measures.sas_area}, {"sas_volume", measures.sas_volume},
-          {"vdw_area", measures.vdw_area}, {"vdw_volume", measures.vdw_volume}};
-}
+constexpr std::array areas_and_volumes{
+    NamedValue{"ses_area", &Measures::ses_area}, NamedValue{"ses_volume", &Measures::ses_volume},
+    NamedValue{"sas_area", &Measures::sas_area}, NamedValue{"sas_volume", &Measures::sas_volume},
+    NamedValue{"vdw_area", &Measures::vdw_area}, NamedValue{"vdw_volume", &Measures::vdw_volume}};
 
-std::vector<Column> buried_columns(double ses_area, double sas_area) {
-  return {{"buried_ses_area", ses_area}, {"buried_sas_area", sas_area}};
-}
+/// The areas that the parts of a complex bury. See MeasuredFile::buried.
+constexpr std::array buried_areas{NamedValue{"buried_ses_area", &Measures::ses_area},
+                                  NamedValue{"buried_sas_area", &Measures::sas_area}};
 
 json::Value kinds_json(const PatchAreas& areas) {
   return {{"convex", areas.convex}, {"saddle", areas.saddle}, {"concave", areas.concave}};
 }
 
 void add_measures(json::Value& object, const Measures& measures) {
-  for (const auto& [name, value] : columns_of(measures)) object[std::string(name)] = value;
+  for (const auto& [name, member] : areas_and_volumes) object[name] = measures.*member;
   object["euler_number"] = measures.euler_number;
   object["ses_area_by_kind"] = kinds_json(measures.ses_areas);
 }
@@ -149,13 +146,12 @@ void add_derivatives(json::Value& object, const Gradients& gradients) {
 
 }  // namespace
 
-std::string measure_text(const MeasuredFile& file, bool is_quiet) {
+std::string measure_text(const MeasureCommandOptions& options, const MeasuredFile& file) {
   std::string text;
-  if (!is_quiet) {
-    text = formatted("{}: {}, probe radius {} angstrom\n",
-                     file.path == "-" ? "<stdin>" : one_line(file.path.string()),
+  if (!options.quiet) {
+    text = formatted("{}: {}, probe radius {} angstrom\n", one_line(input_name(file.path)),
                      counted(static_cast<std::int64_t>(file.surface.atoms().size()), "atom"),
-                     file.probe_radius);
+                     options.probe_radius);
     if (file.structure) text += structure_text(*file.structure);
     text += formatted("{:<16} {:>16} {:>16}\n", "surface", "area (A^2)", "volume (A^3)");
   }
@@ -166,39 +162,40 @@ std::string measure_text(const MeasuredFile& file, bool is_quiet) {
   text += kinds_line(measures.ses_areas);
   text += formatted("Euler number of the SAS: {}\n", measures.euler_number);
   if (file.surface.max_filled_void()) text += filling_text(measures.filled_cavities);
-  return text + cavities_text(file) + parts_text(file);
+  if (options.cavities) text += cavities_text(file);
+  return text + parts_text(file);
 }
 
-std::string measure_heading(const PartChoice& parts, bool has_cavities) {
+std::string measure_heading(const MeasureCommandOptions& options) {
   std::string text;
-  for (const auto& [name, unused] : columns_of({})) text += formatted("{:>14} ", name);
+  for (const auto& [name, member] : areas_and_volumes) text += formatted("{:>14} ", name);
   text += formatted("{:>12} ", "euler_number");
-  if (has_cavities) text += formatted("{:>8} {:>8} ", "cavities", "pieces");
-  if (parts.is_chosen())
-    for (const auto& [name, unused] : buried_columns(0, 0)) text += formatted("{:>15} ", name);
+  if (options.cavities) text += formatted("{:>8} {:>8} ", "cavities", "pieces");
+  if (options.parts.is_chosen())
+    for (const auto& [name, area] : buried_areas) text += formatted("{:>15} ", name);
   return text + "file\n";
 }
 
-std::string measure_line(const MeasuredFile& file) {
+std::string measure_line(const MeasureCommandOptions& options, const MeasuredFile& file) {
   std::string text;
-  for (const auto& [name, value] : columns_of(file.measures))
-    text += formatted("{:>14.4f} ", value);
+  for (const auto& [name, member] : areas_and_volumes)
+    text += formatted("{:>14.4f} ", file.measures.*member);
   text += formatted("{:>12} ", file.measures.euler_number);
-  if (file.has_cavities)
+  if (options.cavities)
     text += formatted("{:>8} {:>8} ", file.measures.cavities.size(), file.measures.pieces.size());
   if (!file.parts.empty())
-    for (const auto& [name, value] : buried_columns(file.buried_ses_area(), file.buried_sas_area()))
-      text += formatted("{:>15.4f} ", value);
+    for (const auto& [name, area] : buried_areas)
+      text += formatted("{:>15.4f} ", file.buried(area));
   return text + one_line(file.path.string()) + "\n";
 }
 
-std::string measure_json(const MeasuredFile& file) {
+std::string measure_json(const MeasureCommandOptions& options, const MeasuredFile& file) {
   json::Value object{{"file", file.path.string()},
                      {"atoms", file.surface.atoms().size()},
-                     {"probe_radius", file.probe_radius}};
+                     {"probe_radius", options.probe_radius}};
   add_measures(object, file.measures);
   add_derivatives(object, file.measures.gradients);
-  add_cavities(object, file);
+  if (options.cavities) add_cavities(object, file);
   if (file.surface.max_filled_void())
     object["filled_cavities"] =
         filled_json(file.surface.max_filled_void(), file.measures.filled_cavities);
@@ -211,35 +208,34 @@ std::string measure_json(const MeasuredFile& file) {
     }
     object["parts"] = std::move(parts);
     object["other_atoms"] = file.other_atoms;
-    for (const auto& [name, value] : buried_columns(file.buried_ses_area(), file.buried_sas_area()))
-      object[std::string(name)] = value;
+    for (const auto& [name, area] : buried_areas) object[name] = file.buried(area);
   }
   if (file.structure) object["structure"] = structure_json(*file.structure);
   return json::text_of(object) + "\n";
 }
 
-std::string measure_csv_heading(const PartChoice& parts, bool has_cavities) {
+std::string measure_csv_heading(const MeasureCommandOptions& options) {
   std::string text = "file,atoms,probe_radius";
-  for (const auto& [name, unused] : columns_of({})) text += formatted(",{}", name);
+  for (const auto& [name, member] : areas_and_volumes) text += formatted(",{}", name);
   text += ",euler_number,convex_area,saddle_area,concave_area";
-  if (has_cavities) text += ",cavities,pieces";
-  if (parts.is_chosen())
-    for (const auto& [name, unused] : buried_columns(0, 0)) text += formatted(",{}", name);
+  if (options.cavities) text += ",cavities,pieces";
+  if (options.parts.is_chosen())
+    for (const auto& [name, area] : buried_areas) text += formatted(",{}", name);
   return text + "\n";
 }
 
-std::string measure_csv_line(const MeasuredFile& file) {
+std::string measure_csv_line(const MeasureCommandOptions& options, const MeasuredFile& file) {
   std::string text = formatted("{},{},{}", csv_field(file.path.string()),
-                               file.surface.atoms().size(), file.probe_radius);
-  for (const auto& [name, value] : columns_of(file.measures)) text += formatted(",{:.6f}", value);
+                               file.surface.atoms().size(), options.probe_radius);
+  for (const auto& [name, member] : areas_and_volumes)
+    text += formatted(",{:.6f}", file.measures.*member);
   const PatchAreas& kinds = file.measures.ses_areas;
   text += formatted(",{},{:.6f},{:.6f},{:.6f}", file.measures.euler_number, kinds.convex,
                     kinds.saddle, kinds.concave);
-  if (file.has_cavities)
+  if (options.cavities)
     text += formatted(",{},{}", file.measures.cavities.size(), file.measures.pieces.size());
   if (!file.parts.empty())
-    for (const auto& [name, value] : buried_columns(file.buried_ses_area(), file.buried_sas_area()))
-      text += formatted(",{:.6f}", value);
+    for (const auto& [name, area] : buried_areas) text += formatted(",{:.6f}", file.buried(area));
   return text + "\n";
 }
 

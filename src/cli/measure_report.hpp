@@ -8,21 +8,21 @@
 namespace eses::detail::cli {
 
 /// Returns the report on a single file.
-std::string measure_text(const MeasuredFile& file, bool is_quiet);
+std::string measure_text(const MeasureCommandOptions& options, const MeasuredFile& file);
 
 /// Returns the heading of the lines of several files.
-std::string measure_heading(const PartChoice& parts, bool has_cavities);
+std::string measure_heading(const MeasureCommandOptions& options);
 
 /// Returns the line of one of several files.
-std::string measure_line(const MeasuredFile& file);
+std::string measure_line(const MeasureCommandOptions& options, const MeasuredFile& file);
 
 /// Returns the results as one JSON object in a line.
-std::string measure_json(const MeasuredFile& file);
+std::string measure_json(const MeasureCommandOptions& options, const MeasuredFile& file);
 
 /// Returns the heading of the table of `--csv`.
-std::string measure_csv_heading(const PartChoice& parts, bool has_cavities);
+std::string measure_csv_heading(const MeasureCommandOptions& options);
 
 /// Returns the line of a file in the table of `--csv`.
-std::string measure_csv_line(const MeasuredFile& file);
+std::string measure_csv_line(const MeasureCommandOptions& options, const MeasuredFile& file);
 
 }  // namespace eses::detail::cli

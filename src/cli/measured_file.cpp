@@ -11,6 +11,7 @@
 
 #include "eses/error.hpp"
 #include "input/text_fields.hpp"
+#include "input/text_source.hpp"
 #include "system/formatted.hpp"
 
 namespace eses::detail::cli {
@@ -47,10 +48,6 @@ std::string list_of(const std::vector<std::string>& chains) {
   return formatted("{}", fmt::join(names, ", "));
 }
 
-std::string file_name(const std::filesystem::path& path) {
-  return path == "-" ? "<stdin>" : path.string();
-}
-
 Parts divide(std::span<const AtomLabel> labels, const PartChoice& choice,
              const std::filesystem::path& path) {
   const std::vector<std::string> chains = chains_of(labels);
@@ -59,14 +56,14 @@ Parts divide(std::span<const AtomLabel> labels, const PartChoice& choice,
     for (const std::string& chain : chains) groups.push_back({chain});
   if (groups.size() < 2)
     throw Error(formatted("{}: --parts needs two or more chains, and the only chain is {}",
-                          file_name(path), list_of(chains)));
+                          input_name(path), list_of(chains)));
   Parts parts;
   std::map<std::string, std::uint32_t> part_of_chain;
   for (const std::vector<std::string>& group : groups) {
     for (const std::string& chain : group) {
       if (std::find(chains.begin(), chains.end(), chain) == chains.end())
         throw Error(formatted("{}: no atoms of chain {}, which --parts names; the chains are {}",
-                              file_name(path), printable(chain), list_of(chains)));
+                              input_name(path), printable(chain), list_of(chains)));
       part_of_chain[chain] = static_cast<std::uint32_t>(parts.names.size());
     }
     parts.names.push_back(formatted("{}", fmt::join(group, ",")));
@@ -142,15 +139,9 @@ std::vector<DiagnosticText> describe_all(const AtomFile& file, const Surface& su
 
 }  // namespace
 
-double MeasuredFile::buried_sas_area() const {
-  double sum = -measures.sas_area;
-  for (const MeasuredPart& part : parts) sum += part.measures.sas_area;
-  return sum;
-}
-
-double MeasuredFile::buried_ses_area() const {
-  double sum = -measures.ses_area;
-  for (const MeasuredPart& part : parts) sum += part.measures.ses_area;
+double MeasuredFile::buried(double Measures::*area) const {
+  double sum = -(measures.*area);
+  for (const MeasuredPart& part : parts) sum += part.measures.*area;
   return sum;
 }
 
@@ -189,10 +180,9 @@ MeasuredFile measure_file(const MeasureCommandOptions& options, const std::files
                            .cavities = options.cavities || options.tables.need_cavities(),
                            .threads = threads,
                            .check = check};
-  result.probe_radius = options.probe_radius;
-  result.has_cavities = options.cavities;
   result.measures = measure(result.surface, measuring);
   measuring.gradients = measuring.cavities = false;
+  measuring.van_der_waals = options.json;  // no other output shows it for a part
   for (std::uint32_t part = 0; part < result.part_names.size(); ++part)
     result.parts.push_back(measure_part(part, measuring, result));
   result.structure = std::move(file.structure);

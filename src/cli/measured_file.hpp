@@ -27,8 +27,6 @@ struct MeasuredFile {
   std::filesystem::path path;
   Surface surface;                ///< of all parts together, or of all atoms
   std::uint64_t other_atoms = 0;  ///< number of atoms of the file that belong to no part
-  double probe_radius = 0;
-  bool has_cavities = false;  ///< whether cavities and pieces are reported
   Measures measures = {};
   std::vector<MeasuredPart> parts = {};  ///< empty if no parts were chosen
   std::vector<DiagnosticText> diagnostics = {};
@@ -40,9 +38,8 @@ struct MeasuredFile {
   std::vector<std::uint32_t> part_of_atom = {};
   std::vector<std::string> part_names = {};
 
-  /// Sum of the areas of the parts minus the area of the complex, in square angstrom.
-  double buried_sas_area() const;
-  double buried_ses_area() const;
+  /// Sum of an area of the parts minus the area of the complex, in square angstrom.
+  double buried(double Measures::*area) const;
 
   MeasuredAtoms table() const;
 };

@@ -195,12 +195,7 @@ class Files {
 
   void commit() {
     for (const auto& file : files_) file->close();
-    try {
-      for (const auto& file : files_) file->commit();
-    } catch (...) {
-      for (const auto& file : files_) file->withdraw();
-      throw;
-    }
+    commit_all(files_);
   }
 
  private:

@@ -9,12 +9,12 @@
 #include <cstdlib>
 #include <filesystem>
 #include <limits>
-#include <map>
 #include <optional>
 #include <span>
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <system_error>
 #include <utility>
 #include <variant>
 #include <vector>
@@ -34,7 +34,6 @@ namespace eses::detail::cli {
 namespace {
 
 constexpr std::int64_t default_verify = 2000;
-constexpr std::int64_t max_verify = 10'000'000;
 
 constexpr double min_positive = std::numeric_limits<double>::denorm_min();
 constexpr double max_finite = std::numeric_limits<double>::max();
@@ -62,6 +61,7 @@ Examples:
   eses-blocks 1crn.cif.gz --radii bondi --assembly 1   a biological assembly
   eses-blocks 1crn.pqr --spacing 0.25 -o out --json    output in out/, report as JSON
   eses-blocks 1crn.pqr --mesh 1crn.ply --color chain   a mesh coloured by chain
+  eses-blocks 1crn.pqr --mesh 1crn.ply --color potential --potential 1crn.dx
   eses-blocks diff out ESES                            compare the files of two directories
   eses-blocks measure 1crn.pdb                         areas and volumes without a grid
   eses-blocks msms -if 1crn.xyzr -of 1crn              options and files of MSMS
@@ -99,7 +99,10 @@ struct CommandLine {
   std::optional<Box> box;
   std::optional<BlockRange> blocks;
   MeshColor color = MeshColor::none;
+  std::filesystem::path potential;  ///< empty: not given
+  std::optional<double> potential_offset, potential_limit;
   bool is_ascii = false;
+  bool mesh_quality = false;
 };
 
 // --- formats of values --------------------------------------------------------------------------
@@ -175,17 +178,15 @@ std::optional<Outputs> text_files_in(const std::string& list) {
   Outputs files = Outputs::none();
   if (list == "none") return files;
   files.box = true;
-  using File = bool Outputs::*;
-  const std::map<std::string, std::vector<File>> files_of{
-      {"grid", {&Outputs::grid}},   {"edges", {&Outputs::edges}},
-      {"areas", {&Outputs::areas}}, {"residues", {&Outputs::residues}},
-      {"atoms", {&Outputs::atoms}}, {"all", {&Outputs::grid, &Outputs::edges, &Outputs::areas}}};
-  for (const std::string& name : CLI::detail::split(list, ',')) {
-    const auto found = files_of.find(name);
-    if (found == files_of.end()) return std::nullopt;
-    for (const File file : found->second) files.*file = true;
-  }
-  return files;
+  return choice_in<Outputs>(list, files,
+                            {{"grid", &Outputs::grid},
+                             {"edges", &Outputs::edges},
+                             {"areas", &Outputs::areas},
+                             {"residues", &Outputs::residues},
+                             {"atoms", &Outputs::atoms},
+                             {"all", &Outputs::grid},
+                             {"all", &Outputs::edges},
+                             {"all", &Outputs::areas}});
 }
 
 std::optional<std::filesystem::path> map_in(const std::string& text) {
@@ -198,6 +199,11 @@ std::optional<std::filesystem::path> map_in(const std::string& text) {
 std::optional<std::filesystem::path> dx_map_in(const std::string& text) {
   const auto path = map_in(text);
   return path && map_format(path->filename().string()) == MapFormat::dx ? path : std::nullopt;
+}
+
+std::optional<std::filesystem::path> potential_in(const std::string& text) {
+  return grid_file_format(text) == GridFileFormat::dx ? std::optional<std::filesystem::path>(text)
+                                                      : std::nullopt;
 }
 
 std::optional<std::filesystem::path> prefix_in(const std::string& text) {
@@ -240,7 +246,7 @@ void add_grid_options(CLI::App& app, CommandLine& line) {
   const GridOptions grid;
   Parameters& parameters = line.options.parameters;
   add_value(app, "FILE", "", "input file (xyzr, PQR, PDB or mmCIF); - for standard input",
-            line.options.input, path_to("a file"))
+            line.options.input().path, path_to("a file"))
       ->required();
   const auto add_length = [&app](const char* positional, const char* option,
                                  const std::string& description, double fallback, Length& length,
@@ -314,7 +320,7 @@ void add_solver_maps(CLI::App& app, CommandLine& line) {
 void add_file_options(CLI::App& app, CommandLine& line) {
   begin_group(app, "Input and output");
   Options& options = line.options;
-  add_format(app, options.format);
+  add_format(app, options.input().format);
   add_value(app, "-o,--output-dir", "DIR", "output directory, created if missing [.]",
             options.output_directory, path_to("a directory"));
   add_value(app, "--write", "LIST",
@@ -334,13 +340,35 @@ void add_file_options(CLI::App& app, CommandLine& line) {
             line.mesh,
             Format<std::filesystem::path>{mesh_in,
                                           formatted("a file with the suffix {}", mesh_suffixes)});
-  add_value(
-      app, "--color", "NAME",
-      "colour the vertices of a .ply, .obj, .vtp or .glb mesh\n"
-      "by patch, atom or chain [none]",
-      line.color,
-      one_of<MeshColor>(
-          {{"patch", MeshColor::patch}, {"atom", MeshColor::atom}, {"chain", MeshColor::chain}}));
+  add_value(app, "--color", "NAME",
+            "colour the vertices of a .ply, .obj, .vtp or .glb mesh\n"
+            "by patch, atom, chain or potential [none]",
+            line.color,
+            one_of<MeshColor>({{"patch", MeshColor::patch},
+                               {"atom", MeshColor::atom},
+                               {"chain", MeshColor::chain},
+                               {"potential", MeshColor::potential}}));
+  add_value(app, "--potential", "FILE",
+            "map of the potential in kT/e for --color potential:\n"
+            ".dx or .dx.gz (OpenDX); is held in memory",
+            line.potential, Format{potential_in, "a file name with the suffix .dx or .dx.gz"});
+  const MeshPotential defaults;
+  add_value(app, "--potential-offset", "ANGSTROM",
+            formatted("take the potential at this distance outside of the\n"
+                      "surface, along the normal, >= 0 [{}]",
+                      defaults.offset),
+            line.potential_offset,
+            number_between(0, max_finite, "a finite number of at least 0, in angstrom"));
+  add_value(app, "--potential-limit", "KT/E",
+            formatted("end of the scale from red (negative) over white to\n"
+                      "blue (positive), > 0 [{}]",
+                      defaults.limit),
+            line.potential_limit,
+            number_between(min_positive, max_finite, "a finite number greater than 0, in kT/e"));
+  add_flag(app, "--mesh-quality",
+           "improve the triangles of the mesh: no small angles,\n"
+           "and about 0.6 times as many triangles",
+           line.mesh_quality);
   add_flag(app, "--ply-ascii",
            "write a .ply mesh as text, for programs that do not\n"
            "read binary PLY",
@@ -404,7 +432,7 @@ void add_options(CLI::App& app, CommandLine& line) {
          footer);
   add_grid_options(app, line);
   add_file_options(app, line);
-  add_structure_options(app, line.options.structure);
+  add_structure_options(app, line.options.input().structure);
   add_solver_maps(app, line);
   add_computation_options(app, line.options.parameters);
   add_checks(app, line.options.parameters);
@@ -473,15 +501,32 @@ void add_maps(const CommandLine& line, const std::filesystem::path& directory, O
   }
 }
 
+std::optional<MeshPotential> potential_of(const CommandLine& line) {
+  const bool has_colors = line.color == MeshColor::potential;
+  if (has_colors && line.potential.empty())
+    throw UsageError("--color potential needs --potential with a map of the potential");
+  if (!has_colors)
+    for (const auto& [option, is_given] : {std::pair{"--potential", !line.potential.empty()},
+                                           {"--potential-offset", bool{line.potential_offset}},
+                                           {"--potential-limit", bool{line.potential_limit}}})
+      if (is_given) throw UsageError(formatted("{} needs --color potential", option));
+  if (!has_colors) return std::nullopt;
+  MeshPotential potential{line.potential};
+  potential.offset = line.potential_offset.value_or(potential.offset);
+  potential.limit = line.potential_limit.value_or(potential.limit);
+  return potential;
+}
+
 std::optional<MeshOptions> mesh_of(const CommandLine& line) {
-  const MeshOptions mesh{line.mesh, line.color, line.is_ascii};
+  const MeshOptions mesh{line.mesh, line.color, line.is_ascii, line.mesh_quality,
+                         potential_of(line)};
   const std::optional<MeshFormat> format = mesh_format(mesh.file);
   if (mesh.color != MeshColor::none && !can_have_colors(format))
     throw UsageError("--color needs --mesh with a .ply, .obj, .vtp or .glb file");
   if (mesh.is_ascii && format != MeshFormat::ply)
     throw UsageError("--ply-ascii needs --mesh with a .ply file");
-  if (mesh.color == MeshColor::chain)
-    refuse_xyzr({line.options.input, line.options.format}, "--color chain", "chains");
+  if (mesh.quality && !format) throw UsageError("--mesh-quality needs --mesh");
+  if (mesh.color == MeshColor::chain) refuse_xyzr(line.options.input(), "--color chain", "chains");
   return mesh.file.empty() ? std::nullopt : std::optional(mesh);
 }
 
@@ -497,8 +542,7 @@ Options options_of(const CommandLine& line) {
   check_grid_choice(line);
   options.grid.has_spacing = line.spacing.positional || line.spacing.option;
   options.outputs = line.text_files;
-  if (options.outputs.residues)
-    refuse_xyzr({options.input, options.format}, "--write residues", "residues");
+  if (options.outputs.residues) refuse_xyzr(options.input(), "--write residues", "residues");
   options.outputs.gzip = line.gzip;
   add_maps(line, options.output_directory, options.outputs);
   options.outputs.mesh = mesh_of(line);
@@ -534,6 +578,11 @@ bool is_same_directory(const std::filesystem::path& a, const std::filesystem::pa
   return plain(a) == plain(b);
 }
 
+bool is_same_file(const std::filesystem::path& input, const std::filesystem::path& output) {
+  std::error_code error;  // set if a file does not exist
+  return std::filesystem::equivalent(input == "-" ? "/dev/stdin" : input, output, error) && !error;
+}
+
 bool asks_to_be_independent(std::span<const std::string> arguments) {
   const auto end = std::find(arguments.begin(), arguments.end(), "--");
   return std::find(arguments.begin(), end, independent_flag) != end;
@@ -557,12 +606,13 @@ Options parse_arguments(const std::vector<std::string>& arguments) {
   CLI::App app("Solvent excluded surface of a molecule on a grid, computed block by block.",
                "eses-blocks");
   CommandLine line;
+  line.options.output_directory = ".";
   add_options(app, line);
   require_known_instruction_set();
   refuse_separate_number(arguments);
   parse(app, arguments, "FILE, PROBE, SPACING and MARGIN");
   Options options = options_of(line);
-  refuse_structure_options(app, {options.input, options.format});
+  refuse_structure_options(app, options.input());
   return options;
 }
 

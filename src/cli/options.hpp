@@ -5,9 +5,9 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <variant>
 #include <vector>
 
-#include "eses/read_atoms.hpp"
 #include "run/task.hpp"
 
 namespace eses::detail::cli {
@@ -20,25 +20,24 @@ struct GridChoice {
   bool has_spacing = false;  ///< whether the spacing is given
 };
 
-/// The values of all options.
-struct Options {
-  std::filesystem::path input;  ///< `-` is standard input
-  AtomFormat format = AtomFormat::automatic;
-  StructureOptions structure;  ///< for PDB and mmCIF files
-  Parameters parameters;
+/// The values of all options: the request of a run, the choice of its grid, and what is printed.
+struct Options : RunTask {
   GridChoice grid;
-  Outputs outputs;
-  std::filesystem::path output_directory = ".";
-  bool resume = false;       ///< whether to keep a checkpoint and resume from it
   bool independent = false;  ///< whether not to share the run with other processes
   bool quiet = false;
   bool json = false;
-  bool dry_run = false;  ///< whether to print only the plan
-  bool strict = false;   ///< whether warnings are errors
+  bool strict = false;  ///< whether warnings are errors
+
+  /// The input file. The path `-` is standard input.
+  const InputFile& input() const { return std::get<InputFile>(atoms); }
+  InputFile& input() { return std::get<InputFile>(atoms); }
 };
 
 /// Returns whether two paths name the same directory, without following symbolic links.
 bool is_same_directory(const std::filesystem::path& a, const std::filesystem::path& b);
+
+/// Returns whether an input file, or standard input for `-`, is also the file `output`.
+bool is_same_file(const std::filesystem::path& input, const std::filesystem::path& output);
 
 /// Returns whether --independent is among the arguments. Used before MPI is initialized, which may
 /// remove its own arguments from the command line.

@@ -57,10 +57,20 @@ std::string written_text(const Report& report) {
                    fmt::join(targets, " and "));
 }
 
-std::string mesh_text(const Summary& summary) {
-  if (!summary.mesh) return "";
-  return formatted("mesh: {} vertices, {} triangles\n", summary.mesh->vertices,
-                   summary.mesh->triangles);
+std::string mesh_text(const Report& report) {
+  const std::optional<MeshCounts>& counts = report.summary.mesh;
+  if (!counts) return "";
+  std::string text =
+      formatted("mesh: {} vertices, {} triangles\n", counts->vertices, counts->triangles);
+  if (const auto& potential = report.options.outputs.mesh->potential)
+    text += formatted("potential: colours from {} (red) to {} kT/e (blue), {} angstrom outside\n",
+                      -potential->limit, potential->limit, potential->offset);
+  if (const auto& quality = report.summary.mesh_quality)
+    text += formatted(
+        "mesh quality: smallest angle {:.1f} degrees; {} triangles below 20 degrees, {} below 5 "
+        "degrees ({} of them at cusps)\n",
+        quality->smallest_angle, quality->below_20, quality->below_5, quality->below_5_at_cusps);
+  return text;
 }
 
 bool is_known(const DiskSpace::FileSystem& disk) {
@@ -311,12 +321,31 @@ json::Value verification_json(const std::optional<Verification>& verification) {
           {"faults", verification->faults}};
 }
 
+json::Value potential_json(const std::optional<MeshPotential>& potential) {
+  if (!potential) return nullptr;
+  return {{"file", potential->file.string()},
+          {"offset", potential->offset},
+          {"limits", {-potential->limit, potential->limit}}};
+}
+
+json::Value quality_json(const std::optional<MeshQuality>& quality) {
+  if (!quality) return nullptr;
+  return {{"smallest_angle", quality->smallest_angle},
+          {"below_20", quality->below_20},
+          {"below_5", quality->below_5},
+          {"at_cusps", quality->at_cusps},
+          {"below_5_at_cusps", quality->below_5_at_cusps}};
+}
+
 json::Value mesh_json(const Report& report) {
   const auto& mesh = report.summary.mesh;
   if (!mesh) return nullptr;
-  return {{"file", report.options.outputs.mesh->file.string()},
+  const MeshOptions& choice = *report.options.outputs.mesh;
+  return {{"file", choice.file.string()},
           {"vertices", mesh->vertices},
-          {"triangles", mesh->triangles}};
+          {"triangles", mesh->triangles},
+          {"potential", potential_json(choice.potential)},
+          {"quality", quality_json(report.summary.mesh_quality)}};
 }
 
 json::Value output_json(const Report& report) {
@@ -367,7 +396,7 @@ std::string plan_text(const Report& report) {
   const Parameters& parameters = report.options.parameters;
   const auto* const grid = std::get_if<GridOptions>(&parameters.grid);
   const auto atoms = static_cast<std::int64_t>(report.atoms);
-  std::string text = formatted("input: {} ({}{})\n", path_text(report.options.input),
+  std::string text = formatted("input: {} ({}{})\n", path_text(report.options.input().path),
                                counted(atoms, "atom"), usual_text(report.diagnostics));
   if (report.structure) text += structure_text(*report.structure);
   text +=
@@ -414,7 +443,7 @@ std::string summary_text(const Report& report) {
       summary.divergence_volume);
   if (report.plan.parameters.max_filled_void) text += filling_text(summary.filled_cavities);
   text += exact_text(report);
-  text += mesh_text(summary);
+  text += mesh_text(report);
   text += verification_text(summary);
   text += formatted(
       "time: {} (blocks {}, with {} of processor time for patches{})\n",
@@ -429,7 +458,7 @@ std::string json_text(const Report& report) {
   json::Value document{
       {"program", "eses-blocks"},
       {"version", version},
-      {"input", report.options.input.string()},
+      {"input", report.options.input().path.string()},
       {"atoms", report.atoms},
       {"structure", report.structure ? structure_json(*report.structure) : json::Value()},
       {"diagnostics", diagnostics_json(report.diagnostics)},

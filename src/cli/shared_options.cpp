@@ -102,7 +102,7 @@ void add_structure_options(CLI::App& app, StructureOptions& structure) {
             text_of("the identifier of an assembly, such as 1"));
 }
 
-void refuse_xyzr(const NamedInput& input, std::string_view option, std::string_view names) {
+void refuse_xyzr(const InputFile& input, std::string_view option, std::string_view names) {
   if (eses::detail::format_of(input.path, input.format) == AtomFormat::xyzr)
     throw UsageError(
         formatted("{} needs a PQR, PDB or mmCIF file; {} is read as xyzr, which has no {} (use "
@@ -110,7 +110,7 @@ void refuse_xyzr(const NamedInput& input, std::string_view option, std::string_v
                   option, input.path.string(), names));
 }
 
-void refuse_structure_options(const CLI::App& app, const NamedInput& input) {
+void refuse_structure_options(const CLI::App& app, const InputFile& input) {
   const AtomFormat format = eses::detail::format_of(input.path, input.format);
   if (is_structure(format)) return;
   for (const CLI::Option* const option : app.get_options()) {

@@ -1,20 +1,14 @@
 #pragma once
 /// Options of the input that several commands have.
 
-#include <filesystem>
 #include <optional>
 #include <string_view>
 
 #include "cli/arguments.hpp"
 #include "eses/read_atoms.hpp"
+#include "run/task.hpp"
 
 namespace eses::detail::cli {
-
-/// An input file and the value of --format.
-struct NamedInput {
-  const std::filesystem::path& path;
-  AtomFormat format;
-};
 
 /// Adds --format.
 void add_format(CLI::App& app, AtomFormat& format);
@@ -29,10 +23,10 @@ void add_fill_cavities(CLI::App& app, std::optional<double>& max_filled_void);
 void add_structure_options(CLI::App& app, StructureOptions& structure);
 
 /// Throws UsageError if an option for PDB and mmCIF files is given with a file of another format.
-void refuse_structure_options(const CLI::App& app, const NamedInput& input);
+void refuse_structure_options(const CLI::App& app, const InputFile& input);
 
 /// Throws UsageError if the input is an xyzr file, which does not have the names that an option
 /// needs.
-void refuse_xyzr(const NamedInput& input, std::string_view option, std::string_view names);
+void refuse_xyzr(const InputFile& input, std::string_view option, std::string_view names);
 
 }  // namespace eses::detail::cli

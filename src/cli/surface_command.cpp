@@ -6,7 +6,6 @@
 #include <optional>
 #include <string>
 #include <string_view>
-#include <system_error>
 #include <utility>
 #include <vector>
 
@@ -25,15 +24,6 @@
 
 namespace eses::detail::cli {
 namespace {
-
-RunTask task_of(const Options& options) {
-  return {.atoms = InputFile{options.input, options.format, options.structure},
-          .parameters = options.parameters,
-          .outputs = options.outputs,
-          .output_directory = options.output_directory,
-          .resume = options.resume,
-          .dry_run = options.dry_run};
-}
 
 // Performs an action in the first process. All processes throw its exceptions.
 void on_rank_zero(const Processes& processes, const std::function<void()>& action) {
@@ -58,22 +48,20 @@ struct ReadFile {
 // Returns the files that a run reads. The name of a set of radii counts as a file, too, because no
 // output has such a name.
 std::vector<ReadFile> files_to_read(const Options& options) {
-  std::vector<ReadFile> files{{options.input == "-" ? "/dev/stdin" : options.input, "the input"}};
+  std::vector<ReadFile> files{{options.input().path, "the input"}};
   if (!options.grid.like.empty()) files.push_back({options.grid.like, "the file of --grid-like"});
-  files.push_back({options.structure.radii, "the file of --radii"});
+  files.push_back({options.input().structure.radii, "the file of --radii"});
+  if (const auto& mesh = options.outputs.mesh; mesh && mesh->potential)
+    files.push_back({mesh->potential->file, "the file of --potential"});
   return files;
 }
 
 // Throws Error if the run would overwrite or remove a file that it reads.
 void refuse_to_lose_input(const Options& options) {
   const std::vector<ReadFile> read = files_to_read(options);
-  const auto is_same = [](const std::filesystem::path& one, const std::filesystem::path& other) {
-    std::error_code error;  // set if a file does not exist
-    return std::filesystem::equivalent(one, other, error) && !error;
-  };
   const auto refuse_if_read = [&](const std::string& file, std::string_view fate) {
     for (const auto& [path, role] : read)
-      if (is_same(path, file))
+      if (is_same_file(path, file))
         throw Error(formatted("{} is {}, and would be {}", file, role, fate));
   };
   for (const std::string& file : final_paths(options.outputs, options.output_directory))
@@ -83,7 +71,7 @@ void refuse_to_lose_input(const Options& options) {
                                               : "removed, as a plain file takes its place");
   const std::filesystem::path checkpoint = options.output_directory / checkpoint_name;
   for (const auto& [path, role] : read)
-    if (path.has_parent_path() && is_same(path.parent_path(), checkpoint))
+    if (path.has_parent_path() && is_same_file(path.parent_path(), checkpoint))
       throw Error(formatted("{} is {}, and would be removed with the chunks of --resume",
                             path.string(), role));
 }
@@ -101,7 +89,7 @@ Report report_of(const Options& options, const RunPlan& plan, const Processes& p
   report.atoms = plan.atoms;
   report.diagnostics = describe(
       plan.diagnostics.diagnostics, [&](AtomIndex atom) { return plan.diagnostics.lines.at(atom); },
-      options.input, plan.diagnostics.labels);
+      options.input().path, plan.diagnostics.labels);
   report.structure = plan.structure;
   report.plan = plan.whole_plan;
   report.process_count = processes.count();
@@ -129,13 +117,13 @@ void present_result(const Report& report) {
   for (const std::string& fault : fault_lines(report.summary)) print_message("error", fault);
 }
 
-RunResult run_with_progress(const RunTask& task, const RunPlan& plan, bool is_quiet,
+RunResult run_with_progress(const Options& options, const RunPlan& plan,
                             const Processes& processes) {
-  const RunPaths paths = paths_of(task, processes);
+  const RunPaths paths = paths_of(options, processes);
   InterruptibleRun interruptible(paths.temporaries, paths.locks);
-  RunDisplay display(interruptible, !is_quiet && processes.is_first());
+  RunDisplay display(interruptible, !options.quiet && processes.is_first());
   try {
-    RunResult result = execute(task, plan, paths, display.callbacks(), processes);
+    RunResult result = execute(options, plan, paths, display.callbacks(), processes);
     interruptible.check();
     return result;
   } catch (const SharedError&) {
@@ -176,12 +164,11 @@ int compute_surface(const Options& given, const Processes& processes) {
         "volumes");
   on_rank_zero(processes, [&] { check_request(given); });
   const Options options = with_chosen_grid(given, processes);
-  const RunTask task = task_of(options);
-  const RunPlan plan = plan_run(task, processes);
+  const RunPlan plan = plan_run(options, processes);
   Report report = report_of(options, plan, processes);
   on_rank_zero(processes, [&] { present_plan(report); });
   if (options.dry_run) return exit_done;
-  add_result(run_with_progress(task, plan, options.quiet, processes), report);
+  add_result(run_with_progress(options, plan, processes), report);
   on_rank_zero(processes, [&] { present_result(report); });
   return exit_code(report.summary);
 }

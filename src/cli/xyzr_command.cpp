@@ -2,8 +2,6 @@
 
 #include <CLI/CLI.hpp>
 #include <cstddef>
-#include <filesystem>
-#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -15,6 +13,7 @@
 #include "input/other_formats.hpp"
 #include "input/radii_set.hpp"
 #include "output/buffered_text.hpp"
+#include "run/task.hpp"
 #include "system/formatted.hpp"
 
 namespace eses::detail::cli {
@@ -36,34 +35,34 @@ Exit codes:
   1  input, output or resource error
   2  error in the command line)";
 
-struct SphereOptions {
-  std::filesystem::path input = "-";
-  AtomFormat format = AtomFormat::automatic;
-  std::optional<double> unknown_radius;
-};
-
-SphereOptions parse_options(bool has_names, std::vector<std::string> arguments) {
+/// Returns the input file with the options of the radii of MSMS.
+InputFile parse_options(bool has_names, std::vector<std::string> arguments) {
   const std::string name = has_names ? "pdb_to_xyzrn" : "pdb_to_xyzr";
-  SphereOptions options;
+  InputFile input{.path = "-"};
+  input.structure.radii = "msms";
+  input.structure.with_waters = true;
+  input.structure.hydrogens = HydrogenChoice::keep;
   CLI::App app(formatted("Prints the atoms of a PDB or mmCIF file as spheres for MSMS{}.",
                          has_names ? ", with names" : ""),
                "eses-blocks " + name);
   set_up(app, formatted("eses-blocks {} [OPTIONS] [FILE]", name), footer);
   begin_group(app, "Options");
-  add_value(app, "FILE", "", "PDB or mmCIF file; - for standard input [-]", options.input,
+  add_value(app, "FILE", "", "PDB or mmCIF file; - for standard input [-]", input.path,
             path_to("a file"));
   add_value(app, "--format", "NAME", "auto (by suffix, otherwise pdb), pdb or mmcif [auto]",
-            options.format,
+            input.format,
             one_of<AtomFormat>({{"auto", AtomFormat::automatic},
                                 {"pdb", AtomFormat::pdb},
                                 {"mmcif", AtomFormat::mmcif}}));
   add_value(app, "--unknown-radius", "R",
             "radius of atoms without a known radius, in angstrom\n[such atoms are an error]",
-            options.unknown_radius,
+            input.structure.unknown_radius,
             number_between(0, max_set_radius, "a number from 0 to 1000, in angstrom"));
   add_notices(app);
   parse(app, std::move(arguments), "FILE");
-  return options;
+  input.format = format_of(input.path, input.format);
+  if (!is_structure(input.format)) input.format = AtomFormat::pdb;
+  return input;
 }
 
 /// Returns a radius with at least two decimals.
@@ -72,23 +71,13 @@ std::string radius_text(double radius) {
   return shortest.size() > fixed.size() ? shortest : fixed;
 }
 
-AtomFile read_structure(const SphereOptions& options) {
-  ReadOptions reading;
-  reading.format = format_of(options.input, options.format);
-  if (!is_structure(reading.format)) reading.format = AtomFormat::pdb;
-  reading.structure.radii = "msms";
-  reading.structure.unknown_radius = options.unknown_radius;
-  reading.structure.with_waters = true;
-  reading.structure.hydrogens = HydrogenChoice::keep;
-  return read_atoms(options.input, reading);
-}
-
 }  // namespace
 
 void print_spheres(bool has_names, std::vector<std::string> arguments) {
-  const SphereOptions options = parse_options(has_names, std::move(arguments));
+  const InputFile input = parse_options(has_names, std::move(arguments));
   require_standard_output();
-  const AtomFile file = read_structure(options);
+  const AtomFile file =
+      read_atoms(input.path, {.format = input.format, .structure = input.structure});
   const TextSink sink = [](std::string_view text) { print(text); };
   BufferedText text(sink);
   for (std::size_t i = 0; i < file.atoms.size(); ++i) {

@@ -34,8 +34,8 @@ void expect_directory(const std::filesystem::path& path) {
   throw Error(formatted("{}: {}", path.string(), error ? error.message() : "not a directory"));
 }
 
-/// Throws Error for pipes and devices: opening a pipe would wait for a writer. What else cannot be
-/// read, such as a directory, is an error when it is opened.
+/// Throws Error for pipes and devices: opening a pipe would wait for a writer. Other files
+/// that cannot be read, such as directories, cause an error when they are opened.
 void expect_regular_file(const std::filesystem::path& path) {
   std::error_code ignored;
   if (std::filesystem::is_other(std::filesystem::status(path, ignored)))

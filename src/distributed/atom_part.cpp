@@ -62,9 +62,9 @@ class TextFile {
   FileDescriptor file_;
 };
 
-// Returns the size of a file that can be read in parts, else 0. A file that is not regular, such as
-// a pipe, must not be opened twice.
-std::uint64_t divisible_bytes(const std::filesystem::path& path) {
+// Returns the size of a file if it can be read in parts, else 0. A file that is not regular, such
+// as a pipe, must not be opened twice.
+std::uint64_t bytes_if_divisible(const std::filesystem::path& path) {
   struct stat status {};
   if (path == "-" || stat(path.c_str(), &status) != 0 || !S_ISREG(status.st_mode)) return 0;
   std::string head(4, '\0');
@@ -149,18 +149,18 @@ TextRead read_lines(const std::filesystem::path& path, std::uint64_t file_bytes,
   return read;
 }
 
-// Returns the size of a file that several processes read in parts; 0 if the first one reads it.
-std::uint64_t divided_bytes(const std::filesystem::path& path, const ReadOptions& options,
-                            const Processes& processes) {
+// Returns the size of a file if several processes read it in parts, or 0 if the first one reads it.
+std::uint64_t bytes_to_divide(const std::filesystem::path& path, const ReadOptions& options,
+                              const Processes& processes) {
   if (processes.count() == 1 || is_structure(options.format) || options.structure.model != 0)
     return 0;
   std::uint64_t bytes = 0;
   processes.all_or_throw([&] {
-    if (processes.is_first()) bytes = divisible_bytes(path);
+    if (processes.is_first()) bytes = bytes_if_divisible(path);
   });
   bytes = processes.sum(bytes);
   processes.all_or_throw([&] {
-    if (bytes > 0 && divisible_bytes(path) != bytes)
+    if (bytes > 0 && bytes_if_divisible(path) != bytes)
       throw Error(formatted("cannot read {}{}: it is not the file that the first process reads",
                             path.string(), processes.on_machine()));
   });
@@ -193,7 +193,7 @@ AtomPart read_part(const std::filesystem::path& path, ReadOptions options, bool 
   });
   with_names = with_names || is_structure(options.format);
   TextRead read;
-  if (const std::uint64_t bytes = divided_bytes(path, options, processes); bytes > 0) {
+  if (const std::uint64_t bytes = bytes_to_divide(path, options, processes); bytes > 0) {
     read = read_lines(path, bytes, options, with_names, processes);
   } else {
     processes.all_or_throw([&] {

@@ -19,6 +19,10 @@
 namespace eses::detail {
 namespace {
 
+// Both are written to disk and sent. scripts/lib/scaling.py reads the sizes here.
+static_assert(sizeof(ChunkInfo) == 272);
+static_assert(sizeof(AtomSum) == 32);
+
 constexpr std::array<const char*, chunk_text_count> text_suffixes{
     ".grid", ".edges",   ".vertices", ".triangles", ".inside",
     ".ions", ".edges_x", ".edges_y",  ".edges_z"};

@@ -32,7 +32,9 @@ struct AtomSum {
 
 /// The texts of a chunk: the lines of grid_info.txt and intersection_info.txt, mesh vertices as
 /// text or records of the mesh's format, mesh triangles as mesh::LocalTriangle or, if they have the
-/// positions of their corners, as records, and rows of words for each map, by its quantity.
+/// positions of their corners, as records, and rows of words for each map, by its quantity. If the
+/// mesh is to be improved, the vertices are the stream of a QualityPass, and there are no
+/// triangles.
 enum class ChunkText : std::uint8_t { grid, edges, vertices, triangles, first_map };
 inline constexpr std::size_t chunk_text_count =
     static_cast<std::size_t>(ChunkText::first_map) + map_quantities;
@@ -68,6 +70,7 @@ struct PlaneChunk {
   /// format with columns.
   bool is_in_place = false;
   bool is_restored = false;  ///< whether an earlier run wrote it, so that it may be damaged
+  bool is_unnamed = false;   ///< whether its files are lost when they are closed
 
   /// The scratch file of a text, or null.
   std::unique_ptr<ScratchFile>& text(ChunkText which) {

@@ -33,8 +33,8 @@ HWY_INLINE std::size_t select_positions(Vec3 origin, const SphereList& spheres,
     const auto selected = hn::And(is_selected(offset, load(&spheres.radius[i])),
                                   hn::FirstN(doubles, spheres.count - i));
     if (hn::AllFalse(doubles, selected)) continue;
-    found += hn::CompressStore(hn::Iota(lanes, static_cast<std::int64_t>(i)),
-                               hn::RebindMask(lanes, selected), lanes, positions + found);
+    found += compress_store(lanes, hn::Iota(lanes, static_cast<std::int64_t>(i)),
+                            hn::RebindMask(lanes, selected), positions + found);
   }
   hn::StoreU(hn::Zero(lanes), lanes, positions + found);
   return found;

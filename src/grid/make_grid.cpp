@@ -13,9 +13,9 @@
 namespace eses::detail {
 namespace {
 
-// With these limits, coordinates distinguish neighbouring points, and 64-bit products do not
-// overflow.
-constexpr double max_cells_along_axis = 2e9, max_points = 1e17;
+// With this limit and `max_point_count`, coordinates distinguish neighbouring points, and 64-bit
+// products do not overflow.
+constexpr double max_cells_along_axis = 2e9;
 
 double cells_along(const Box& box, double spacing, std::size_t axis) {
   return (box.high[axis] - box.low[axis]) / spacing;
@@ -37,7 +37,7 @@ bool is_possible(const Box& bounds, double spacing, double margin) {
   const Box box = grown(bounds, margin_for(spacing, margin));
   for (std::size_t axis = 0; axis < 3; ++axis)
     if (!(cells_along(box, spacing, axis) < max_cells_along_axis)) return false;
-  return points_in(box, spacing) <= max_points;
+  return points_in(box, spacing) <= max_point_count;
 }
 
 // Returns the number that is printed with three significant digits, so that users can copy it.
@@ -104,10 +104,10 @@ Grid make_grid(const Box& bounds, double spacing, double margin) {
     grid.origin[axis] = box.low[axis];
   }
   const double points = points_in(box, spacing);
-  if (points > max_points)
+  if (points > max_point_count)
     throw std::invalid_argument(
         formatted("a spacing of {} angstrom needs {:.3g} grid points; the limit is {:g}; {}",
-                  spacing, points, max_points, spacing_advice(bounds, spacing, margin)));
+                  spacing, points, max_point_count, spacing_advice(bounds, spacing, margin)));
   return grid;
 }
 
@@ -127,9 +127,9 @@ void require_valid(const Grid& grid) {
                     grid.origin[axis], grid.upper()[axis], "xyz"[axis]));
     points *= size;
   }
-  if (points > max_points)
+  if (points > max_point_count)
     throw std::invalid_argument(
-        formatted("a grid has {:.3g} points; the limit is {:g}", points, max_points));
+        formatted("a grid has {:.3g} points; the limit is {:g}", points, max_point_count));
 }
 
 void require_chosen(const Grid& grid) {

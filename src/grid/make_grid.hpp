@@ -10,6 +10,9 @@
 
 namespace eses::detail {
 
+/// Maximum number of points of a grid. It fits into 64 bits.
+inline constexpr double max_point_count = 1e17;
+
 /// Returns the bounding box of the van der Waals spheres. Without atoms, `low` is +infinity and
 /// `high` is -infinity.
 Box sphere_bounds(std::span<const Atom> atoms);
@@ -25,7 +28,7 @@ Grid make_grid(const Box& bounds, double spacing, double margin);
 
 /// Throws std::invalid_argument if the bounds of a grid are not finite, if its spacing is not
 /// positive, if it has fewer than one point or more than 2e9 points along an axis, or if it has
-/// more than 1e17 points.
+/// more than `max_point_count` points.
 void require_valid(const Grid& grid);
 
 /// Throws std::invalid_argument if a grid that the user has chosen does not pass require_valid, has

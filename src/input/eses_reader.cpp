@@ -10,14 +10,13 @@
 #include <system_error>
 
 #include "eses/error.hpp"
+#include "grid/make_grid.hpp"
 #include "input/text_fields.hpp"
 #include "system/formatted.hpp"
 
 namespace eses::detail {
 namespace {
 
-// Maximum number of grid points that the program accepts. It fits into 64 bits.
-constexpr double max_points = 1e17;
 // Maximum index of an atom. The largest value of AtomIndex is reserved for "no atom".
 constexpr std::int64_t max_atom = std::int64_t{std::numeric_limits<AtomIndex>::max()} - 1;
 
@@ -138,7 +137,7 @@ GridIndex read_size(LineReader& lines) {
   fields.expect_end();
   double points = 1;
   for (const std::int64_t n : size) points *= static_cast<double>(n);
-  if (points < 1 || points > max_points)
+  if (points < 1 || points > max_point_count)
     lines.fail(formatted("a grid of {} points", fmt::join(size, " x ")));
   return size;
 }

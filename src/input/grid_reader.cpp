@@ -29,15 +29,6 @@ constexpr std::string_view gzip_suffix = ".gz";
 // in files of other formats.
 constexpr int max_header_lines = 1000;
 
-double number_in(const LineReader& lines, std::string_view& fields, std::string_view what) {
-  const std::string_view field = take_first(fields);
-  double value = 0;
-  if (parse_number(field, value) != std::errc() || !std::isfinite(value))
-    lines.fail(formatted("{}: expected a finite number, found {}", what,
-                         field.empty() ? "the end of the line" : quoted(field)));
-  return value;
-}
-
 Vec3 vector_in(const LineReader& lines, std::string_view& fields, std::string_view what) {
   Vec3 vector;
   for (std::size_t axis = 0; axis < 3; ++axis) vector[axis] = number_in(lines, fields, what);
@@ -55,12 +46,15 @@ std::int64_t index_in(const LineReader& lines, std::string_view& fields, std::st
   return static_cast<std::int64_t>(value);
 }
 
-// Returns the spacing, which must be the same along all axes.
-double common_spacing(const LineReader& lines, const Vec3& spacing) {
+void require_positive(const LineReader& lines, const Vec3& spacing) {
   for (const double value : {spacing.x, spacing.y, spacing.z})
     if (!(value > 0))
       lines.fail(formatted("expected a positive spacing along x, y and z, found {}, {} and {}",
                            spacing.x, spacing.y, spacing.z));
+}
+
+// Returns the spacing, which must be the same along all axes.
+double common_spacing(const LineReader& lines, const Vec3& spacing) {
   for (const double value : {spacing.y, spacing.z})
     if (!is_same_spacing(value, spacing.x))
       lines.fail(formatted(
@@ -84,40 +78,11 @@ std::optional<std::size_t> shifted_axis(std::string_view comment) {
   return static_cast<std::size_t>(axis - 'x');
 }
 
-// Reads the grid positions of an OpenDX file.
 Grid read_dx(const std::filesystem::path& path) {
   LineReader lines(path);
-  Grid grid;
-  Vec3 spacing;
-  std::size_t deltas = 0;
-  std::optional<std::size_t> shifted;
-  bool has_counts = false, has_origin = false;
-  std::string_view line;
-  for (int i = 0; i < max_header_lines && deltas < 3; ++i) {
-    std::string_view fields = lines.expect("the positions of an OpenDX grid");
-    line = take_first(fields);
-    if (line == "#" && !shifted) {
-      const std::size_t begin = fields.find_first_not_of(' ');
-      if (begin != std::string_view::npos) shifted = shifted_axis(fields.substr(begin));
-    } else if (line == "object" && fields.find("gridpositions") != std::string_view::npos) {
-      while (!fields.empty() && take_first(fields) != "counts") continue;
-      for (std::int64_t& count : grid.size) count = index_in(lines, fields, "counts", 1);
-      has_counts = true;
-    } else if (line == "origin" && has_counts) {
-      grid.origin = vector_in(lines, fields, "origin");
-      has_origin = true;
-    } else if (line == "delta" && has_origin) {
-      Vec3 delta = vector_in(lines, fields, "delta");
-      spacing[deltas] = delta[deltas];
-      delta[deltas] = 0;
-      if (delta != Vec3{})
-        lines.fail("the axes of the grid must be those of the coordinates, in the order x, y, z");
-      ++deltas;
-    }
-  }
-  if (deltas < 3) lines.fail("expected the positions of an OpenDX grid: counts, origin and delta");
-  grid.spacing = common_spacing(lines, spacing);
-  if (shifted) grid.origin[*shifted] -= 0.5 * grid.spacing;
+  const DxPositions positions = read_dx_positions(lines);
+  Grid grid{positions.origin, common_spacing(lines, positions.spacing), positions.size};
+  if (positions.shifted_axis) grid.origin[*positions.shifted_axis] -= 0.5 * grid.spacing;
   return grid;
 }
 
@@ -164,7 +129,9 @@ Grid read_vti(const std::filesystem::path& path) {
   std::string_view spacing = attribute_in(lines, tag, "Spacing");
   Grid grid;
   grid.origin = vector_in(lines, origin, "Origin");
-  grid.spacing = common_spacing(lines, vector_in(lines, spacing, "Spacing"));
+  const Vec3 spacings = vector_in(lines, spacing, "Spacing");
+  require_positive(lines, spacings);
+  grid.spacing = common_spacing(lines, spacings);
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const std::int64_t first = index_in(lines, extent, "WholeExtent", -max_grid_points);
     const std::int64_t last = index_in(lines, extent, "WholeExtent", first);
@@ -231,6 +198,47 @@ std::optional<GridFileFormat> grid_file_format(std::string_view name) {
   if (name.ends_with(".vti")) return GridFileFormat::vti;
   if (name.ends_with(".txt")) return GridFileFormat::box;
   return std::nullopt;
+}
+
+double number_in(const LineReader& lines, std::string_view& fields, std::string_view what) {
+  const std::string_view field = take_first(fields);
+  double value = 0;
+  if (parse_number(field, value) != std::errc() || !std::isfinite(value))
+    lines.fail(formatted("{}: expected a finite number, found {}", what,
+                         field.empty() ? "the end of the line" : quoted(field)));
+  return value;
+}
+
+DxPositions read_dx_positions(LineReader& lines) {
+  DxPositions positions;
+  std::size_t deltas = 0;
+  bool has_counts = false, has_origin = false;
+  for (int i = 0; i < max_header_lines && deltas < 3; ++i) {
+    std::string_view fields = lines.expect("the positions of an OpenDX grid");
+    const std::string_view keyword = take_first(fields);
+    if (keyword == "#" && !positions.shifted_axis) {
+      const std::size_t begin = fields.find_first_not_of(' ');
+      if (begin != std::string_view::npos)
+        positions.shifted_axis = shifted_axis(fields.substr(begin));
+    } else if (keyword == "object" && fields.find("gridpositions") != std::string_view::npos) {
+      while (!fields.empty() && take_first(fields) != "counts") continue;
+      for (std::int64_t& count : positions.size) count = index_in(lines, fields, "counts", 1);
+      has_counts = true;
+    } else if (keyword == "origin" && has_counts) {
+      positions.origin = vector_in(lines, fields, "origin");
+      has_origin = true;
+    } else if (keyword == "delta" && has_origin) {
+      Vec3 delta = vector_in(lines, fields, "delta");
+      positions.spacing[deltas] = delta[deltas];
+      delta[deltas] = 0;
+      if (delta != Vec3{})
+        lines.fail("the axes of the grid must be those of the coordinates, in the order x, y, z");
+      ++deltas;
+    }
+  }
+  if (deltas < 3) lines.fail("expected the positions of an OpenDX grid: counts, origin and delta");
+  require_positive(lines, positions.spacing);
+  return positions;
 }
 
 }  // namespace eses::detail

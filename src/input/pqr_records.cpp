@@ -108,9 +108,10 @@ bool is_decimal(std::string_view field) {
   return field.find('.') != std::string_view::npos && parse_number(field, value) == std::errc{};
 }
 
-/// Returns whether there are more than five numbers. Such a record is ambiguous: ESES reads the
-/// last two numbers as charge and radius, APBS the fourth and fifth.
-bool ends_with_decimal(std::string_view leading) { return is_decimal(take_last(leading)); }
+/// Returns whether a further number comes before the last five, which are not part of `leading`.
+/// Such a record is ambiguous: ESES reads the last two numbers as charge and radius, APBS the
+/// fourth and fifth.
+bool has_extra_number(std::string_view leading) { return is_decimal(take_last(leading)); }
 
 Problem parse_pqr_fields(std::string_view line, Record& record) {
   PqrFields fields;
@@ -118,7 +119,7 @@ Problem parse_pqr_fields(std::string_view line, Record& record) {
   for (std::size_t i = fields.size(); i-- > 0;) fields[i] = take_last(leading);
   if (count_fields(leading) < min_leading_fields(line)) return {Fault::too_few_fields, {}, line};
   const Problem problem = read_pqr_values(fields, record);
-  if (!problem && ends_with_decimal(leading)) return {Fault::extra_number, {}, fields.back()};
+  if (!problem && has_extra_number(leading)) return {Fault::extra_number, {}, fields.back()};
   // If two errors apply, the one about text that is not a number is clearer.
   if (problem.fault != Fault::not_a_number && looks_like_residue_number(fields[0], leading)) {
     return {Fault::residue_number, quantity_x.name, fields[0]};
@@ -171,7 +172,7 @@ Problem parse_pqr_columns(std::string_view line, Record& record) {
     radius = line.substr(radius_column, radius_width);
   }
   if (charge.empty()) charge = std::exchange(radius, line.substr(line.size()));
-  if (ends_with_decimal(rest)) return {Fault::extra_number, {}, radius};
+  if (has_extra_number(rest)) return {Fault::extra_number, {}, radius};
   record.label = label_of_columns(line);
   return read_pqr_values({coordinate_column(line, 0), coordinate_column(line, 1),
                           coordinate_column(line, 2), charge, radius},
@@ -253,8 +254,8 @@ struct RecordCounts {
   std::uint64_t all = 0;
   std::uint64_t pdb_columns = 0;  ///< have the columns of PDB files
   std::uint64_t pqr = 0;          ///< end with a possible charge and radius
-  std::uint64_t only_pqr = 0;     ///< do so, and are not valid in PDB files
-  std::uint64_t with_radius = 0;  ///< do so, and have the radius of an atom other than hydrogen
+  std::uint64_t only_pqr = 0;     ///< records of `pqr` that are not valid in PDB files
+  std::uint64_t with_radius = 0;  ///< records of `pqr` with the radius of a heavy atom
 
   void add(std::string_view line) {
     constexpr double min_usual_radius = 0.5;  // angstrom; some hydrogens have smaller radii
@@ -334,7 +335,7 @@ AtomFormat format_of_records(std::string_view text) {
 
 void refuse_pdb_records(std::string_view name, std::uint64_t atoms, const PdbLikeness& likeness) {
   // Most records of PDB files have these formats. PQR files with charges of two decimals do as
-  // well, but half of their charges are negative, and add_record does not count those.
+  // well, but half of their charges are negative, and PdbLikeness::add does not count those.
   if (10 * likeness.layout < 9 * atoms || 2 * likeness.values < atoms) return;
   throw Error(
       formatted("{}: this is a PDB file: its columns 55 to 66 hold occupancy and B-factor, which "

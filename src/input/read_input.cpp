@@ -207,7 +207,7 @@ AtomFile read_input(const std::filesystem::path& path, const ReadOptions& option
   ReadOptions known = options;
   known.format = format_of(path, options.format);
   const bool is_standard_input = path == "-";
-  const std::string name = is_standard_input ? "<stdin>" : path.string();
+  const std::string name = input_name(path);
   const FileDescriptor file(is_standard_input ? -1 : open_for_reading(path, name));
   try {
     TextSource source(is_standard_input ? STDIN_FILENO : file.value(), name);

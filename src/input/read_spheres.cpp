@@ -51,7 +51,7 @@ std::vector<std::string> names_on(std::string_view text, std::span<const std::ui
 
 SphereFile read_spheres(const std::filesystem::path& path) {
   const bool is_standard_input = path == "-";
-  const std::string name = is_standard_input ? "<stdin>" : path.string();
+  const std::string name = input_name(path);
   const FileDescriptor file(is_standard_input ? -1 : open_for_reading(path, name));
   TextSource source(is_standard_input ? STDIN_FILENO : file.value(), name);
   std::string text;

@@ -60,6 +60,10 @@ void refuse_other_compression(std::string_view bytes, std::string_view name) {
 
 }  // namespace
 
+std::string input_name(const std::filesystem::path& path) {
+  return path == "-" ? "<stdin>" : path.string();
+}
+
 int open_for_reading(const std::filesystem::path& path, std::string_view name) {
   int descriptor = -1;
   do {

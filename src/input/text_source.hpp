@@ -12,6 +12,9 @@
 
 namespace eses::detail {
 
+/// Returns the name of an input file for messages: its path, or `<stdin>` for `-`.
+std::string input_name(const std::filesystem::path& path);
+
 /// Opens a file for reading and returns its descriptor. Throws Error with `name` in the message.
 int open_for_reading(const std::filesystem::path& path, std::string_view name);
 

@@ -3,20 +3,23 @@
 namespace eses::detail::mesh {
 namespace {
 
-double off_grid_points(double coordinate, double lower, double upper, double spacing) {
-  if (coordinate - lower < coincidence * spacing) return lower + clearance * spacing;
-  if (upper - coordinate < coincidence * spacing) return upper - clearance * spacing;
+double off_grid_points(double coordinate, double lower, double upper, double spacing,
+                       double distance) {
+  if (coordinate - lower < coincidence * spacing) return lower + distance * spacing;
+  if (upper - coordinate < coincidence * spacing) return upper - distance * spacing;
   return coordinate;
 }
 
 }  // namespace
 
-Vertex make_vertex(const Grid& grid, const GridIndex& lower, const BlockCrossing& crossing) {
+Vertex make_vertex(const Grid& grid, const GridIndex& lower, const BlockCrossing& crossing,
+                   double distance) {
   const std::size_t axis = crossing.axis;
   Vertex vertex;
   vertex.position = grid.point(lower);
-  vertex.position[axis] = off_grid_points(crossing.coordinate, vertex.position[axis],
-                                          grid.coordinate(axis, lower[axis] + 1), grid.spacing);
+  vertex.position[axis] =
+      off_grid_points(crossing.coordinate, vertex.position[axis],
+                      grid.coordinate(axis, lower[axis] + 1), grid.spacing, distance);
   vertex.normal = crossing.normal;
   vertex.patch = crossing.atom_count;
   vertex.atoms = crossing.atoms;

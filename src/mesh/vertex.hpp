@@ -26,9 +26,10 @@ inline constexpr double coincidence = 1e-6;
 inline constexpr double clearance = 1e-4;
 
 /// Returns the vertex at a crossing; `lower` is the lower end of the grid edge. If the crossing
-/// coincides with a grid point, the vertex is moved away from it along the edge. Otherwise the
-/// vertices of several edges at the point could coincide; triangles would have no area, or parts of
-/// the surface would touch.
-Vertex make_vertex(const Grid& grid, const GridIndex& lower, const BlockCrossing& crossing);
+/// coincides with a grid point, the vertex is moved away from it along the edge to a distance of
+/// `distance` in units of the spacing. Otherwise the vertices of several edges at the point could
+/// coincide; triangles would have no area, or parts of the surface would touch.
+Vertex make_vertex(const Grid& grid, const GridIndex& lower, const BlockCrossing& crossing,
+                   double distance = clearance);
 
 }  // namespace eses::detail::mesh

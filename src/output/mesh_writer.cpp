@@ -34,10 +34,10 @@ void append_off_counts(BufferedText& text, const MeshCounts& counts) {
 }
 
 // Upper bounds of the length of a line or record: a vertex has two vectors, in OBJ files a colour
-// as a third one, and in PLY files a colour, patch, atom, chain and residue.
+// as a third one, and in PLY files a colour, patch, atom, chain, residue and potential.
 constexpr std::size_t max_field_length = max_number_length + 1, max_index_length = 11, channel = 4;
 constexpr std::size_t max_vertex_bytes =
-    9 * max_field_length + 3 * channel + 2 + 3 * max_index_length + 8;
+    10 * max_field_length + 3 * channel + 2 + 3 * max_index_length + 8;
 constexpr std::size_t max_triangle_bytes = 6 * (max_number_length + 2) + 4;
 static_assert(max_msms_vertex_bytes <= max_vertex_bytes);
 static_assert(max_msms_triangle_bytes <= max_triangle_bytes);
@@ -98,7 +98,11 @@ void require_vertex_count(std::uint64_t vertices) {
 MeshText::MeshText(MeshFormat format, MeshColor color, MeshSource source)
     : format_(format), color_(color), source_(source) {}
 
-VtpFields MeshText::vtp_fields() const { return {has_colors(), source_.groups.are_known}; }
+VtpFields MeshText::vtp_fields() const {
+  return {.has_colors = has_colors(),
+          .has_groups = source_.groups.are_known,
+          .has_potential = source_.potential.map != nullptr};
+}
 
 void MeshText::write_header_begin(const TextSink& sink) const {
   constexpr bool is_little = std::endian::native == std::endian::little;
@@ -107,10 +111,11 @@ void MeshText::write_header_begin(const TextSink& sink) const {
     text.append(
         "ply\nformat {} 1.0\n"
         "comment solvent excluded surface, eses-blocks; angstrom\n"
-        "comment patch: 1 convex, 2 saddle, 3 concave; atom: first adjacent one, 0-based\n",
+        "comment patch: 1 convex, 2 saddle, 3 concave; atom: first adjacent one, 0-based{}\n",
         format_ == MeshFormat::ascii_ply ? "ascii"
         : is_little                      ? "binary_little_endian"
-                                         : "binary_big_endian");
+                                         : "binary_big_endian",
+        source_.potential.map != nullptr ? "; potential: kT/e" : "");
   if (format_ == MeshFormat::vtp) append_vtp_begin(text, vtp_fields(), source_.groups.chain_count);
   text.flush();
 }
@@ -192,10 +197,18 @@ void MeshText::append_ply_end(BufferedText& text, const MeshCounts& counts) cons
     for (const char* name : {"red", "green", "blue"}) text.append("property uchar {}\n", name);
   text.append("property uchar patch\nproperty uint atom\n");
   if (source_.groups.are_known) text.append("property uint chain\nproperty uint residue\n");
+  if (source_.potential.map != nullptr) text.append("property float potential\n");
   text.append("element face {}\nproperty list uchar int vertex_indices\nend_header\n", triangles);
 }
 
-Color MeshText::color_of(const Vertex& vertex) const {
+// Returns 0 without a map of the potential.
+double MeshText::potential_of(const Vertex& vertex) const {
+  const auto& [map, offset, limit] = source_.potential;
+  return map != nullptr ? map->at(vertex.position + offset * vertex.normal) : 0;
+}
+
+Color MeshText::color_of(const Vertex& vertex, double potential) const {
+  if (color_ == MeshColor::potential) return potential_color(potential, source_.potential.limit);
   if (color_ == MeshColor::atom)
     return distinct_color(as_number(source_.file_indices[vertex.first_atom()]));
   if (color_ == MeshColor::chain)
@@ -216,15 +229,17 @@ AtomIndex MeshText::closest_atom(const Vertex& vertex) const {
   return closest;
 }
 
-// Writes what the file has of a vertex with these writers of a position, a normal and an integer,
-// which return the end of what they have written.
-template <class PutPosition, class PutNormal, class PutInteger>
+// Writes what the file has of a vertex with these writers of a position, a normal, an integer and a
+// potential, which return the end of what they have written.
+template <class PutPosition, class PutNormal, class PutInteger, class PutPotential>
 char* MeshText::put_fields(char* out, const Vertex& vertex, PutPosition put_position,
-                           PutNormal put_normal, PutInteger put_integer) const {
+                           PutNormal put_normal, PutInteger put_integer,
+                           PutPotential put_potential) const {
+  const double potential = potential_of(vertex);
   out = put_position(out, vertex.position);
   out = put_normal(out, vertex.normal);
   if (has_colors())
-    for (const std::uint8_t part : color_of(vertex)) out = put_integer(out, part);
+    for (const std::uint8_t part : color_of(vertex, potential)) out = put_integer(out, part);
   out = put_integer(out, vertex.patch);
   out = put_integer(out, as_number(source_.file_indices[vertex.first_atom()]));
   if (source_.groups.are_known) {
@@ -232,18 +247,21 @@ char* MeshText::put_fields(char* out, const Vertex& vertex, PutPosition put_posi
     out = put_integer(out, chain);
     out = put_integer(out, residue);
   }
+  if (source_.potential.map != nullptr) out = put_potential(out, potential);
   return out;
 }
 
 // Writes a vertex of binary PLY, which is also the vertex record of VTP.
 char* MeshText::put_record(char* out, const Vertex& vertex) const {
-  return put_fields(out, vertex, put_components<double>, put_components<float>,
-                    [](char* end, auto integer) { return put(end, integer); });
+  return put_fields(
+      out, vertex, put_components<double>, put_components<float>,
+      [](char* end, auto integer) { return put(end, integer); },
+      [](char* end, double potential) { return put(end, static_cast<float>(potential)); });
 }
 
 // Writes a vertex of text PLY.
 char* MeshText::put_ply_line(char* out, const Vertex& vertex) const {
-  return end_line(put_fields(out, vertex, put_vector, put_vector, put_index));
+  return end_line(put_fields(out, vertex, put_vector, put_vector, put_index, put_number));
 }
 
 // The colours follow the position, as numbers from 0 to 1.
@@ -252,7 +270,7 @@ char* MeshText::put_obj_vertex(char* out, const Vertex& vertex) const {
   *out++ = ' ';
   out = put_vector(out, vertex.position);
   if (has_colors()) {
-    const Color color = color_of(vertex);
+    const Color color = color_of(vertex, potential_of(vertex));
     out = put_vector(out, 1.0 / 255 * Vec3{double(color[0]), double(color[1]), double(color[2])});
   }
   out = end_line(out);
@@ -264,7 +282,7 @@ char* MeshText::put_obj_vertex(char* out, const Vertex& vertex) const {
 
 char* MeshText::put_glb_vertex(char* out, const Vertex& vertex) const {
   out = put_gltf_vertex(out, vertex.position, vertex.normal, gltf_center(source_.center));
-  return has_colors() ? put_gltf_color(out, color_of(vertex)) : out;
+  return has_colors() ? put_gltf_color(out, color_of(vertex, potential_of(vertex))) : out;
 }
 
 void MeshText::append_vertex(TextBuffer& text, const Vertex& vertex) const {
@@ -342,9 +360,10 @@ MeshBytes typical_mesh_bytes(const MeshOptions& choice, bool has_labels) {
   constexpr std::uint64_t index_text = 8;    // an index and a blank
   const std::uint64_t vectors = 3 * sizeof(double) + 3 * sizeof(float);
   const bool has_color = choice.color != MeshColor::none;
-  const std::uint64_t record = vectors + sizeof(std::uint8_t) + sizeof(AtomIndex) +
-                               (has_color ? sizeof(Color) : 0) +
-                               (has_labels ? 2 * sizeof(std::uint32_t) : 0);
+  const bool has_potential = choice.color == MeshColor::potential;
+  const std::uint64_t record =
+      vectors + sizeof(std::uint8_t) + sizeof(AtomIndex) + (has_color ? sizeof(Color) : 0) +
+      (has_labels ? 2 * sizeof(std::uint32_t) : 0) + (has_potential ? sizeof(float) : 0);
   MeshBytes bytes;
   switch (required_mesh_format(choice)) {
     case MeshFormat::ply:
@@ -358,9 +377,9 @@ MeshBytes typical_mesh_bytes(const MeshOptions& choice, bool has_labels) {
       bytes = {.vertex = vector_line, .triangle = 2 + 3 * index_text};
       break;
     case MeshFormat::ascii_ply:
-      bytes = {
-          .vertex = 2 * vector_line + 2 + (has_color ? 12 : 0) + index_text * (has_labels ? 2 : 1),
-          .triangle = 2 + 3 * index_text};
+      bytes = {.vertex = 2 * vector_line + 2 + (has_color ? 12 : 0) +
+                         index_text * (has_labels ? 2 : 1) + (has_potential ? vector_line / 3 : 0),
+               .triangle = 2 + 3 * index_text};
       break;
     case MeshFormat::msms:
       bytes = {.vertex = 2 * vector_line + 4 + index_text, .triangle = 4 + 3 * index_text};

@@ -13,6 +13,7 @@
 #include <string_view>
 
 #include "input/file_index.hpp"
+#include "input/potential_map.hpp"
 #include "mesh/triangulate.hpp"
 #include "mesh/vertex.hpp"
 #include "output/buffered_text.hpp"
@@ -28,6 +29,13 @@ namespace eses::detail::mesh {
 /// Throws Error if there are more vertices than readers of mesh files can index.
 void require_vertex_count(std::uint64_t vertices);
 
+/// The potential of the vertices.
+struct VertexPotential {
+  const PotentialMap* map = nullptr;  ///< null without a potential
+  double offset = 0;                  ///< see MeshPotential
+  double limit = 0;                   ///< see MeshPotential
+};
+
 /// Atoms and parameters that mesh files contain besides vertices and triangles. All spans must
 /// outlive the MeshText.
 struct MeshSource {
@@ -38,6 +46,7 @@ struct MeshSource {
   double probe_radius = 0;       ///< angstrom
   double spacing = 0;            ///< angstrom
   Vec3 center;                   ///< centre of the grid, in angstrom
+  VertexPotential potential = {};
 };
 
 /// Makes the text of mesh files. Most formats have one file: a header, all vertices, all triangles.
@@ -74,6 +83,7 @@ class MeshText {
   /// `counts`.
   void write_face_header(const MeshCounts& counts, const TextSink& sink) const;
 
+  /// Throws Error if the map of the potential does not contain the vertex.
   void append_vertex(TextBuffer& text, const Vertex& vertex) const;
   /// `patch` is the result of patch_of, or any number if has_triangle_patches() is false.
   void append_triangle(TextBuffer& text, const Triangle& triangle, std::uint8_t patch) const;
@@ -95,14 +105,15 @@ class MeshText {
   bool has_colors() const { return color_ != MeshColor::none; }
   VtpFields vtp_fields() const;
   void append_ply_end(BufferedText& text, const MeshCounts& counts) const;
-  template <class PutPosition, class PutNormal, class PutInteger>
+  template <class PutPosition, class PutNormal, class PutInteger, class PutPotential>
   char* put_fields(char* out, const Vertex& vertex, PutPosition put_position, PutNormal put_normal,
-                   PutInteger put_integer) const;
+                   PutInteger put_integer, PutPotential put_potential) const;
   char* put_record(char* out, const Vertex& vertex) const;
   char* put_ply_line(char* out, const Vertex& vertex) const;
   char* put_obj_vertex(char* out, const Vertex& vertex) const;
   char* put_glb_vertex(char* out, const Vertex& vertex) const;
-  Color color_of(const Vertex& vertex) const;
+  double potential_of(const Vertex& vertex) const;
+  Color color_of(const Vertex& vertex, double potential) const;
   AtomIndex closest_atom(const Vertex& vertex) const;
 
   MeshFormat format_;

@@ -97,8 +97,8 @@ void make_digits(NumberBatch& batch) {
     const auto digits = whole + hn::IfThenElseZero(fraction > half, one);
     const auto is_plain = hn::And(hn::Abs(fraction - half) >= broadcast(near_tie),
                                   hn::And(digits >= unit, digits < broadcast(10) * unit));
-    batch.needs_exact |= (~std::uint64_t{mask_bits(is_plain)} & low_bits(static_cast<int>(lanes)))
-                         << i;
+    batch.needs_exact |=
+        (~std::uint64_t{mask_bits(Doubles(), is_plain)} & low_bits(static_cast<int>(lanes))) << i;
 
     // The quotient may be off by one. The remainder shows it.
     auto high = hn::Floor(digits * broadcast(1.0 / static_cast<double>(trailing_unit)));

@@ -96,4 +96,13 @@ void OutputFile::withdraw() noexcept {
   if (is_committed_) unlinkat(directory_.descriptor(), name_.c_str(), 0);
 }
 
+void commit_all(std::span<const std::unique_ptr<OutputFile>> files) {
+  try {
+    for (const auto& file : files) file->commit();
+  } catch (...) {
+    for (const auto& file : files) file->withdraw();
+    throw;
+  }
+}
+
 }  // namespace eses::detail

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <span>
 #include <string>
 
@@ -57,5 +58,8 @@ class OutputFile {
   FileDescriptor file_;
   bool is_temporary_ = false, is_committed_ = false;
 };
+
+/// Commits closed files, all or none.
+void commit_all(std::span<const std::unique_ptr<OutputFile>> files);
 
 }  // namespace eses::detail

@@ -39,12 +39,16 @@ Value get_little(const char* bytes) {
   return value;
 }
 
-/// Writes three numbers with the digits of intersection_info.txt, each followed by a blank.
+/// Writes a number with the digits of intersection_info.txt, followed by a blank.
+inline char* put_number(char* out, double number) {
+  out = write_scientific(out, number);
+  *out++ = ' ';
+  return out;
+}
+
+/// Writes three numbers like put_number.
 inline char* put_vector(char* out, const Vec3& numbers) {
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    out = write_scientific(out, numbers[axis]);
-    *out++ = ' ';
-  }
+  for (std::size_t axis = 0; axis < 3; ++axis) out = put_number(out, numbers[axis]);
   return out;
 }
 

@@ -1,5 +1,9 @@
 #include "output/vertex_color.hpp"
 
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+
 namespace eses::detail::mesh {
 
 Color patch_color(std::uint8_t patch) {
@@ -30,6 +34,21 @@ Color distinct_color(std::uint64_t number) {
     default:
       return {full, none, down};
   }
+}
+
+// The colours are those of scripts/lib/page.py.
+Color potential_color(double potential, double limit) {
+  constexpr std::array<std::array<double, 3>, 5> stops{
+      {{200, 20, 30}, {245, 160, 140}, {248, 248, 248}, {140, 170, 245}, {25, 50, 205}}};
+  constexpr std::size_t last = stops.size() - 1;
+  const double at = std::clamp(0.5 + potential / (2 * limit), 0.0, 1.0) * double{last};
+  const std::size_t low = std::min(static_cast<std::size_t>(at), last - 1);
+  const double fraction = at - static_cast<double>(low);
+  Color color{};
+  for (std::size_t part = 0; part < color.size(); ++part)
+    color[part] = static_cast<std::uint8_t>(
+        std::lround(std::lerp(stops[low][part], stops[low + 1][part], fraction)));
+  return color;
 }
 
 }  // namespace eses::detail::mesh

@@ -15,4 +15,7 @@ Color patch_color(std::uint8_t patch);
 /// Colour of a number, which differs clearly from the colours of the next numbers.
 Color distinct_color(std::uint64_t number);
 
+/// Colour of a potential on a scale from -`limit` (red) over 0 (white) to `limit` (blue).
+Color potential_color(double potential, double limit);
+
 }  // namespace eses::detail::mesh

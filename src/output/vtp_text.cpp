@@ -27,6 +27,7 @@ std::vector<Array> vertex_arrays(const VtpFields& fields) {
     arrays.push_back({"chain", "UInt32", 1, sizeof(std::uint32_t)});
     arrays.push_back({"residue", "UInt32", 1, sizeof(std::uint32_t)});
   }
+  if (fields.has_potential) arrays.push_back({"potential", "Float32", 1, sizeof(float)});
   return arrays;
 }
 
@@ -76,8 +77,8 @@ void append_vtp_begin(BufferedText& text, const VtpFields& fields, std::uint64_t
       "<?xml version=\"1.0\"?>\n"
       "<VTKFile type=\"PolyData\" version=\"1.0\" byte_order=\"{}Endian\" header_type=\"UInt64\">\n"
       "<!-- solvent excluded surface, eses-blocks; angstrom; patch: 1 convex, 2 saddle, 3 concave; "
-      "atom: first adjacent one, 0-based -->\n<PolyData>\n",
-      is_little ? "Little" : "Big");
+      "atom: first adjacent one, 0-based{} -->\n<PolyData>\n",
+      is_little ? "Little" : "Big", fields.has_potential ? "; potential: kT/e" : "");
   if (fields.has_groups)
     text.append(
         "<FieldData>\n<DataArray type=\"String\" Name=\"chain_name\" NumberOfTuples=\"{}\" "

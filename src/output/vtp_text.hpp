@@ -23,6 +23,7 @@ namespace eses::detail::mesh {
 struct VtpFields {
   bool has_colors = false;
   bool has_groups = false;  ///< chain and residue
+  bool has_potential = false;
 };
 
 /// A column: the same field of all records.

@@ -69,6 +69,9 @@ std::optional<mesh::MeshText> mesh_text(const RunTask& task, const RunPlan& plan
                                 .of_atom = plan.slab.groups,
                                 .chain_count = processes.sum(plan.groups.chains.size()),
                                 .residue_count = processes.sum(plan.groups.residues.size())};
+  mesh::VertexPotential potential;
+  if (plan.potential)
+    potential = {&*plan.potential, mesh->potential->offset, mesh->potential->limit};
   return mesh::MeshText(
       required_mesh_format(*mesh), mesh->color,
       {.groups = groups,
@@ -77,7 +80,8 @@ std::optional<mesh::MeshText> mesh_text(const RunTask& task, const RunPlan& plan
        .atom_count = plan.atoms,
        .probe_radius = plan.whole_plan.parameters.probe_radius,
        .spacing = plan.whole_plan.grid.spacing,
-       .center = 0.5 * (plan.whole_plan.grid.origin + plan.whole_plan.grid.upper())});
+       .center = 0.5 * (plan.whole_plan.grid.origin + plan.whole_plan.grid.upper()),
+       .potential = potential});
 }
 
 double cpu_seconds() {
@@ -155,6 +159,19 @@ void take_restored(const RunPlan& plan, const Processes& processes, std::vector<
   }
 }
 
+// Returns the files of the sweep, with the lengths of the headers of the mesh.
+SweepFiles sweep_files(const RunPlan& plan, const std::optional<mesh::MeshText>& mesh,
+                       OutputFiles* files, const Processes& processes) {
+  SweepFiles result{.final_files = files};
+  if (!mesh) return result;
+  result.mesh_text = &*mesh;
+  result.mesh_header_bytes =
+      header_bytes(mesh_header(*mesh, plan.groups, {}, processes), processes);
+  if (mesh->has_face_file())
+    result.face_header_bytes = header_bytes(face_header(*mesh, {}, processes), processes);
+  return result;
+}
+
 // Completes all files except the bounding box. Returns their length in bytes.
 std::uint64_t write_files(const RunTask& task, const RunPlan& plan,
                           const std::optional<mesh::MeshText>& mesh, const AtomAreas& areas,
@@ -226,22 +243,15 @@ RunResult execute(const RunTask& task, const RunPlan& plan, const RunPaths& path
   const std::vector<PlaneRange> ranges = ranges_to_sweep(task, plan);
   ProgressReport report(callbacks.progress, count_blocks(plan, ranges));
   const std::function<void()> check = [&report] { report.check(); };
-  check();  // from now on the caller must remove the locks on a signal
+  check();  // the first check tells the caller that the files are locked
 
   RunResult result;
   Summary& summary = result.summary;
   if (plan.cavities) summary.filled_cavities = plan.cavities->filled();
   if (task.parameters.verify > 0) summary.verification.emplace();
   const std::optional<mesh::MeshText> mesh = mesh_text(task, plan, processes);
-  SweepFiles sweep_files{.final_files = files.get()};
-  if (mesh) {
-    sweep_files.mesh_text = &*mesh;
-    sweep_files.mesh_header_bytes =
-        header_bytes(mesh_header(*mesh, plan.groups, {}, processes), processes);
-    if (mesh->has_face_file())
-      sweep_files.face_header_bytes = header_bytes(face_header(*mesh, {}, processes), processes);
-  }
-  SlabSweep sweep(task, plan, ranges, sweep_files, callbacks, report, processes);
+  SlabSweep sweep(task, plan, ranges, sweep_files(plan, mesh, files.get(), processes), callbacks,
+                  report, processes);
   SweepResult swept = sweep.run(summary);
   // The heap memory of patches and blocks is too fragmented for the long lists of areas.
   release_free_memory();
@@ -255,6 +265,7 @@ RunResult execute(const RunTask& task, const RunPlan& plan, const RunPaths& path
   summary.area = total_area(areas, processes);
   if (task.parameters.exact) result.exact = measure_surface(task, plan, check, summary);
   if (!has_faults(summary)) {
+    if (mesh && task.outputs.mesh->quality) summary.mesh_quality = merge.improve_mesh(*mesh);
     if (mesh) summary.mesh = merge.mesh_counts();
     summary.bytes_written =
         write_files(task, plan, mesh, areas, merge, files.get(), check, processes) +

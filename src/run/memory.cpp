@@ -10,6 +10,7 @@
 #include "output/eses_writer.hpp"
 #include "output/grid_map.hpp"
 #include "run/mesh_output.hpp"
+#include "run/quality_pass.hpp"
 #include "run/row_batches.hpp"
 #include "system/gzip.hpp"
 
@@ -162,6 +163,12 @@ double expected_memory(const SurfaceSurvey& survey, const LabelTotals& labels, b
     held += MeshOutput::memory_bytes(
         tiling, required_mesh_format(*outputs.mesh),
         halo_growth(tiling) * expected_crossings(survey.max_slab_area(grid.spacing), grid.spacing));
+  // The mesh is improved after the sweep, when blocks and patches are freed.
+  const double improving =
+      outputs.mesh && outputs.mesh->quality
+          ? QualityPass::memory_bytes(
+                *outputs.mesh, expected_crossings(survey.max_slab_area(grid.spacing), grid.spacing))
+          : 0;
   constexpr double bytes_per_area = sizeof(double) + growth * sizeof(AtomSum);
   double names = 0;
   if (has_groups)
@@ -173,7 +180,7 @@ double expected_memory(const SurfaceSurvey& survey, const LabelTotals& labels, b
   const double solving = survey.patch_bytes(height, schedule.threads) +
                          GridText::memory_bytes(grid) +
                          threads * bytes_of_thread(survey, grid, schedule, outputs) +
-                         std::max(held, bytes_per_area * atoms);
+                         std::max({held, bytes_per_area * atoms, improving});
   return min_expected_memory(survey.atom_count()) + names + solving;
 }
 

@@ -5,12 +5,16 @@
 #include <cstring>
 #include <future>
 #include <map>
+#include <memory>
+#include <optional>
 #include <utility>
 
 #include "eses/error.hpp"
 #include "output/grid_map.hpp"
 #include "output/local_triangle.hpp"
+#include "output/output_files.hpp"
 #include "run/mesh_header.hpp"
+#include "run/quality_pass.hpp"
 #include "system/formatted.hpp"
 #include "system/gzip.hpp"
 
@@ -195,7 +199,7 @@ void Merge::read(PlaneChunk& chunk, ChunkText text, std::uint64_t unit, Take&& t
       },
       std::forward<Take>(take));
   if (chunk.is_restored) require_sound(chunk, text, checksum.value());
-  if (plan_.checkpoint) close(chunk, text);
+  if (plan_.checkpoint && !chunk.is_unnamed) close(chunk, text);
 }
 
 // Copies a text to the file `to` from `begin` on, unless it is there already.
@@ -258,7 +262,7 @@ std::uint64_t Merge::write_compressed_values(GridMap& map, SharedFile& to) const
   }
   if (processes_.rank() + 1 == processes_.count()) append(map.compressed_footer());
   const std::uint64_t length = text.size();
-  // No process knows the sum before all have read their words. Only then may members replace them.
+  // The sum is known when all processes have read their words. Only then may members replace these.
   const std::uint64_t all = processes_.sum(length);
   const std::uint64_t begin = processes_.sum_before(length);
   copy_file(text, length, to, begin, threads_of_shared_file(), check_);
@@ -295,8 +299,91 @@ std::uint64_t Merge::write_map(OutputFile* file, const MapChoice& choice) {
   return bytes;
 }
 
+// The first process improves the whole mesh, as each triangle depends on the triangles before it.
+// It receives the stream of each chunk from the process that has the chunk.
+MeshQuality Merge::improve_mesh(const mesh::MeshText& text) {
+  struct Owner {
+    std::int64_t plane, rank;
+  };
+  std::vector<Owner> owners;
+  for (const PlaneChunk& chunk : chunks_)
+    owners.push_back({chunk.info.planes.begin, processes_.rank()});
+  std::map<std::int64_t, int> rank_of;
+  for (const auto& [plane, rank] : processes_.gather<Owner>(owners))
+    rank_of[plane] = static_cast<int>(rank);
+
+  PlaneChunk improved;
+  improved.info.planes = region_planes(plan_.whole_plan);
+  improved.is_unnamed = true;
+  std::optional<QualityPass> pass;
+  processes_.all_or_throw([&] {
+    if (!processes_.is_first()) return;
+    const auto sink_of = [&](ChunkText which) {
+      improved.text(which) = std::make_unique<ScratchFile>(mesh_directory_of(*task_.outputs.mesh));
+      return [file = improved.text(which).get()](std::span<const char> bytes) {
+        file->append(std::as_bytes(bytes));
+      };
+    };
+    pass.emplace(text, plan_.whole_plan.grid.spacing,
+                 QualityPass::Sinks{sink_of(ChunkText::vertices), sink_of(ChunkText::triangles)});
+  });
+  std::uint64_t first_vertex = 0;
+  auto own = chunks_.begin();
+  for (const ChunkInfo& info : infos_) {
+    const int from = rank_of.at(info.planes.begin);
+    if (pass) pass->begin_chunk(first_vertex);
+    first_vertex += info.mesh.vertices;
+    const auto take = [&](std::span<const char> bytes) {
+      if (processes_.count() == 1) return pass->add(bytes);
+      const std::string part = processes_.broadcast({bytes.begin(), bytes.end()}, from);
+      if (pass) pass->add(part);
+    };
+    if (from != processes_.rank()) {
+      const std::uint64_t bytes = info.bytes_of(ChunkText::vertices);
+      for (std::uint64_t at = 0; at < bytes; at += bytes_per_read) take({});
+      continue;
+    }
+    read(*own, ChunkText::vertices, 1,
+         [&](std::span<const char> bytes, std::uint64_t) { take(bytes); });
+    close(*own++, ChunkText::vertices);
+  }
+  struct Figures {
+    MeshCounts counts;
+    MeshQuality quality;
+    std::array<std::uint64_t, 2> bytes;
+  };
+  std::vector<Figures> figures;
+  processes_.all_or_throw([&] {
+    if (!pass) return;
+    pass->finish();
+    figures.push_back({pass->counts(),
+                       pass->quality(),
+                       {improved.text(ChunkText::vertices)->size(),
+                        improved.text(ChunkText::triangles)->size()}});
+  });
+  const Figures result = processes_.gather<Figures>(figures).front();
+  improved.info.mesh = mesh_ = result.counts;
+  improved.info.bytes[static_cast<std::size_t>(ChunkText::vertices)] = result.bytes[0];
+  improved.info.bytes[static_cast<std::size_t>(ChunkText::triangles)] = result.bytes[1];
+  improved_infos_ = {improved.info};
+  if (processes_.is_first()) improved_chunks_.push_back(std::move(improved));
+  return result.quality;
+}
+
 std::uint64_t Merge::write_mesh(OutputFile* file, OutputFile* face_file,
                                 const mesh::MeshText& text) {
+  if (improved_infos_.empty()) return write_mesh_chunks(file, face_file, text);
+  // The other chunks still have texts of other files.
+  std::swap(infos_, improved_infos_);
+  std::swap(chunks_, improved_chunks_);
+  const std::uint64_t bytes = write_mesh_chunks(file, face_file, text);
+  std::swap(infos_, improved_infos_);
+  std::swap(chunks_, improved_chunks_);
+  return bytes;
+}
+
+std::uint64_t Merge::write_mesh_chunks(OutputFile* file, OutputFile* face_file,
+                                       const mesh::MeshText& text) {
   text.require_counts(mesh_);
   SharedFile shared(processes_, file);
   std::uint64_t bytes = write_header(mesh_header(text, plan_.groups, mesh_, processes_), shared);
@@ -382,7 +469,8 @@ std::uint64_t Merge::write_triangles(SharedFile& file, std::uint64_t begin,
     for_triangle_texts(chunk, first_vertex, text,
                        [&](std::span<const char> part) { lengths.back().bytes += part.size(); });
   });
-  std::map<std::int64_t, std::uint64_t> begins;  // offset by first plane; the lengths at first
+  std::map<std::int64_t, std::uint64_t>
+      begins;  // by first plane: the length of the text, then its offset
   for (const ChunkBytes& one : processes_.gather<ChunkBytes>(lengths))
     begins[one.plane] = one.bytes;
   std::uint64_t end = begin;

@@ -31,6 +31,9 @@ class Merge {
   const RegionTotals& totals() const { return totals_; }
   const MeshCounts& mesh_counts() const { return mesh_; }
 
+  /// Improves the triangles of the mesh before `write_mesh`. Returns their angles.
+  MeshQuality improve_mesh(const mesh::MeshText& text);
+
   /// These functions complete a file and return its length in bytes.
   std::uint64_t write_text(OutputFile* file, ChunkText text);
   std::uint64_t write_map(OutputFile* file, const MapChoice& choice);
@@ -56,6 +59,8 @@ class Merge {
   template <class Take>
   void for_triangle_texts(PlaneChunk& chunk, std::uint64_t first_vertex, const mesh::MeshText& text,
                           Take&& take) const;
+  std::uint64_t write_mesh_chunks(OutputFile* file, OutputFile* face_file,
+                                  const mesh::MeshText& text);
   void write_vertex_box(SharedFile& file, std::uint64_t begin, const mesh::MeshText& text);
   std::uint64_t write_triangles(SharedFile& file, std::uint64_t begin, const mesh::MeshText& text);
   std::uint64_t write_columns(SharedFile& file, std::uint64_t begin, const mesh::MeshText& text);
@@ -68,6 +73,9 @@ class Merge {
   std::vector<PlaneChunk> chunks_;  // chunks of this process, sorted by planes
   RegionTotals totals_;
   MeshCounts mesh_;
+  // The improved mesh as a single chunk of the first process, if there is one.
+  std::vector<ChunkInfo> improved_infos_;
+  std::vector<PlaneChunk> improved_chunks_;
 };
 
 }  // namespace eses::detail

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "output/local_triangle.hpp"
+#include "run/quality_pass.hpp"
 
 namespace eses::detail {
 
@@ -28,7 +29,8 @@ MeshOutput::MeshOutput(const Plan& plan, const GridRegion& region, const mesh::M
       rows_y_(region_.size()[1]),
       has_cells_(std::ranges::min(region_.size()) > 1),
       text_(text),
-      has_local_triangles_(sinks.has_local_triangles),
+      has_local_triangles_(sinks.has_local_triangles || sinks.is_stream),
+      is_stream_(sinks.is_stream),
       vertex_output_(std::move(sinks.vertices)),
       triangle_output_(std::move(sinks.triangles)) {}
 
@@ -71,7 +73,8 @@ void MeshOutput::number_rows(const Layer& layer) {
 // Returns the vertex of a crossing. `x` is the index of its lower point in the grid.
 mesh::Vertex MeshOutput::vertex_of(const LayerView& view, std::int64_t x, std::int64_t y,
                                    std::int64_t z, const BlockCrossing& crossing) const {
-  return mesh::make_vertex(plan_.grid, {x, region_.begin[1] + y, view.first_z + z}, crossing);
+  return mesh::make_vertex(plan_.grid, {x, region_.begin[1] + y, view.first_z + z}, crossing,
+                           is_stream_ ? mesh::coincidence : mesh::clearance);
 }
 
 void MeshOutput::make_row(const LayerView& view, std::int64_t y, std::int64_t z,
@@ -80,8 +83,8 @@ void MeshOutput::make_row(const LayerView& view, std::int64_t y, std::int64_t z,
   row.edges.clear();
   row.patches.clear();
   row.positions.clear();
-  const bool has_patches = text_.has_triangle_patches();
-  const bool has_positions = text_.has_corner_positions();
+  const bool has_patches = text_.has_triangle_patches() && !is_stream_;
+  const bool has_positions = text_.has_corner_positions() && !is_stream_;
   view.crossings.for_each_row_part(
       y, z, [&](std::int64_t first_x, std::span<const BlockCrossing> part) {
         for (const BlockCrossing& crossing : part) {
@@ -119,20 +122,38 @@ bool MeshOutput::has_triangles(std::int64_t y, std::int64_t z) const {
          is_crossed(y, z);
 }
 
-void MeshOutput::append_vertices(const LayerView& view, const RowRange& rows,
-                                 TextBuffer& text) const {
+// Appends the vertices of rows and returns their number.
+std::uint64_t MeshOutput::append_vertices(const LayerView& view, const RowRange& rows,
+                                          MeshScratch& scratch) const {
+  std::uint64_t count = 0;
   rows.for_each(rows_y_, [&](std::int64_t y, std::int64_t z) {
     view.crossings.for_each_row_part(
         y, z, [&](std::int64_t first_x, std::span<const BlockCrossing> part) {
-          for (const BlockCrossing& crossing : part)
-            text_.append_vertex(text, vertex_of(view, first_x + crossing.x, y, z, crossing));
+          count += part.size();
+          for (const BlockCrossing& crossing : part) {
+            const mesh::Vertex vertex = vertex_of(view, first_x + crossing.x, y, z, crossing);
+            if (!is_stream_) {
+              text_.append_vertex(scratch.vertex_text, vertex);
+              continue;
+            }
+            scratch.one_vertex.clear();
+            text_.append_vertex(scratch.one_vertex, vertex);
+            append_streamed_vertex(scratch.vertex_text,
+                                   {.position = vertex.position,
+                                    .normal = vertex.normal,
+                                    .y = static_cast<std::int32_t>(y),
+                                    .z = static_cast<std::int32_t>(view.first_z + z),
+                                    .patch = vertex.patch},
+                                   scratch.one_vertex.text());
+          }
         });
   });
+  return count;
 }
 
 void MeshOutput::append_triangles(const LayerView& view, const RowRange& rows,
                                   MeshScratch& scratch) const {
-  auto& [front, back, triangles, vertex_text, text, count] = scratch;
+  auto& [front, back, triangles, vertex_text, text, one_vertex, stream, count] = scratch;
   std::int64_t made = -1;  // the row whose pair is `back`
   for (std::int64_t row = rows.begin; row < rows.end; ++row) {
     const std::int64_t y = row % rows_y_, z = row / rows_y_;
@@ -149,12 +170,13 @@ void MeshOutput::append_triangles(const LayerView& view, const RowRange& rows,
                                 &back.upper};
     mesh::triangulate(around, region_.size()[0], triangles);
     for (const mesh::Triangle& triangle : triangles) {
-      if (text_.has_corner_positions()) {
+      if (text_.has_corner_positions() && !is_stream_) {
         mesh::MeshText::append_corners(text, mesh::corners_of(around, triangle));
         continue;
       }
-      const std::uint8_t patch =
-          text_.has_triangle_patches() ? mesh::patch_of(around, triangle) : std::uint8_t{0};
+      const std::uint8_t patch = text_.has_triangle_patches() && !is_stream_
+                                     ? mesh::patch_of(around, triangle)
+                                     : std::uint8_t{0};
       if (has_local_triangles_) {
         mesh::append_local_triangle(text, triangle, patch);
       } else {
@@ -175,8 +197,16 @@ void MeshOutput::write(const Layer& layer, std::int64_t batch, const BatchOfLaye
     const std::int64_t count = planes_of(layer) * rows_y_;
     const RowRange rows{of_layer.index * count / of_layer.count,
                         (of_layer.index + 1) * count / of_layer.count};
-    append_vertices(view, rows, scratch.vertex_text);
+    const std::uint64_t vertices = append_vertices(view, rows, scratch);
     append_triangles(view, rows, scratch);
+    if (is_stream_) {
+      scratch.stream.clear();
+      append_streamed_batch(scratch.stream, vertices, scratch.vertex_text.text(),
+                            scratch.triangle_text.text());
+      scratch.vertex_text.clear();
+      scratch.triangle_text.clear();
+      std::swap(scratch.vertex_text, scratch.stream);
+    }
   }
   vertex_output_.write(batch, scratch.vertex_text.text());
   triangle_output_.write(batch, scratch.triangle_text.text());
@@ -195,6 +225,7 @@ void MeshOutput::release(const Layer& layer) {
 void MeshOutput::go_on_from(const Layer& below) {
   if (!has_cells_) return;
   number_rows(below);
+  // The first vertex above has index 0. The indices below wrap around.
   const std::uint64_t count = row_begin_.back();
   for (std::uint64_t& begin : row_begin_) begin -= count;
   release(below);

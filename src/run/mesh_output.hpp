@@ -24,6 +24,7 @@ struct MeshScratch {
   RowPair front, back;  ///< rows y and y + 1
   std::vector<mesh::Triangle> triangles;
   TextBuffer vertex_text, triangle_text;
+  TextBuffer one_vertex, stream;     ///< only for a stream
   std::uint64_t triangle_count = 0;  ///< total number of triangles of this thread
 };
 
@@ -32,6 +33,8 @@ struct MeshSinks {
   OrderedOutput::WriteAt vertices;   ///< as text of the mesh's format
   OrderedOutput::WriteAt triangles;  ///< as text of the mesh's format, or as mesh::LocalTriangle
   bool has_local_triangles = false;
+  /// Whether `vertices` receives both vertices and triangles as the stream of a QualityPass.
+  bool is_stream = false;
 };
 
 /// The mesh of a region. The cells between two planes are triangulated when the upper plane is
@@ -84,7 +87,8 @@ class MeshOutput {
   void make_rows(const LayerView& view, std::int64_t row, MeshScratch::RowPair& pair) const;
   bool is_crossed(std::int64_t y, std::int64_t z) const;
   bool has_triangles(std::int64_t y, std::int64_t z) const;
-  void append_vertices(const LayerView& view, const RowRange& rows, TextBuffer& text) const;
+  std::uint64_t append_vertices(const LayerView& view, const RowRange& rows,
+                                MeshScratch& scratch) const;
   void append_triangles(const LayerView& view, const RowRange& rows, MeshScratch& scratch) const;
 
   const Plan& plan_;
@@ -92,7 +96,7 @@ class MeshOutput {
   std::int64_t rows_y_;  // number of rows of a plane
   bool has_cells_;
   const mesh::MeshText& text_;
-  bool has_local_triangles_;
+  bool has_local_triangles_, is_stream_;
   OrderedOutput vertex_output_, triangle_output_;
   std::mutex mutex_;
   bool is_numbered_ = false;       // whether the rows of the current layer are numbered

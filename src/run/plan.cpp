@@ -18,6 +18,7 @@
 #include "output/mesh_writer.hpp"
 #include "run/exact_measures.hpp"
 #include "run/memory.hpp"
+#include "run/quality_pass.hpp"
 #include "run/verifier.hpp"
 #include "system/bytes_text.hpp"
 #include "system/formatted.hpp"
@@ -34,10 +35,21 @@ constexpr std::uint64_t area_line_bytes = 32;
 constexpr std::uint64_t table_header_bytes = 66, table_line_bytes = 16;
 // Compression ratios of gzip, measured with proteins.
 constexpr double grid_gzip_ratio = 0.2, edge_gzip_ratio = 0.3, area_gzip_ratio = 0.25;
-constexpr std::int64_t max_verified = 10'000'000;
 
 void require(bool holds, std::string_view what, double value) {
   if (!holds) throw std::invalid_argument(formatted("{}, not {}", what, value));
+}
+
+void require_valid_potential(const MeshOptions& mesh) {
+  if ((mesh.color == MeshColor::potential) != mesh.potential.has_value())
+    throw std::invalid_argument(
+        "colouring a mesh by potential needs a map of the potential, and the map these colours");
+  if (!mesh.potential) return;
+  const auto& [file, offset, limit] = *mesh.potential;
+  require(offset >= 0 && std::isfinite(offset),
+          "the offset of the potential must be a finite number of at least 0", offset);
+  require(limit > 0 && std::isfinite(limit),
+          "the limit of the potential must be a finite number above 0", limit);
 }
 
 void require_valid(const MeshOptions& mesh, const Molecule& molecule) {
@@ -45,6 +57,7 @@ void require_valid(const MeshOptions& mesh, const Molecule& molecule) {
   if (mesh.color == MeshColor::chain && molecule.labels().empty())
     throw std::invalid_argument(
         "colouring a mesh by chain needs atoms with labels; xyzr files have none");
+  require_valid_potential(mesh);
 }
 
 void require_enclosing_margin(double depth, const GridOptions& grid) {
@@ -183,6 +196,15 @@ void expect_mesh(const MeshOptions& mesh, const LabelTotals& labels, const Plan&
   };
   files.mesh_scratch = bytes_of(bytes.scratch_vertex, bytes.scratch_triangle);
   files.mesh = bytes_of(bytes.vertex, bytes.triangle);
+  if (mesh.quality) {
+    // About this fraction of the vertices and triangles is left. The plain mesh is on disk as a
+    // stream until it is improved.
+    constexpr double left = 0.6;
+    files.mesh_scratch =
+        whole_bytes(vertices * static_cast<double>(streamed_vertex_bytes(bytes.vertex)) +
+                    left * static_cast<double>(files.mesh));
+    files.mesh = whole_bytes(left * static_cast<double>(files.mesh));
+  }
   if (has_names)
     files.mesh += bytes.name_character * (labels.residue_text_bytes + labels.chain_text_bytes) +
                   bytes.name_line * (labels.residue_runs + labels.chain_runs);
@@ -248,7 +270,7 @@ void require_valid(const Parameters& p) {
           formatted("the probe radius must be between {} and {} angstrom", min_probe_radius,
                     max_probe_radius),
           p.probe_radius);
-  require(p.verify >= 0 && p.verify <= max_verified,
+  require(p.verify >= 0 && p.verify <= max_verify,
           "the number of points to verify must be between 0 and 10000000",
           static_cast<double>(p.verify));
   require(p.threads >= 0, "the number of threads must not be negative", p.threads);

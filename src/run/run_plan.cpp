@@ -71,10 +71,15 @@ std::uint64_t hash_of(const GroupNames& groups, const Processes& processes) {
   return processes.sum(sum);
 }
 
-std::string mesh_identity(const std::optional<MeshOptions>& mesh) {
+std::string mesh_identity(const std::optional<MeshOptions>& mesh,
+                          const std::optional<PotentialMap>& map) {
   if (!mesh) return "none";
-  return formatted("{} {}", static_cast<int>(required_mesh_format(*mesh)),
-                   static_cast<int>(mesh->color));
+  std::string identity = formatted("{} {} {}", static_cast<int>(required_mesh_format(*mesh)),
+                                   static_cast<int>(mesh->color), mesh->quality);
+  if (map)
+    identity += formatted(" potential {} offset {:a} limit {:a}", map->identity(),
+                          mesh->potential->offset, mesh->potential->limit);
+  return identity;
 }
 
 // Identifies the maps. The permittivities are left out, because chunks contain inside lengths of
@@ -102,7 +107,7 @@ std::string identity_of(const RunTask& task, const RunPlan& run, std::uint64_t h
       grid.origin.x, grid.origin.y, grid.origin.z, fmt::join(grid.size, " "),
       fmt::join(region.begin, " "), fmt::join(region.end, " "), task.outputs.grid,
       task.outputs.edges, task.outputs.gzip, map_identity(task.outputs),
-      mesh_identity(task.outputs.mesh),
+      mesh_identity(task.outputs.mesh, run.potential),
       p.max_filled_void ? formatted("{:a}", *p.max_filled_void) : "none");
 }
 
@@ -149,9 +154,20 @@ LabelTotals take_groups(const Outputs& outputs, const Processes& processes, RunP
   return totals;
 }
 
-// Returns the memory of labels, names and radii that this process holds during the run.
+// Reads the map of the potential, if the mesh needs it. Each process has the whole map.
+void take_potential(const RunTask& task, const Processes& processes, RunPlan& run) {
+  const std::optional<MeshOptions>& mesh = task.outputs.mesh;
+  processes.all_or_throw([&] {
+    if (mesh && mesh->potential)
+      run.potential.emplace(mesh->potential->file, task.parameters.max_memory);
+  });
+}
+
+// Returns the memory of labels, names, radii and the potential that this process holds during the
+// run.
 std::uint64_t held_bytes(const RunPlan& run) {
-  std::uint64_t bytes = run.names.bytes() + run.radii.size() * sizeof(double);
+  std::uint64_t bytes = run.names.bytes() + run.radii.size() * sizeof(double) +
+                        (run.potential ? run.potential->bytes() : 0);
   if (run.patches)
     bytes += static_cast<std::uint64_t>(kept_patch_bytes) * run.slab.molecule.atoms().size();
   for (const std::span<const AtomLabel> labels :
@@ -261,8 +277,10 @@ void expect_chunks(const RunTask& task, const GridRegion& region, FileSizes& fil
   files.text_scratch = files.grid + files.edges;
   for (const MapChoice& map : chosen_maps(task.outputs))
     files.text_scratch += GridMap::row_bytes(map.quantity, region);
-  files.mesh_scratch = task.resume ? 0 : files.mesh;
-  if (task.resume) files.text_scratch += files.mesh;
+  const bool is_improved = task.outputs.mesh && task.outputs.mesh->quality;
+  const std::uint64_t mesh = is_improved ? files.mesh_scratch : files.mesh;
+  files.mesh_scratch = task.resume ? 0 : mesh;
+  if (task.resume) files.text_scratch += mesh;
 }
 
 FoundCavities find_cavities_of(const Molecule& molecule, const Parameters& parameters, int threads,
@@ -310,6 +328,7 @@ LabelTotals take_file(const InputFile& file, const RunTask& task, const Processe
                       const Processes& processes, RunPlan& run) {
   const Outputs& outputs = task.outputs;
   const std::uint64_t limit = task.parameters.max_memory;
+  take_potential(task, processes, run);
   const bool has_names = is_structure(format_of(file.path, file.format));
   AtomPart part = read_part(
       file.path,
@@ -326,6 +345,7 @@ LabelTotals take_file(const InputFile& file, const RunTask& task, const Processe
   run.atoms = part.total;
   run.read_atoms = part.range();
   const LabelTotals labels = take_groups(outputs, processes, run, part.groups);
+  // Names take much memory. They are dropped as soon as they are not needed any more.
   const bool needs_residues = outputs.residues || outputs.atoms;
   if (!needs_residues && !has_names) run.names = {};
   const Box bounds = bounds_of_all(part.atoms, processes);
@@ -359,6 +379,7 @@ LabelTotals take_file(const InputFile& file, const RunTask& task, const Processe
 LabelTotals take_molecule(const Molecule& molecule, const RunTask& task, const Processes& processes,
                           RunPlan& run) {
   require_valid(task.outputs, molecule);
+  take_potential(task, processes, run);
   run.atoms = molecule.atoms().size();
   run.read_atoms = {0, run.atoms};
   run.whole_plan = {plan_grid(sphere_bounds(molecule.atoms()), task.parameters), {}};

@@ -12,6 +12,7 @@
 #include "distributed/group_numbers.hpp"
 #include "distributed/processes.hpp"
 #include "input/atom_names.hpp"
+#include "input/potential_map.hpp"
 #include "run/plan.hpp"
 #include "run/slabs.hpp"
 #include "run/task.hpp"
@@ -35,6 +36,7 @@ struct RunPlan {
   AtomNames names;
   /// Radii of the atoms in `read_atoms` (angstrom), if several processes write atoms.csv.
   std::vector<double> radii;
+  std::optional<PotentialMap> potential;  ///< of the vertices of the mesh, if it has one
   /// The report of reading a PDB or mmCIF file; only in the first process.
   std::optional<StructureReport> structure;
   /// Checkpoint of a run that can be resumed, else null. The first process locks it.

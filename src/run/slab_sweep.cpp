@@ -169,7 +169,7 @@ Plan SlabSweep::plan_of(const PlaneRange& planes) const {
 // Returns whether a text is written directly to its final file. In a run in place, this is possible
 // if its offset does not depend on the length of another text.
 bool SlabSweep::is_written_in_place(ChunkText text) const {
-  if (!is_in_place_) return false;
+  if (!is_in_place_ || (is_of_mesh(text) && task_.outputs.mesh->quality)) return false;
   if (text == ChunkText::vertices) return !files_.mesh_text->has_columns();
   if (text == ChunkText::triangles) return files_.mesh_text->has_face_file();
   return true;
@@ -270,7 +270,8 @@ PlaneChunk SlabSweep::sweep(PatchSchedule& patches, const PlaneRange& planes, Sw
                  MeshSinks{.vertices = into(ChunkText::vertices),
                            .triangles = into(ChunkText::triangles),
                            .has_local_triangles = (!is_in_place_ || text->has_columns()) &&
-                                                  !text->has_corner_positions()});
+                                                  !text->has_corner_positions(),
+                           .is_stream = task_.outputs.mesh->quality});
   std::optional<Verifier> verifier;
   if (plan.parameters.verify > 0) {
     const Stopwatch drawing;
@@ -304,8 +305,8 @@ PlaneChunk SlabSweep::sweep(PatchSchedule& patches, const PlaneRange& planes, Sw
   for (const MapChoice& map : chosen_maps(task_.outputs))
     set_bytes(text_of(map.quantity), GridMap::row_bytes(map.quantity, plan.tiling.region));
   if (mesh) chunk.info.mesh = {mesh->vertex_count(), pipeline.triangle_count()};
-  const bool is_right = !verifier || verify(*verifier, summary);
-  if (plan_.checkpoint && is_right) save_chunk(chunk, checksums, sums.atom_shares);
+  const bool has_faults = verifier && !verify(*verifier, summary);
+  if (plan_.checkpoint && !has_faults) save_chunk(chunk, checksums, sums.atom_shares);
   add_shares(std::move(sums.atom_shares), result.atom_shares);
   return chunk;
 }

@@ -121,6 +121,7 @@ struct SentAtom {
   std::uint64_t line = 0;
   FileIndex file_index{};
 };
+static_assert(sizeof(SentAtom) == 48);  // scripts/lib/scaling.py reads the size here
 
 struct SentAtoms {
   std::vector<SentAtom> atoms;

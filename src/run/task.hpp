@@ -28,6 +28,9 @@ namespace eses::detail {
 /// Indices and coordinates still refer to the whole grid.
 using GridPart = std::variant<std::monostate, Box, BlockRange, GridRegion>;
 
+/// Maximum number of points, and of edges, to verify.
+inline constexpr std::int64_t max_verify = 10'000'000;
+
 /// Parameters of a run.
 struct Parameters {
   double probe_radius = 1.4;  ///< angstrom, `min_probe_radius` to `max_probe_radius`
@@ -41,7 +44,7 @@ struct Parameters {
   int threads = 0;
   /// Maximum resident memory of the process in bytes. 0 means all available memory.
   std::uint64_t max_memory = 0;
-  std::int64_t verify = 0;  ///< number of points, and of edges, to verify; 0 to 1e7
+  std::int64_t verify = 0;  ///< number of points, and of edges, to verify; 0 to `max_verify`
   /// Whether to measure the whole surface in closed form, too. Only for a single process.
   bool exact = false;
   /// Maximum void of the cavities that are filled (cubic angstrom); none are filled without a

@@ -2,33 +2,14 @@
 
 #include <algorithm>
 #include <bit>
-#include <limits>
 #include <utility>
 
 namespace eses::detail {
-namespace {
-
-constexpr AtomIndex no_atom = std::numeric_limits<AtomIndex>::max();
-
-}  // namespace
-
-// Returns the slot of the atom, or the empty slot into which it would be inserted. The number of
-// slots is a power of two. The hash is the highest bits of the product of the index with 2^32
-// divided by the golden ratio (Knuth, The Art of Computer Programming 3, section 6.4).
-std::size_t AreaShares::slot_of(AtomIndex atom) const {
-  const std::size_t mask = atoms_.size() - 1;
-  std::size_t slot = (atom * std::uint32_t{2654435769}) >> shift_;
-  while (atoms_[slot] != atom && atoms_[slot] != no_atom) slot = (slot + 1) & mask;
-  return slot;
-}
-
-AreaShare& AreaShares::share_of(AtomIndex atom) {
+AreaShare& AreaShares::new_share(AtomIndex atom) {
   if (2 * used_slots_.size() >= atoms_.size()) grow();
   const std::size_t slot = slot_of(atom);
-  if (atoms_[slot] == no_atom) {
-    atoms_[slot] = atom;
-    used_slots_.push_back(static_cast<std::uint32_t>(slot));
-  }
+  atoms_[slot] = atom;
+  used_slots_.push_back(static_cast<std::uint32_t>(slot));
   return shares_[slot];
 }
 
@@ -44,7 +25,7 @@ void AreaShares::grow() {
   shift_ = 32 - std::countr_zero(slots);
   atoms_.assign(slots, no_atom);
   shares_.assign(slots, 0);
-  for (const std::uint32_t slot : taken) share_of(atoms[slot]) = shares[slot];
+  for (const std::uint32_t slot : taken) new_share(atoms[slot]) = shares[slot];
 }
 
 void AreaShares::move_into(std::span<AreaShare> sums) {

@@ -2,6 +2,7 @@
 /// Sums of the area of each atom, in integers.
 
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -20,7 +21,11 @@ inline constexpr double area_share_unit = 1.0 / (std::int64_t{1} << 40);
 class AreaShares {
  public:
   /// Adds to the share of an atom.
-  void add(AtomIndex atom, std::int64_t units) { share_of(atom) += units; }
+  void add(AtomIndex atom, std::int64_t units) {
+    if (atoms_.empty()) grow();
+    const std::size_t slot = slot_of(atom);
+    (atoms_[slot] == atom ? shares_[slot] : new_share(atom)) += units;
+  }
 
   /// Returns the share of an atom, or 0 if nothing was added to it.
   AreaShare operator[](AtomIndex atom) const;
@@ -30,9 +35,19 @@ class AreaShares {
 
  private:
   static constexpr std::size_t min_slots = 64;
+  static constexpr AtomIndex no_atom = std::numeric_limits<AtomIndex>::max();
 
-  std::size_t slot_of(AtomIndex atom) const;
-  AreaShare& share_of(AtomIndex atom);
+  // Returns the slot of the atom, or the empty slot into which it would be inserted. The number of
+  // slots is a power of two. The hash is the highest bits of the product of the index with 2^32
+  // divided by the golden ratio (Knuth, The Art of Computer Programming 3, section 6.4).
+  std::size_t slot_of(AtomIndex atom) const {
+    const std::size_t mask = atoms_.size() - 1;
+    std::size_t slot = (atom * std::uint32_t{2654435769}) >> shift_;
+    while (atoms_[slot] != atom && atoms_[slot] != no_atom) slot = (slot + 1) & mask;
+    return slot;
+  }
+  // Inserts an atom, and returns its share.
+  AreaShare& new_share(AtomIndex atom);
   void grow();
 
   int shift_ = 0;                          // 32 less the binary logarithm of the number of slots

@@ -169,17 +169,19 @@ void collect_features(const Patches& patches, const Box& box, BlockFeatures& fea
   // The slack exceeds rounding errors, so that all blocks near a patch have it.
   const double probe = surface.probe_radius + box_slack;
   const double squared_probe = probe * probe;
-  surface.tree().find_reaching(0.5 * (box.low + box.high),
-                               0.5 * norm(box.high - box.low) + 2 * probe, features.nearby);
+  surface.cells().find_reaching(box, 2 * probe, features.nearby);
+  std::erase_if(features.nearby, [&](AtomIndex i) {
+    const double reach = surface.atoms[i].radius + 2 * probe;
+    return squared_distance(box, surface.atoms[i].center) > reach * reach ||
+           surface.molecule.is_contained(i);
+  });
   // The order of the search result depends on the block. Sorting makes the choice between equally
   // near patches independent of it.
   std::sort(features.nearby.begin(), features.nearby.end());
   for (const AtomIndex i : features.nearby) {
-    if (surface.molecule.is_contained(i)) continue;
     const Atom& atom = surface.atoms[i];
     const double sas_radius = atom.radius + probe;
     const double distance = squared_distance(box, atom.center);
-    if (distance > (sas_radius + probe) * (sas_radius + probe)) continue;
     const AtomPatches of_atom = patches.of(i);
     const ClusterPatches& cluster = *of_atom.cluster;
     const ListedPatches& listed = listed_patches(cluster, features);
@@ -188,7 +190,13 @@ void collect_features(const Patches& patches, const Box& box, BlockFeatures& fea
       if (of_atom.exposure() == AtomExposure::exposed)
         add_face(surface, i, of_atom, listed, features);
     }
+    // The points between an arc and its saddle patch lie in one of the two SAS balls.
+    const auto meets_ball = [&](AtomIndex k) {
+      const double reach = surface.atoms[k].radius + probe;
+      return squared_distance(box, surface.atoms[k].center) <= reach * reach;
+    };
     for_each_patch(cluster.arc_begin, of_atom.member, listed.arcs, [&](std::uint32_t a) {
+      if (distance > sas_radius * sas_radius && !meets_ball(cluster.arcs[a].second)) return;
       const ArcFeature arc = make_arc(surface, cluster.arcs[a]);
       if (overlap(arc.solid_box, box)) features.arcs.push_back(arc);
     });

@@ -9,20 +9,19 @@ namespace {
 
 void add_to_tally(const SurfaceModel& surface, const BlockGrid& grid, const BlockResult& result,
                   Tally& tally) {
-  const std::int64_t rows_y = result.block.owned[1];
-  for (std::size_t row = 0; row + 1 < result.row_begin.size(); ++row)
+  const auto rows_y = static_cast<std::size_t>(result.block.owned[1]);
+  for (std::size_t row = 0; row + 1 < result.row_begin.size(); ++row) {
+    const double y = grid.coordinates[1][row % rows_y], z = grid.coordinates[2][row / rows_y];
     for (std::uint32_t c = result.row_begin[row]; c < result.row_begin[row + 1]; ++c) {
       const BlockCrossing& crossing = result.crossings[c];
-      const auto r = static_cast<std::int64_t>(row);
-      Vec3 point{grid.coordinates[0][crossing.x],
-                 grid.coordinates[1][static_cast<std::size_t>(r % rows_y)],
-                 grid.coordinates[2][static_cast<std::size_t>(r / rows_y)]};
+      Vec3 point{grid.coordinates[0][crossing.x], y, z};
       const double start = point[crossing.axis];
       point[crossing.axis] = crossing.coordinate;
       tally.add(surface, crossing, point);
       const double above = (crossing.coordinate - start) * grid.inverse_spacing;
       tally.add_length(crossing.lower_is_inside ? above : 1 - above);
     }
+  }
 }
 
 // Sets the bits of the points within `ion_radius` of a van der Waals sphere.
@@ -30,8 +29,7 @@ void cover_points(const SurfaceModel& surface, double ion_radius, BlockWorkspace
                   PointBits& covered) {
   const Box& box = workspace.grid.box;
   std::vector<AtomIndex>& nearby = workspace.features.nearby;
-  surface.tree().find_reaching(0.5 * (box.low + box.high),
-                               0.5 * norm(box.high - box.low) + ion_radius + look_up_slack, nearby);
+  surface.cells().find_reaching(box, ion_radius + look_up_slack, nearby);
   std::erase_if(nearby, [&](AtomIndex i) {
     const double reach = surface.atoms[i].radius + ion_radius + look_up_slack;
     return squared_distance(box, surface.atoms[i].center) > reach * reach;

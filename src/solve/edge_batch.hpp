@@ -26,6 +26,13 @@ struct EdgeBatch {
       values->resize(capacity + vector_padding);
     key.resize(capacity + vector_padding);
   }
+
+  /// Copies the edge at one index to another index.
+  void move(std::size_t index, std::size_t to) {
+    for (auto* values : {&start[0], &start[1], &start[2], &from, &step})
+      (*values)[to] = (*values)[index];
+    key[to] = key[index];
+  }
 };
 
 }  // namespace eses::detail

@@ -74,7 +74,6 @@ HWY_INLINE DoubleMask misses_saddle(const ArcFeature& arc, double probe, double 
 template <std::size_t axis>
 void keep_near_saddle(const ArcFeature& arc, double probe, double length, EdgeBatch& batch) {
   const Doubles doubles;
-  const Words words;
   std::size_t kept = 0;
   for (std::size_t i = 0; i < batch.count; i += hn::Lanes(doubles)) {
     const Points start = batch_points(batch, i);
@@ -84,15 +83,7 @@ void keep_near_saddle(const ArcFeature& arc, double probe, double length, EdgeBa
       is_off = hn::Or(is_off, hn::Or(passes_beyond<axis>(arc.sector.start_normal, start, step),
                                      passes_beyond<axis>(arc.sector.end_normal, start, step)));
     const auto may_cross = hn::AndNot(is_off, hn::FirstN(doubles, batch.count - i));
-    if (hn::AllFalse(doubles, may_cross)) continue;
-    const auto key = hn::LoadU(words, batch.key.data() + i);
-    // Compression in place never overwrites elements that have not been read, as kept <= i.
-    hn::CompressStore(start.x, may_cross, doubles, batch.start[0].data() + kept);
-    hn::CompressStore(start.y, may_cross, doubles, batch.start[1].data() + kept);
-    hn::CompressStore(start.z, may_cross, doubles, batch.start[2].data() + kept);
-    hn::CompressStore(load(batch.from.data() + i), may_cross, doubles, batch.from.data() + kept);
-    hn::CompressStore(key, hn::RebindMask(words, may_cross), words, batch.key.data() + kept);
-    kept += hn::CompressStore(step, may_cross, doubles, batch.step.data() + kept);
+    for_each_lane(may_cross, [&](std::size_t lane) { batch.move(i + lane, kept++); });
   }
   batch.count = kept;
 }

@@ -6,15 +6,16 @@
 namespace eses::detail {
 namespace {
 
-// Rounds a non-negative number. It is faster than std::llround.
+// Rounds a number. It is faster than std::llround.
 std::int64_t rounded(double value) {
-  return static_cast<std::int64_t>(value + 0.5);  // NOLINT(bugprone-incorrect-roundings)
+  return static_cast<std::int64_t>(  // NOLINT(bugprone-incorrect-roundings)
+      value + std::copysign(0.5, value));
 }
 
 }  // namespace
 
 void Tally::add_length(double fraction) {
-  inside_lengths += std::llround((fraction - 0.5) / area_share_unit);
+  inside_lengths += rounded((fraction - 0.5) / area_share_unit);
 }
 
 void Tally::add(const SurfaceModel& surface, const BlockCrossing& crossing, Vec3 point) {

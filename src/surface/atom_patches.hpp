@@ -39,7 +39,7 @@ struct PlacementKey {
   bool is_certain = true;  ///< whether the end of an arc at the placement is certain, see CircleEnd
 
   /// Returns whether two keys name the same placement.
-  bool is_same_place(const PlacementKey& other) const {
+  bool is_same_placement(const PlacementKey& other) const {
     return atoms == other.atoms && side == other.side;
   }
   /// Among keys of the same placement, uncertain ones come first.

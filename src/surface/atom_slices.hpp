@@ -21,8 +21,8 @@ struct AtomSlices {
 /// Returns a suitable number of slices for this number of atoms.
 std::size_t slice_count(std::size_t atoms);
 
-/// Cuts atoms into slices of similar size, at most 256, across the longest axis. The result does
-/// not depend on the number of threads.
-AtomSlices cut_into_slices(std::span<const Atom> atoms, std::size_t slices, int threads);
+/// Cuts atoms across the longest axis into `count` slices of similar size, 1 to 256. The result
+/// does not depend on the number of threads.
+AtomSlices cut_into_slices(std::span<const Atom> atoms, std::size_t count, int threads);
 
 }  // namespace eses::detail

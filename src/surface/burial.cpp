@@ -9,6 +9,7 @@
 #include <array>
 #include <cmath>
 #include <numeric>
+#include <span>
 
 #include "system/dispatch.hpp"
 #include "system/lanes-inl.hpp"
@@ -21,14 +22,18 @@ namespace {
 
 // If the height of a cap, relative to the radius, grows by `small_shrinkage`, its angular radius
 // changes by at most sqrt(2 small_shrinkage) = 9e-5. For patches of 0.2 radians this changes the
-// cosines `settled` and `touched` by at most 2e-5. The slack exceeds this and the rounding errors
-// of single-precision dot products, so that a settled patch lies in the cap with certainty.
+// minimum cosines of patches by at most 2e-5. The slack exceeds this, so that a settled patch lies
+// in the cap with certainty. Rounding of scaled cosines is added to it.
 constexpr double small_shrinkage = 4e-9;
-constexpr double float_slack = 3e-5;
+constexpr double shrinkage_slack = 3e-5;
 
 // Number of vectors of directions that are tested against a cap at once. This hides the latency of
 // the instructions.
-constexpr std::size_t vectors_at_once = 4;
+constexpr std::size_t vectors_at_once = 2;
+
+// Caps are ordered by their minimum cosine of settled patches in steps.
+constexpr float steps_per_unit = 32;
+constexpr std::size_t size_steps = 66;
 
 // The inverse radius of the sphere, and cosine and sine of the angular radius of every patch.
 struct PatchCosines {
@@ -43,75 +48,79 @@ HWY_BEFORE_NAMESPACE();
 namespace eses::detail::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-using Lanes = hn::ScalableTag<float>;
+using Lanes = hn::ScalableTag<std::int16_t>;
+using LaneMask = hn::Mask<Lanes>;
 
-// Directions of patches, one in each lane, and whether a cap settles them.
-struct DirectionVector {
+// Directions of patches, one in each lane.
+struct Directions {
   hn::Vec<Lanes> x, y, z;
-  hn::Mask<Lanes> unsettled;
+
+  HWY_INLINE Directions(const DirectionList& list, std::size_t i)
+      : x(hn::LoadU(Lanes(), &list.x[i])),
+        y(hn::LoadU(Lanes(), &list.y[i])),
+        z(hn::LoadU(Lanes(), &list.z[i])) {}
 };
 
-// Marks the patches that a cap settles, and returns their lanes.
-HWY_INLINE hn::Mask<Lanes> settle(const BurialCap& cap, DirectionVector& directions) {
-  const Lanes lanes;
-  const auto cosine = hn::Add(hn::Add(hn::Mul(directions.x, hn::Set(lanes, cap.x)),
-                                      hn::Mul(directions.y, hn::Set(lanes, cap.y))),
-                              hn::Mul(directions.z, hn::Set(lanes, cap.z)));
-  const auto settled = hn::And(directions.unsettled, hn::Ge(cosine, hn::Set(lanes, cap.settled)));
-  directions.unsettled = hn::AndNot(settled, directions.unsettled);
-  return settled;
-}
+// A cap's axis, and the limit of the scaled cosines of patches.
+struct AxisAndLimit {
+  hn::Vec<Lanes> x, y, z, limit;
 
-// Keeps the directions whose patch no cap settles, and returns their number. Marks the caps that
-// settled a patch. The arrays are padded to whole groups of vectors, and compression in place never
-// overwrites elements that have not been read.
-std::size_t keep_unsettled(std::span<BurialCap> caps, float* x, float* y, float* z,
-                           std::size_t count) {
+  HWY_INLINE AxisAndLimit(const DirectionList& axes, std::int16_t cosine_limit, std::size_t cap)
+      : x(hn::Set(Lanes(), axes.x[cap])),
+        y(hn::Set(Lanes(), axes.y[cap])),
+        z(hn::Set(Lanes(), axes.z[cap])),
+        limit(hn::Set(Lanes(), cosine_limit)) {}
+
+  HWY_INLINE LaneMask accepts(const Directions& to) const {
+    const auto scaled_cosine =
+        hn::Add(hn::Add(hn::MulHigh(to.x, x), hn::MulHigh(to.y, y)), hn::MulHigh(to.z, z));
+    return hn::Gt(scaled_cosine, limit);
+  }
+};
+
+// Copies the first `count` directions whose patch none of the caps in `order` settles, and returns
+// their number. Marks the caps that settled a patch. The directions are padded to whole groups of
+// vectors. Both lists may be the same, as elements are read before they are overwritten.
+std::size_t keep_unsettled(BurialCaps& caps, std::span<const std::uint32_t> order,
+                           const DirectionList& from, std::size_t count, DirectionList& to) {
   const Lanes lanes;
   const std::size_t width = hn::Lanes(lanes);
   std::size_t kept = 0;
+  const auto keep = [&](const Directions& directions, LaneMask unsettled) {
+    if (hn::AllFalse(lanes, unsettled)) return;
+    const std::size_t n = compress_store(lanes, directions.x, unsettled, &to.x[kept]);
+    compress_store(lanes, directions.y, unsettled, &to.y[kept]);
+    compress_store(lanes, directions.z, unsettled, &to.z[kept]);
+    kept += n;
+  };
+  static_assert(vectors_at_once == 2);
   for (std::size_t begin = 0; begin < count; begin += vectors_at_once * width) {
-    const auto load_directions = [&](std::size_t vector) {
-      const std::size_t i = begin + vector * width;
-      return DirectionVector{hn::LoadU(lanes, x + i), hn::LoadU(lanes, y + i),
-                             hn::LoadU(lanes, z + i),
-                             hn::FirstN(lanes, count - std::min(count, i))};
-    };
-    DirectionVector first = load_directions(0), second = load_directions(1),
-                    third = load_directions(2), fourth = load_directions(3);
-    for (BurialCap& cap : caps) {
-      const auto settled = hn::Or(hn::Or(settle(cap, first), settle(cap, second)),
-                                  hn::Or(settle(cap, third), settle(cap, fourth)));
-      if (hn::AllFalse(lanes, settled)) continue;
-      cap.is_used = true;
-      if (hn::AllFalse(lanes, hn::Or(hn::Or(first.unsettled, second.unsettled),
-                                     hn::Or(third.unsettled, fourth.unsettled))))
-        break;
+    const std::size_t middle = begin + width;
+    const Directions first(from, begin), second(from, middle);
+    LaneMask first_left = hn::FirstN(lanes, count - begin),
+             second_left = hn::FirstN(lanes, count - std::min(count, middle));
+    for (const std::uint32_t k : order) {
+      const AxisAndLimit cap(caps.axes, caps.settled[k], k);
+      const auto first_settled = hn::And(cap.accepts(first), first_left);
+      const auto second_settled = hn::And(cap.accepts(second), second_left);
+      if (hn::AllFalse(lanes, hn::Or(first_settled, second_settled))) continue;
+      caps.is_used[k] = 1;
+      first_left = hn::AndNot(first_settled, first_left);
+      second_left = hn::AndNot(second_settled, second_left);
+      if (hn::AllFalse(lanes, hn::Or(first_left, second_left))) break;
     }
-    for (const DirectionVector* directions : {&first, &second, &third, &fourth}) {
-      if (hn::AllFalse(lanes, directions->unsettled)) continue;
-      const std::size_t n =
-          hn::CompressStore(directions->x, directions->unsettled, lanes, x + kept);
-      hn::CompressStore(directions->y, directions->unsettled, lanes, y + kept);
-      hn::CompressStore(directions->z, directions->unsettled, lanes, z + kept);
-      kept += n;
-    }
+    keep(first, first_left);
+    keep(second, second_left);
   }
   return kept;
 }
 
-// Returns whether one of the first `count` patches is at least at this cosine from the cap's axis.
-bool any_above(const BurialCap& cap, float cosine_limit, const BurialScratch& scratch,
-               std::size_t count) {
+// Returns whether the cap reaches one of the first `count` patches.
+bool reaches_any(const AxisAndLimit& cap, const DirectionList& patches, std::size_t count) {
   const Lanes lanes;
-  const auto vx = hn::Set(lanes, cap.x), vy = hn::Set(lanes, cap.y), vz = hn::Set(lanes, cap.z);
-  const auto limit = hn::Set(lanes, cosine_limit);
   for (std::size_t i = 0; i < count; i += hn::Lanes(lanes)) {
-    const auto cosine = hn::Add(hn::Add(hn::Mul(hn::LoadU(lanes, &scratch.x[i]), vx),
-                                        hn::Mul(hn::LoadU(lanes, &scratch.y[i]), vy)),
-                                hn::Mul(hn::LoadU(lanes, &scratch.z[i]), vz));
-    const auto above = hn::And(hn::Ge(cosine, limit), hn::FirstN(lanes, count - i));
-    if (!hn::AllFalse(lanes, above)) return true;
+    const auto reached = hn::And(cap.accepts(Directions(patches, i)), hn::FirstN(lanes, count - i));
+    if (!hn::AllFalse(lanes, reached)) return true;
   }
   return false;
 }
@@ -119,11 +128,12 @@ bool any_above(const BurialCap& cap, float cosine_limit, const BurialScratch& sc
 // Lists the caps that may reach one of the `count` remaining patches, and the others that settled a
 // patch.
 void list_kept(BurialScratch& scratch, std::size_t count) {
-  for (const BurialCap& cap : scratch.caps) {
-    if (any_above(cap, scratch.touched[cap.number], scratch, count)) {
-      scratch.relevant.push_back(cap.number);
-    } else if (cap.is_used) {
-      scratch.covering.push_back(cap.number);
+  const BurialCaps& caps = scratch.caps;
+  for (const std::uint32_t k : caps.order) {
+    if (reaches_any({caps.axes, caps.touched[k], k}, scratch.unsettled, count)) {
+      scratch.relevant.push_back(k);
+    } else if (caps.is_used[k] != 0) {
+      scratch.covering.push_back(k);
     }
   }
 }
@@ -141,14 +151,30 @@ HWY_INLINE CosineAndSine angular_radius(DoubleVector height, double inverse_radi
   return {cosine, hn::Sqrt((broadcast(1) - cosine) * (broadcast(1) + cosine))};
 }
 
-HWY_INLINE void store_floats(DoubleVector values, float* to) {
-  const hn::Rebind<float, Doubles> floats;
-  hn::StoreU(hn::DemoteTo(floats, values), floats, to);
+using Steps = hn::Rebind<std::int32_t, Doubles>;
+
+// Stores whole numbers as far as they fit into 16 bits, and else the nearest number that fits.
+HWY_INLINE void store_whole(DoubleVector values, std::int16_t* to) {
+  const hn::Rebind<std::int16_t, Doubles> shorts;
+  hn::StoreU(hn::DemoteTo(shorts, hn::DemoteTo(Steps(), values)), shorts, to);
 }
 
-// Computes for each cap the minimum cosine from its axis of patches that lie in it: the cosine of
-// the difference of the angular radii of cap and patch, plus slack for rounding.
-void find_settled(const CapList& caps, const PatchCosines& patch, float* settled) {
+HWY_INLINE void store_component(DoubleVector values, std::int16_t* to) {
+  store_whole(hn::Round(values * broadcast(direction_scale)), to);
+}
+
+// Returns the step of a cap with this minimum cosine of settled patches.
+HWY_INLINE hn::Vec<Steps> step_of(DoubleVector settled) {
+  const hn::Rebind<float, Doubles> floats;
+  const auto one = hn::Set(floats, 1.0F);
+  const auto clamped = hn::Min(hn::Max(hn::DemoteTo(floats, settled), hn::Neg(one)), one);
+  return hn::ConvertTo(Steps(), hn::Mul(hn::Set(floats, steps_per_unit), hn::Add(clamped, one)));
+}
+
+// Computes the axes, the steps and the limits of settled patches. The minimum cosine from the axis
+// of patches that lie in a cap is the cosine of the difference of the angular radii of cap and
+// patch, plus slack.
+void prepare_caps(const CapList& caps, const PatchCosines& patch, BurialCaps& prepared) {
   for (std::size_t k = 0; k < caps.count; k += hn::Lanes(Doubles())) {
     const auto height = load(&caps.height[k]), blocking = load(&caps.blocking_height[k]);
     // The slackened cap of a neighbour at almost the same position is nearly empty, so its exact
@@ -158,22 +184,33 @@ void find_settled(const CapList& caps, const PatchCosines& patch, float* settled
     const auto [cosine, sine] =
         angular_radius(hn::IfThenElse(shrinks, blocking, height), patch.inverse_radius);
     const auto can_settle = cosine < broadcast(patch.cosine);  // the cap is wider than a patch
-    const auto limit =
-        cosine * broadcast(patch.cosine) + sine * broadcast(patch.sine) + broadcast(float_slack);
-    store_floats(hn::IfThenElse(can_settle, limit, broadcast(2)), settled + k);
+    const auto min_cosine =
+        hn::IfThenElse(can_settle,
+                       cosine * broadcast(patch.cosine) + sine * broadcast(patch.sine) +
+                           broadcast(shrinkage_slack),
+                       broadcast(2));
+    hn::StoreU(step_of(min_cosine), Steps(), &prepared.step[k]);
+    store_whole(hn::Ceil(min_cosine * broadcast(cosine_scale) + broadcast(max_cosine_excess)),
+                &prepared.settled[k]);
+    store_component(load(&caps.x[k]), &prepared.axes.x[k]);
+    store_component(load(&caps.y[k]), &prepared.axes.y[k]);
+    store_component(load(&caps.z[k]), &prepared.axes.z[k]);
   }
 }
 
-// Computes for each cap the minimum cosine from its axis of patches that it may reach: the cosine
-// of the sum of the angular radii of cap and patch, less slack for rounding.
-void find_touched(const CapList& caps, const PatchCosines& patch, float* touched) {
+// Computes the limits of the patches that caps may reach. The minimum cosine from the axis is the
+// cosine of the sum of the angular radii of cap and patch, less slack.
+void find_touched(const CapList& caps, const PatchCosines& patch, BurialCaps& prepared) {
   for (std::size_t k = 0; k < caps.count; k += hn::Lanes(Doubles())) {
     const auto [cosine, sine] = angular_radius(load(&caps.height[k]), patch.inverse_radius);
     const auto touches_any =
         cosine <= broadcast(-patch.cosine);  // the cap reaches the opposite patch
-    const auto limit =
-        cosine * broadcast(patch.cosine) - sine * broadcast(patch.sine) - broadcast(float_slack);
-    store_floats(hn::IfThenElse(touches_any, broadcast(-2), limit), touched + k);
+    const auto min_cosine =
+        hn::IfThenElse(touches_any, broadcast(-2),
+                       cosine * broadcast(patch.cosine) - sine * broadcast(patch.sine) -
+                           broadcast(shrinkage_slack));
+    store_whole(hn::Floor(min_cosine * broadcast(cosine_scale) - broadcast(max_cosine_deficit)),
+                &prepared.touched[k]);
   }
 }
 
@@ -188,74 +225,70 @@ namespace {
 // Numbers of caps after which the remaining patches are counted. Most buried atoms need no more.
 constexpr std::array<std::size_t, 2> caps_per_count{16, 32};
 
-// Caps with a lower minimum cosine settle more patches. They are ordered by this cosine in steps of
-// 1/32; within a step they keep their order.
-constexpr std::size_t size_steps = 66;
-
-std::size_t size_step(float settled) {
-  constexpr float steps_per_unit = 32;
-  return static_cast<std::size_t>(
-      static_cast<int>(steps_per_unit * (std::clamp(settled, -1.0F, 1.0F) + 1)));
-}
-
-// Replaces `ordered` by the caps in the layout of the kernel, the largest ones first.
-void order_by_size(const CapList& caps, std::span<const float> settled,
-                   std::vector<BurialCap>& ordered) {
+// Lists the caps in ascending order of their steps. Within a step they keep their order.
+void order_by_size(std::size_t count, BurialCaps& caps) {
   std::array<std::uint32_t, size_steps> next{};
-  for (const float cosine : settled) ++next[size_step(cosine) + 1];
+  const std::span<const std::int32_t> steps = std::span(caps.step).first(count);
+  for (const std::int32_t step : steps) ++next[static_cast<std::size_t>(step) + 1];
   std::partial_sum(next.begin(), next.end(), next.begin());
-  ordered.resize(settled.size());
-  for (std::uint32_t k = 0; k < settled.size(); ++k)
-    ordered[next[size_step(settled[k])]++] = {static_cast<float>(caps.x[k]),
-                                              static_cast<float>(caps.y[k]),
-                                              static_cast<float>(caps.z[k]),
-                                              settled[k],
-                                              k,
-                                              false};
+  caps.order.resize(count);
+  for (std::uint32_t k = 0; k < count; ++k)
+    caps.order[next[static_cast<std::size_t>(steps[k])]++] = k;
 }
 
-void make_room(std::vector<float>& values, std::size_t count) {
-  if (values.size() < count + vector_padding) values.resize(2 * count + vector_padding);
+// Makes room for `count` caps. The values of new elements are unspecified.
+void make_room(BurialCaps& caps, std::size_t count) {
+  caps.is_used.assign(count, 0);
+  if (caps.step.size() >= count + vector_padding) return;
+  const std::size_t size = 2 * count + vector_padding;
+  for (auto* values : {&caps.axes.x, &caps.axes.y, &caps.axes.z, &caps.settled, &caps.touched})
+    values->resize(size);
+  caps.step.resize(size);
+}
+
+std::int16_t to_component(double value) {
+  return static_cast<std::int16_t>(std::nearbyint(direction_scale * value));
 }
 
 }  // namespace
 
 BurialPatches::BurialPatches(const CoveringDirections& covering)
-    : cosine(std::cos(covering.radius)), sine(std::sin(covering.radius)) {
-  for (const Vec3 direction : covering.directions) {
-    x.push_back(static_cast<float>(direction.x));
-    y.push_back(static_cast<float>(direction.y));
-    z.push_back(static_cast<float>(direction.z));
+    : count(covering.directions.size()),
+      cosine(std::cos(covering.radius)),
+      sine(std::sin(covering.radius)) {
+  const std::size_t lanes = sizeof(float) / sizeof(std::int16_t) * vector_padding;
+  const std::size_t padded = count + vectors_at_once * lanes;
+  for (auto* values : {&directions.x, &directions.y, &directions.z}) values->resize(padded);
+  for (std::size_t k = 0; k < count; ++k) {
+    directions.x[k] = to_component(covering.directions[k].x);
+    directions.y[k] = to_component(covering.directions[k].y);
+    directions.z[k] = to_component(covering.directions[k].z);
   }
 }
 
 bool is_buried(const CapList& caps, double radius, const BurialPatches& patches,
                BurialScratch& scratch) {
   const auto keep = ESES_BEST_VERSION(keep_unsettled);
-  std::size_t count = patches.x.size();
-  const auto load = [&](const std::vector<float>& from, std::vector<float>& to) {
-    to.resize(from.size() + vectors_at_once * vector_padding);
-    std::copy(from.begin(), from.end(), to.begin());
-  };
-  load(patches.x, scratch.x);
-  load(patches.y, scratch.y);
-  load(patches.z, scratch.z);
-
   const PatchCosines cosines{1 / radius, patches.cosine, patches.sine};
-  make_room(scratch.settled, caps.size());
-  ESES_BEST_VERSION(find_settled)(caps, cosines, scratch.settled.data());
-  order_by_size(caps, std::span(scratch.settled).first(caps.size()), scratch.caps);
+  make_room(scratch.caps, caps.size());
+  ESES_BEST_VERSION(prepare_caps)(caps, cosines, scratch.caps);
+  order_by_size(caps.size(), scratch.caps);
+  DirectionList& unsettled = scratch.unsettled;
+  for (auto* values : {&unsettled.x, &unsettled.y, &unsettled.z})
+    values->resize(patches.directions.x.size());
   scratch.relevant.clear();
   scratch.covering.clear();
-  std::span<BurialCap> left(scratch.caps);
+  std::span<const std::uint32_t> left(scratch.caps.order);
+  const DirectionList* from = &patches.directions;
+  std::size_t count = patches.count;
   for (const std::size_t caps_at_once : {caps_per_count[0], caps_per_count[1], left.size()}) {
     const std::size_t size = std::min(caps_at_once, left.size());
-    count = keep(left.first(size), scratch.x.data(), scratch.y.data(), scratch.z.data(), count);
+    count = keep(scratch.caps, left.first(size), *from, count, unsettled);
     if (count == 0) return true;
+    from = &unsettled;
     left = left.subspan(size);
   }
-  make_room(scratch.touched, caps.size());
-  ESES_BEST_VERSION(find_touched)(caps, cosines, scratch.touched.data());
+  ESES_BEST_VERSION(find_touched)(caps, cosines, scratch.caps);
   ESES_BEST_VERSION(list_kept)(scratch, count);
   return false;
 }

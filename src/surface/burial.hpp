@@ -8,8 +8,8 @@
 /// may reach into a remaining disc. Their union equals the union of all caps. doc/algorithm.md
 /// derives this.
 
+#include <cstddef>
 #include <cstdint>
-#include <span>
 #include <vector>
 
 #include "geometry/cap_list.hpp"
@@ -21,30 +21,49 @@ namespace eses::detail {
 /// time than they save.
 inline constexpr int burial_frequency = 5;
 
-/// The covering directions as a structure of arrays. Built once, read by all threads.
+/// Unit vectors as a structure of arrays, in units of 1 / direction_scale. In 16 bits, a vector
+/// holds twice as many of them as in single precision.
+struct DirectionList {
+  std::vector<std::int16_t> x, y, z;
+};
+inline constexpr double direction_scale = 32767;
+
+/// Scale of the cosines that are computed from such vectors: the upper 16 bits of the sum of the
+/// products. Rounding the components moves the sum by at most 1/2 (|x1| + ... + |z2|) / 2, which is
+/// less than 0.9, and the loss of the lower bits reduces it by less than 3.
+inline constexpr double cosine_scale = direction_scale * direction_scale / 0x1p16;
+inline constexpr double max_cosine_excess = 0.9, max_cosine_deficit = 3.9;
+
+/// The covering directions. Built once, read by all threads.
 struct BurialPatches {
-  std::vector<float> x, y, z;
+  DirectionList directions;  ///< padded for vector loops
+  std::size_t count = 0;
   double cosine = 1, sine = 0;  ///< cosine and sine of the angular radius of every patch
 
   explicit BurialPatches(const CoveringDirections& covering);
 };
 
-/// A cap in the layout of the kernel.
-struct BurialCap {
-  float x, y, z;         ///< axis
-  float settled;         ///< minimum cosine from the axis of the patches that lie in the cap
-  std::uint32_t number;  ///< index of the cap
-  bool is_used;          ///< whether the cap settled a patch
+/// Caps in the layout of the kernel. Limits are scaled cosines: a cap settles the patches, or may
+/// reach the patches, for which scaled_cosine() of axis and patch is greater.
+struct BurialCaps {
+  DirectionList axes;
+  std::vector<std::int16_t> settled;  ///< limit of the patches that lie in the cap
+  std::vector<std::int16_t> touched;  ///< limit of the patches that the cap may reach
+  std::vector<std::int32_t> step;     ///< step of size; the largest caps have the lowest step
+  std::vector<std::uint8_t> is_used;  ///< whether the cap settled a patch
+  std::vector<std::uint32_t> order;   ///< indices of all caps, the largest first
+
+  /// Memory of a cap in bytes.
+  static constexpr std::size_t bytes_per_cap = 5 * sizeof(std::int16_t) + sizeof(std::int32_t) +
+                                               sizeof(std::uint8_t) + sizeof(std::uint32_t);
 };
 
 /// Scratch memory of is_buried, and its selection of caps.
 struct BurialScratch {
-  std::vector<float> settled;   ///< by cap: minimum cosine from the axis of patches that lie in it
-  std::vector<float> touched;   ///< by cap: minimum cosine from the axis of patches it may reach
-  std::vector<BurialCap> caps;  ///< all caps, the largest first
+  BurialCaps caps;
+  DirectionList unsettled;              ///< patches that are not settled yet
   std::vector<std::uint32_t> relevant;  ///< result: caps whose circle may be accessible
   std::vector<std::uint32_t> covering;  ///< result: further caps that are needed to cover
-  std::vector<float> x, y, z;           ///< patches that are not settled yet
 };
 
 /// Returns whether the caps, each with its blocking height, provably cover a sphere of this radius

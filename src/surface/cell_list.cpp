@@ -11,8 +11,8 @@
 namespace eses::detail {
 namespace {
 
-// Returns the cell index of a coordinate, clamped to +-2^62.
-std::int64_t place_of(double coordinate, double side) {
+// Returns the index of a coordinate's cell, clamped to +-2^62.
+std::int64_t cell_index(double coordinate, double side) {
   constexpr double limit = 0x1p62;
   return static_cast<std::int64_t>(std::clamp(std::floor(coordinate / side), -limit, limit));
 }
@@ -26,7 +26,8 @@ int class_of(double radius) {
 }  // namespace
 
 CellList::Cell CellList::cell_of(Vec3 point) {
-  return {place_of(point.z, sides[2]), place_of(point.y, sides[1]), place_of(point.x, sides[0])};
+  return {cell_index(point.z, sides[2]), cell_index(point.y, sides[1]),
+          cell_index(point.x, sides[0])};
 }
 
 CellList::CellList(std::span<const Atom> atoms) : atoms_(atoms) {
@@ -47,10 +48,16 @@ CellList::SortedAtoms CellList::sorted(std::vector<AtomIndex> members) const {
     const auto& [cell, i] = cells[position];
     result.order[position] = i;
     result.max_radius = std::max(result.max_radius, atoms_[i].radius);
+    if (position > 0 && cell == cells[position - 1].first) continue;
+    const auto number = static_cast<std::uint32_t>(result.cells.size());
     if (result.rows.empty() || result.rows.back().z != cell[0] || result.rows.back().y != cell[1])
-      result.rows.push_back({cell[0], cell[1], position});
+      result.rows.push_back({cell[0], cell[1], number});
+    result.cells.push_back({cell[2], position});
   }
+  result.rows.push_back({0, 0, static_cast<std::uint32_t>(result.cells.size())});
+  result.cells.push_back({0, static_cast<std::uint32_t>(cells.size())});
   result.rows.shrink_to_fit();
+  result.cells.shrink_to_fit();
   return result;
 }
 
@@ -70,36 +77,47 @@ void CellList::find_reaching(const Box& box, double distance, std::vector<AtomIn
 }
 
 void CellList::find_in_rows(const SortedAtoms& atoms, const Box& reach,
-                            std::vector<AtomIndex>& found) const {
+                            std::vector<AtomIndex>& found) {
   const Cell low = cell_of(reach.low), high = cell_of(reach.high);
   const auto comes_before = [](const Row& row, const Row& other) {
     return row.z != other.z ? row.z < other.z : row.y < other.y;
   };
-  const std::span<const AtomIndex> order = atoms.order;
-  auto row =
-      std::lower_bound(atoms.rows.begin(), atoms.rows.end(), Row{low[0], low[1], 0}, comes_before);
-  while (row != atoms.rows.end() && row->z <= high[0]) {
+  const auto end = atoms.rows.end() - 1;
+  auto row = std::lower_bound(atoms.rows.begin(), end, Row{low[0], low[1], 0}, comes_before);
+  while (row != end && row->z <= high[0]) {
     if (row->y < low[1]) {
-      row = std::lower_bound(row, atoms.rows.end(), Row{row->z, low[1], 0}, comes_before);
+      row = std::lower_bound(row, end, Row{row->z, low[1], 0}, comes_before);
     } else if (row->y > high[1]) {
-      row = std::lower_bound(row, atoms.rows.end(), Row{row->z + 1, low[1], 0}, comes_before);
+      row = std::lower_bound(row, end, Row{row->z + 1, low[1], 0}, comes_before);
     } else {
-      const auto next = row + 1;
-      const std::size_t end = next == atoms.rows.end() ? order.size() : next->begin;
-      find_in_row(order.subspan(row->begin, end - row->begin), low[2], high[2], found);
-      row = next;
+      find_in_row(atoms, *row, low[2], high[2], found);
+      ++row;
     }
   }
 }
 
-void CellList::find_in_row(std::span<const AtomIndex> row, std::int64_t first_x,
-                           std::int64_t last_x, std::vector<AtomIndex>& found) const {
-  const auto x_of = [&](AtomIndex i) { return place_of(atoms_[i].center.x, sides[0]); };
-  const auto begin = std::lower_bound(row.begin(), row.end(), first_x,
-                                      [&](AtomIndex i, std::int64_t x) { return x_of(i) < x; });
-  const auto end = std::upper_bound(begin, row.end(), last_x,
-                                    [&](std::int64_t x, AtomIndex i) { return x < x_of(i); });
-  found.insert(found.end(), begin, end);
+// Appends the atoms of the cells from `first_x` to `last_x` of a row, which is an element of
+// `atoms.rows`.
+void CellList::find_in_row(const SortedAtoms& atoms, const Row& row, std::int64_t first_x,
+                           std::int64_t last_x, std::vector<AtomIndex>& found) {
+  const std::uint32_t row_end = (&row + 1)->begin;
+  const auto cells = std::span(atoms.cells).subspan(row.begin, row_end - row.begin);
+  const auto lies_before = [](const CellOfRow& cell, std::int64_t x) { return cell.x < x; };
+  // A cell is at most as far from the row's first one as its x. Without gaps, it is just as far.
+  const auto lower_bound = [&](std::int64_t x) {
+    const auto first = cells.front().x;
+    const std::size_t distance =
+        x <= first ? 0 : static_cast<std::uint64_t>(x) - static_cast<std::uint64_t>(first);
+    const auto end = cells.begin() + static_cast<std::ptrdiff_t>(std::min(distance, cells.size()));
+    const bool is_found = end == cells.begin() || lies_before(*(end - 1), x);
+    return is_found ? end : std::lower_bound(cells.begin(), end, x, lies_before);
+  };
+  const auto begin = lower_bound(first_x), end = lower_bound(last_x + 1);
+  // The cell after the last one of the row is an element of `atoms.cells`.
+  const AtomIndex* const order = atoms.order.data();
+  const CellOfRow* const all = atoms.cells.data() + row.begin;
+  found.insert(found.end(), order + all[begin - cells.begin()].begin,
+               order + all[end - cells.begin()].begin);
 }
 
 }  // namespace eses::detail

@@ -40,22 +40,29 @@ class CellList {
   // Cells with the same z and y.
   struct Row {
     std::int64_t z = 0, y = 0;
+    std::uint32_t begin = 0;  // index into `cells`
+  };
+
+  // The atoms of a cell in a row.
+  struct CellOfRow {
+    std::int64_t x = 0;
     std::uint32_t begin = 0;  // index into `order`
   };
 
   struct SortedAtoms {
     std::vector<AtomIndex> order;
-    std::vector<Row> rows;  // non-empty rows
+    std::vector<CellOfRow> cells;  // non-empty cells, and one after the last cell
+    std::vector<Row> rows;         // non-empty rows, and one after the last row
     double max_radius = 0;
   };
 
   static Cell cell_of(Vec3 point);
   SortedAtoms sorted(std::vector<AtomIndex> members) const;
   void make_classes();
-  void find_in_rows(const SortedAtoms& atoms, const Box& reach,
-                    std::vector<AtomIndex>& found) const;
-  void find_in_row(std::span<const AtomIndex> row, std::int64_t first_x, std::int64_t last_x,
-                   std::vector<AtomIndex>& found) const;
+  static void find_in_rows(const SortedAtoms& atoms, const Box& reach,
+                           std::vector<AtomIndex>& found);
+  static void find_in_row(const SortedAtoms& atoms, const Row& row, std::int64_t first_x,
+                          std::int64_t last_x, std::vector<AtomIndex>& found);
 
   std::span<const Atom> atoms_;
   SortedAtoms all_;

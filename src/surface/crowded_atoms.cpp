@@ -77,10 +77,10 @@ void CrowdedCaps::accessible_arcs(const SurfaceModel& surface, const ContactCirc
   choose_near(surface, neighbours_[own]);
   near_caps_.clear();
   for (const std::uint32_t k : near_) near_caps_.push_back((*caps_)[k]);
-  const auto own_place = std::lower_bound(near_.begin(), near_.end(), own);
+  const auto own_position = std::lower_bound(near_.begin(), near_.end(), own);
   const std::size_t first_end = ends.size();
   eses::detail::accessible_arcs(circle, near_caps_,
-                                static_cast<std::uint32_t>(own_place - near_.begin()), scratch,
+                                static_cast<std::uint32_t>(own_position - near_.begin()), scratch,
                                 arcs, ends);
   for (std::size_t e = first_end; e < ends.size(); ++e) ends[e].cap = near_[ends[e].cap];
 }

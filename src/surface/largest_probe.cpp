@@ -17,8 +17,8 @@ constexpr double max_error = 1e-9;
 // Smaller cells are not divided (angstrom). Rounding may hide their component.
 constexpr double min_cell = 0.1 * max_error;
 
-// Number of evaluations after which the search ends with the best sphere found. Only sets of maxima
-// with symmetry need more: then all of a curve has the same radius.
+// Number of evaluations after which the search ends with the best sphere found. Only symmetric
+// atoms need more: then all points of a curve are maxima with the same radius.
 constexpr int max_evaluations = 400'000;
 
 // Number of the nearest atoms among which a maximum is searched.

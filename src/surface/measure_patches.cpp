@@ -38,15 +38,15 @@ constexpr ClusterIndex clusters_per_layer = 128;
 // How the accessibility of probe centres is decided.
 struct Accessibility {
   bool has_slack = true;  // see SurfaceModel
-  // The SAS spheres are smaller by this (angstrom), which opens the places where a probe just fits,
+  // The SAS spheres are smaller by this (angstrom), which opens the gaps that a probe just fits,
   // and separates spheres that just touch.
   double shrinkage = 0;
   // Placements within this distance of each other are the same one (angstrom).
-  double same_place = 0;
+  double same_placement = 0;
 };
 
 // Without slack, the measures are consistent unless rounding decides, or distances between almost
-// equal placements are about as large as `same_place`.
+// equal placements are about as large as `same_placement`.
 constexpr std::array<Accessibility, 5> without_slack{{{false, tolerance::accessible, 1e-10},
                                                       {false, 2.3 * tolerance::accessible, 1e-10},
                                                       {false, tolerance::accessible, 1e-12},
@@ -126,7 +126,7 @@ struct MeasureScratch {
   std::vector<Vec3> toward;
   std::vector<AtomIndex> touched;
   std::vector<AtomIndex> borders;   // atoms whose caps follow those of the patch in `shared_caps`
-  std::vector<std::uint32_t> node;  // placements in the same place
+  std::vector<std::uint32_t> node;  // placements that coincide
   std::vector<std::uint32_t> near;  // placements within `near_distance` of `near_center`
   Vec3 near_center;
   double near_distance = -1;                   // angstrom
@@ -157,10 +157,10 @@ class PatchMeasurement {
  public:
   // Measures a surface, or finds its components. The patches need no bounds for it.
   PatchMeasurement(std::shared_ptr<ScheduledSurface> surface, const MeasureSettings& settings,
-                   double same_place, Sought sought = Sought::measures)
+                   double same_placement, Sought sought = Sought::measures)
       : settings_(settings),
         sought_(sought),
-        same_place_(same_place),
+        same_placement_(same_placement),
         scheduled_(std::move(surface)),
         surface_(scheduled_->surface),
         schedule_(scheduled_->schedule),
@@ -262,7 +262,7 @@ class PatchMeasurement {
 
   const MeasureSettings& settings_;
   Sought sought_;
-  double same_place_;  // angstrom
+  double same_placement_;  // see Accessibility
   std::shared_ptr<ScheduledSurface> scheduled_;
   const SurfaceModel& surface_;
   PatchSchedule& schedule_;
@@ -278,7 +278,7 @@ class PatchMeasurement {
   std::vector<const ProbePlacement*> placements_;
   std::vector<Vec3> centers_;
   std::vector<std::uint32_t> first_placement_;  // by cluster
-  std::vector<std::uint32_t> node_;             // by placement: the first one in the same place
+  std::vector<std::uint32_t> node_;             // by placement: the first one that coincides
   PointTree tree_;
 
   std::vector<MeasureScratch> scratch_;  // by thread
@@ -373,7 +373,8 @@ void PatchMeasurement::index_placements() {
       centers_.push_back(placement.center);
     }
   }
-  tree_.reset(centers_);
+  // Without a probe, no placement cuts the patch of another one.
+  if (probe() > 0 || components_ || !surface_.has_slack) tree_.reset(centers_);
   node_.resize(placements_.size());
   std::iota(node_.begin(), node_.end(), 0U);
   if (surface_.has_slack) return;
@@ -385,18 +386,18 @@ void PatchMeasurement::index_placements() {
   }
 }
 
-// Replaces `node` by the placements that are in the same place, or are connected by others.
+// Replaces `node` by the placements that coincide with a placement, directly or through others.
 void PatchMeasurement::find_node(std::uint32_t number, std::vector<std::uint32_t>& node) const {
   node.assign(1, number);
   for (std::size_t k = 0; k < node.size(); ++k)
-    tree_.for_each_within(centers_[node[k]], same_place_, [&](std::uint32_t other) {
+    tree_.for_each_within(centers_[node[k]], same_placement_, [&](std::uint32_t other) {
       if (std::find(node.begin(), node.end(), other) == node.end()) node.push_back(other);
     });
 }
 
 // Returns whether no decision about the cluster's patches depends on the slack. If the circles of
-// several pairs of atoms coincide, arcs of all pairs are found in the same place. Then the middle
-// of each of them touches further atoms.
+// several pairs of atoms coincide, the arcs of all pairs coincide, too. Then the probe at the
+// middle of each arc touches further atoms.
 bool PatchMeasurement::is_regular_cluster(ClusterIndex cluster) const {
   const ClusterPatches& patches = schedule_.patches().of_cluster(cluster);
   if (!patches.is_regular) return false;
@@ -555,8 +556,8 @@ PatchSums PatchMeasurement::add_placement(std::uint32_t number, MeasureScratch& 
 }
 
 // Adds the derivatives at a placement that touches more than three atoms: those of the placements
-// into which it divides if the atoms grow, each of them much more than all later ones. They are in
-// the same place, and their cones divide the cone.
+// into which it divides if the atoms grow, each of them much more than all later ones. They
+// coincide, and their cones divide the cone.
 void PatchMeasurement::add_node_gradient(Vec3 center, MeasureScratch& scratch,
                                          ClusterTerms& terms) const {
   const std::vector<AtomIndex> touched = scratch.touched;
@@ -628,7 +629,7 @@ SpherePart PatchMeasurement::find_triangle(const ProbePlacement& placement,
   return triangle_part(a, b, c);
 }
 
-// Does the same for all placements in the same place as this one.
+// Does the same for all placements that coincide with this one.
 SpherePart PatchMeasurement::find_cone(std::uint32_t number, MeasureScratch& scratch) const {
   if (surface_.has_slack) return find_triangle(*placements_[number], scratch);
   find_node(number, scratch.node);
@@ -980,7 +981,7 @@ std::unique_ptr<PatchMeasurement> make_measurement(const Molecule& molecule,
   if (settings.max_filled_void)
     surface.cavities = find_cavities(schedule_surface(surface, false), settings);
   return std::make_unique<PatchMeasurement>(schedule_surface(surface, false), settings,
-                                            accessibility.same_place);
+                                            accessibility.same_placement);
 }
 
 // Returns a complete measurement, without slack if a decision depends on it.

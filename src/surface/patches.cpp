@@ -21,6 +21,10 @@ namespace {
 // the vectors are almost coplanar, and rounding could exchange their cone and its complement.
 constexpr double min_cone_volume = 1e-6;
 
+// Frequency of the covering directions without a probe, which gives 92 of them. Then few atoms are
+// buried, and each one has few caps.
+constexpr int bare_burial_frequency = 3;
+
 // Returns the atom whose face neighbours are searched for further atoms near a placement. Any atom
 // of the placement with such a list is suitable. It is the first one, unless that one is crowded.
 AtomIndex atom_for_search(const Patches& patches, const ProbePlacement& placement) {
@@ -113,8 +117,8 @@ bool end_in_threes(std::span<const PlacementKey> keys) {
   if (keys.size() % 3 != 0) return false;
   for (std::size_t k = 0; k < keys.size(); k += 3) {
     const PlacementKey& key = keys[k];
-    if (!key.is_same_place(keys[k + 2])) return false;
-    if (k > 0 && key.is_same_place(keys[k - 1])) return false;
+    if (!key.is_same_placement(keys[k + 2])) return false;
+    if (k > 0 && key.is_same_placement(keys[k - 1])) return false;
   }
   return true;
 }
@@ -155,7 +159,8 @@ Patches::Patches(const SurfaceModel& surface, bool has_bounds)
     : surface_(surface),
       has_bounds_(has_bounds),
       clusters_(surface),
-      burial_(make_covering_directions(burial_frequency)),
+      burial_(make_covering_directions(surface.probe_radius > 0 ? burial_frequency
+                                                                : bare_burial_frequency)),
       clusters_patches_(clusters_.count()) {}
 
 void Patches::open(ClusterIndex cluster) {
@@ -279,9 +284,10 @@ void Patches::place_probes(ClusterPatches& patches) {
     return member_a < member_b || (member_a == member_b && a < b);
   });
   patches.is_regular = patches.is_regular && end_in_threes(keys);
-  const auto end = std::unique(
-      keys.begin(), keys.end(),
-      [](const PlacementKey& key, const PlacementKey& next) { return key.is_same_place(next); });
+  const auto end =
+      std::unique(keys.begin(), keys.end(), [](const PlacementKey& key, const PlacementKey& next) {
+        return key.is_same_placement(next);
+      });
   std::vector<std::uint32_t> counts(patches.exposure.size());
   patches.placements.reserve(static_cast<std::size_t>(end - keys.begin()));
   for (auto key = keys.begin(); key != end; ++key)

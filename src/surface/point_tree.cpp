@@ -19,8 +19,8 @@ std::uint64_t spread(std::uint64_t bits) {
   return (bits | bits << 2) & 0x1249249249249249;
 }
 
-// Returns the number of the point's cell along a curve on which cells near each other have mostly
-// near numbers (G. M. Morton, IBM Technical Report, 1966).
+// Returns the index of a point's cell along a curve on which neighbouring cells mostly have similar
+// indices (G. M. Morton, IBM Technical Report, 1966).
 std::uint64_t morton_key(Vec3 point, Vec3 low) {
   std::uint64_t key = 0;
   for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -51,10 +51,11 @@ void PointTree::reset(std::span<const Vec3> points) {
     const Vec3 point = points[index];
     if (lane == 0) {
       Points& added = points_.emplace_back();
-      for (Lanes& lanes : added.places) lanes.fill(infinity);
+      for (Lanes& lanes : added.coordinates) lanes.fill(infinity);
       boxes_.push_back({point, point});
     }
-    for (std::size_t axis = 0; axis < 3; ++axis) points_.back().places[axis][lane] = point[axis];
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      points_.back().coordinates[axis][lane] = point[axis];
     points_.back().indices[lane] = index;
     boxes_.back().include(point);
   }

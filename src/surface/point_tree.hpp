@@ -1,5 +1,5 @@
 #pragma once
-/// A hierarchy of boxes around points, to find the points near a place.
+/// A hierarchy of boxes around points, to find the points near another one.
 
 #include <array>
 #include <cstddef>
@@ -36,7 +36,7 @@ class PointTree {
     std::array<Lanes, 3> low, high;
   };
   struct Points {
-    std::array<Lanes, 3> places;  // infinite if unused
+    std::array<Lanes, 3> coordinates;  // infinite if unused
     std::array<std::uint32_t, fan_out> indices;
   };
 
@@ -58,7 +58,7 @@ class PointTree {
     for (std::size_t axis = 0; axis < 3; ++axis) {
       const double c = center[axis];
       for (std::size_t k = 0; k < fan_out; ++k) {
-        const double offset = points.places[axis][k] - c;
+        const double offset = points.coordinates[axis][k] - c;
         squared[k] += offset * offset;
       }
     }

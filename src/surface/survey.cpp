@@ -173,7 +173,7 @@ void SurfaceSurvey::take_samples() {
   BuiltPatches patches;
   // The position within a stratum is the fractional part of a multiple of the golden ratio, so that
   // the sample does not follow periods in the file.
-  const auto place_in = [&](std::size_t s) {
+  const auto position_in = [&](std::size_t s) {
     const auto stratum = static_cast<double>(s);
     return (stratum + std::fmod(stratum * std::numbers::phi, 1)) * strata.size;
   };
@@ -187,7 +187,7 @@ void SurfaceSurvey::take_samples() {
     }
     passed += size;
     double weight = 0;
-    for (; stratum < strata.count && place_in(stratum) < passed; ++stratum)
+    for (; stratum < strata.count && position_in(stratum) < passed; ++stratum)
       weight += strata.size / size;
     if (weight > 0) visit(patched_atom(i), weight, scratch, patches);
   }
@@ -336,7 +336,7 @@ double SurfaceSurvey::patch_bytes(double height, int threads) const {
   // Caps, kept caps, and their atoms and numbers in AtomPatchScratch, which is large only for
   // crowded atoms.
   constexpr double per_neighbour = growth * (2 * sizeof(SasSphere) + 2 * sizeof(Cap) +
-                                             sizeof(BurialCap) + 19 * sizeof(AtomIndex));
+                                             BurialCaps::bytes_per_cap + 19 * sizeof(AtomIndex));
   return max_fraction(height + 2 * reach) * all_patches +
          per_neighbour * std::min(totals_.crowded_neighbours, threads * totals_.max_neighbours);
 }

@@ -72,7 +72,8 @@ bool is_in_any_atom(const Definition& definition, Vec3 x) {
   return is_in_atom;
 }
 
-std::uint64_t place_of(const Grid& grid, const GridIndex& point) {
+// Returns the index of a point in the order of the grid.
+std::uint64_t index_of(const Grid& grid, const GridIndex& point) {
   return static_cast<std::uint64_t>((point[2] * grid.size[1] + point[1]) * grid.size[0] + point[0]);
 }
 
@@ -95,7 +96,7 @@ std::vector<GridIndex> draw_band_points(const Definition& definition, const Grid
     if (!point) continue;
     const Vec3 x = grid.point(*point);
     if (!is_in_band_of(atom, probe, x) || is_in_any_atom(definition, x)) continue;
-    if (!drawn.insert(place_of(grid, *point)).second) continue;
+    if (!drawn.insert(index_of(grid, *point)).second) continue;
     points.push_back(*point);
     failed_draws = 0;
   }
@@ -103,7 +104,7 @@ std::vector<GridIndex> draw_band_points(const Definition& definition, const Grid
 }
 
 void CrossingSample::add(const Grid& grid, const Crossing& crossing) {
-  add({splitmix64(place_of(grid, crossing.lower) * 3 + crossing.axis), crossing});
+  add({splitmix64(index_of(grid, crossing.lower) * 3 + crossing.axis), crossing});
 }
 
 void CrossingSample::add(const Entry& entry) {

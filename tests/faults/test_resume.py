@@ -8,7 +8,7 @@ import unittest
 
 from faults import (MMCIF, FaultTest, SMALL, forget_signals, needs_library, wait_for,
                     write_pdb)
-from support import DATA
+from support import DATA, write_map
 
 CHECKPOINT = ".eses-blocks.resume"
 # Layers have 8 planes, so that there are several chunks.
@@ -273,6 +273,7 @@ class Resume(FaultTest):
                                  ("fas2.pqr", "mesh.vtp", ("--color", "atom", "--write",
                                                            "none")),
                                  ("fas2.pqr", "mesh.glb", ("--color", "chain", "--write", "none")),
+                                 ("fas2.pqr", "mesh.ply", (*self.potential(5), "--write", "none")),
                                  ("fas2.pqr", "mesh.stl", ("--write", "none"))):
             arguments = (DATA / name, "-q", "--spacing", "0.7", "-b", "9", "-t", "2", *more,
                          "--mesh", self.output / mesh)
@@ -321,6 +322,20 @@ class Resume(FaultTest):
             self.put({})
             self.assertDone(self.run_program(*arguments))
             self.check_resumed_runs(self.contents(), arguments, 13)
+
+    def potential(self, end):
+        """Returns options for colours of a potential."""
+        return ("--color", "potential", "--potential",
+                write_map(self.folder / f"{end}.dx", end, 100))
+
+    @needs_library
+    def test_other_potential_is_refused(self):
+        arguments = (*RUN, "--mesh", self.output / "mesh.ply")
+        self.assertTrue(self.cut_off(30, *arguments, *self.potential(5)))
+        self.assertGreater(len(self.chunks()), 0)
+        for other in ((), self.potential(6), (*self.potential(5), "--potential-offset", "1"),
+                      (*self.potential(5), "--potential-limit", "1")):
+            self.assertFailed(self.run_program(*arguments, *other, "--resume"), "cannot resume")
 
     @needs_library
     def test_other_mesh_is_refused(self):

@@ -42,6 +42,17 @@ def write_program(path, body):
     return path
 
 
+def write_map(path, end, half=12):
+    """Writes an OpenDX map of a cube with these half sides, whose values grow along x from -end to
+    end."""
+    side = 2 * half
+    path.write_text(f"object 1 class gridpositions counts 2 2 2\norigin {-half} {-half} {-half}\n"
+                    f"delta {side} 0 0\ndelta 0 {side} 0\ndelta 0 0 {side}\n"
+                    "object 3 class array type double rank 0 items 8 data follows\n"
+                    + f"{-end} " * 4 + f"{end} " * 4 + "\n")
+    return path
+
+
 def interpreter_of(script):
     """Returns the interpreter of a script's first line, which has Debian's matplotlib and VTK."""
     return script.read_text(encoding="utf-8").partition("\n")[0].removeprefix("#!")
@@ -51,6 +62,12 @@ def can_import(script, module):
     python = interpreter_of(script)
     return os.path.exists(python) and subprocess.run(
         [python, "-c", f"import {module}"], stderr=subprocess.DEVNULL, check=False).returncode == 0
+
+
+def can_draw():
+    """Whether scripts/render works."""
+    has_display = os.environ.get("DISPLAY") or shutil.which("xvfb-run")
+    return bool(has_display) and can_import(SCRIPTS / "render", "vtk")
 
 
 def python_with(module):

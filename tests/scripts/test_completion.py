@@ -10,7 +10,7 @@ import subprocess
 import tempfile
 import unittest
 
-from support import PROGRAM, PROJECT, TestCase
+from support import PROGRAM, PROJECT, TestCase, write_map
 
 COMPLETIONS = PROJECT / "packaging" / "completions"
 BASH_COMPLETION = pathlib.Path("/usr/share/bash-completion/bash_completion")
@@ -83,7 +83,9 @@ class Bash(TestCase):
             values = self.complete(option, "")
             self.assertTrue(values)
             for value in values:
-                done = subprocess.run([PROGRAM, "missing.pqr", option, value, *others],
+                more = (("--potential", write_map(self.folder / "x.dx", 1))
+                        if value == "potential" else ())
+                done = subprocess.run([PROGRAM, "missing.pqr", option, value, *others, *more],
                                       cwd=self.folder, capture_output=True, text=True, check=False)
                 self.assertEqual(done.returncode, 1, done.stderr)
                 self.assertIn("cannot open missing.pqr", done.stderr)
@@ -183,7 +185,8 @@ class Zsh(TestCase):
                 ("a.xyzr --mesh=", meshes | {"sub"}),
                 ("a.xyzr --inside ", maps | {"sub"}),
                 ("a.xyzr --kappa ", {"f.dx", "k.dx.gz", "sub"}),
-                ("a.xyzr --color ", {"patch", "atom", "chain"}),
+                ("a.xyzr --color ", {"patch", "atom", "chain", "potential"}),
+                ("a.xyzr --potential ", {"f.dx", "k.dx.gz", "sub"}),
                 ("a.xyzr --format ", {"auto", "xyzr", "pqr", "pdb", "mmcif"}),
                 ("a.xyzr --write ", {"all", "none", "grid", "edges", "areas", "residues", "atoms"}),
                 ("a.xyzr --write grid,", {"all", "none", "edges", "areas", "residues", "atoms"}),

@@ -197,7 +197,7 @@ class Install(TestCase):
         known = {path.stem: path for path in (PROJECT / "scripts/lib").glob("*.py")}
         needed, waiting = set(), sorted(path for path in scripts.iterdir() if path.is_file())
         self.assertEqual([path.name for path in waiting], ["apbs", "assemble", "eses_pymol.py", "pdbbind", "render",
-                                                          "view"])
+                                                          "report", "view"])
         while waiting:
             text = waiting.pop().read_text()
             for name in re.findall(r"^ *(?:import|from) (\w+)", text, re.MULTILINE):
@@ -215,7 +215,7 @@ class Install(TestCase):
         if re.search(r"^ESES_HELP2MAN:\w+=(.*-NOTFOUND)?$", cache, re.MULTILINE):
             self.skipTest("help2man is not installed")
         scripts = [(f"eses-{name}", f"eses-{name}", ())
-                   for name in ("apbs", "assemble", "pdbbind", "render", "view")]
+                   for name in ("apbs", "assemble", "pdbbind", "render", "report", "view")]
         for page, program, command in (("eses-blocks", "eses-blocks", ()),
                                        ("eses-blocks-diff", "eses-blocks", ("diff",)), *scripts):
             text = (self.prefix / f"share/man/man1/{page}.1").read_text()

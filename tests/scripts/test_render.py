@@ -3,21 +3,14 @@
 import colorsys
 import importlib.util
 import math
-import os
-import shutil
 import struct
 import subprocess
 import unittest
 import zlib
 
-from support import DATA, PROGRAM, SCRIPTS, TestCase, can_import
+from support import DATA, PROGRAM, SCRIPTS, TestCase, can_draw, write_map
 
 SCRIPT = SCRIPTS / "render"
-
-
-def can_draw():
-    has_display = os.environ.get("DISPLAY") or shutil.which("xvfb-run")
-    return bool(has_display) and can_import(SCRIPT, "vtk")
 
 
 def read_png(path):
@@ -161,11 +154,7 @@ class Render(TestCase):
                     self.assertEqual(len(beside), count)
 
     def test_potential_is_red_where_negative_and_blue_where_positive(self):
-        field = self.folder / "x.dx"
-        field.write_text("object 1 class gridpositions counts 2 2 2\norigin -12 -12 -12\n"
-                         "delta 24 0 0\ndelta 0 24 0\ndelta 0 0 24\n"
-                         "object 3 class array type double rank 0 items 8 data follows\n"
-                         + "-5 " * 4 + "5 " * 4 + "\n")
+        field = write_map(self.folder / "x.dx", 5)
         rows = self.picture_of([(-4, 0, 0, 1.7), (4, 0, 0, 1.7)],
                                more=("--azimuth", 0, "--potential", field))
         middle = rows[len(rows) // 2]
@@ -176,6 +165,45 @@ class Render(TestCase):
         self.assertGreater(is_red.count(False), 10)
         legend = {pixel for row in rows for pixel in row[-22:]}
         self.assertLessEqual({(200, 20, 30), (25, 50, 205)}, legend)
+
+    def test_cavities_are_shown_in_a_section(self):
+        """A hollow cube of atoms, whose middle line crosses wall, cavity and wall."""
+        places = [(x, y, z) for x in range(5) for y in range(5) for z in range(5)
+                  if {0, 4} & {x, y, z}]
+        rows = self.picture_of([(2.5 * x, 2.5 * y, 2.5 * z, 1.8) for x, y, z in places],
+                               more=("--azimuth", 0, "--elevation", 0, "--cavities", "--flat"))
+        middle = [color for color in rows[len(rows) // 2][:-22] if color != WHITE]
+        parts = ["cavity" if red > blue + 80 else "section" for red, _, blue in middle]
+        cavity = [at for at, part in enumerate(parts) if part == "cavity"]
+        # The cube has the side 4 * 2.5 + 2 * 1.8 = 13.6. The cavity reaches to atoms at 0 and 10.
+        self.assertEqual(cavity, list(range(cavity[0], cavity[-1] + 1)))
+        self.assertAlmostEqual(len(cavity) / len(parts), (10 - 2 * 1.8) / 13.6, delta=0.06)
+        self.assertAlmostEqual(cavity[0], len(parts) - 1 - cavity[-1], delta=2)
+
+    def test_meshes_without_cavities_are_not_cut(self):
+        mesh = self.folder / "a.ply"
+        (self.folder / "a.xyzr").write_text("0 0 0 1.7\n")
+        self.assertDone(subprocess.run([PROGRAM, self.folder / "a.xyzr", "-q", "--write", "none", "--mesh",
+                                        mesh], capture_output=True, text=True, check=False))
+        done = self.render(mesh, "--cavities", "-o", self.folder / "c.png")
+        self.assertEqual(done.returncode, 1)
+        self.assertIn("no cavities", done.stderr)
+        done = self.render(mesh, mesh, "--cavities", "-o", self.folder / "c.png")
+        self.assertEqual(done.returncode, 2)
+
+    def test_potentials_of_files_are_drawn(self):
+        field, mesh = write_map(self.folder / "x.dx", 5), self.folder / "a.ply"
+        (self.folder / "a.xyzr").write_text("-4 0 0 1.7\n4 0 0 1.7\n")
+        self.assertDone(subprocess.run([PROGRAM, self.folder / "a.xyzr", "-q", "--write", "none", "--mesh",
+                                        mesh, "--color", "potential", "--potential", field],
+                                       capture_output=True, text=True, check=False))
+        for more in ((), ("--potential", field)):
+            self.assertDone(self.render(mesh, "-o", self.folder / f"{len(more)}.png", "--size", 100, *more))
+        of_file, of_map = (sum(pixels(self.folder / f"{count}.png"), []) for count in (0, 2))
+        self.assertEqual(len(of_file), len(of_map))
+        self.assertLessEqual(max(abs(a - b) for one, other in zip(of_file, of_map)
+                                 for a, b in zip(one, other)), 2)  # single precision
+        self.assertIn((200, 20, 30), of_file)  # the legend
 
     def test_wrong_files_are_refused(self):
         text = self.folder / "a.txt"

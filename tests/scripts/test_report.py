@@ -1,12 +1,33 @@
-"""Tests of the page that scripts/pdbbind --report writes."""
+"""Tests of the pages that scripts/pdbbind --report and scripts/report write."""
 
+import base64
 import json
+import math
 import re
+import struct
+import subprocess
 import unittest
 
-from support import PROGRAM, TestCase, browser_errors, has_browser, open_browser, run
+from support import (PROGRAM, TestCase, browser_errors, can_draw, has_browser, open_browser,
+                     run)
 
 RADIUS = 1.7
+
+
+def data_of(page):
+    text = page.read_text(encoding="utf-8")
+    return json.loads(re.search(r'id="rows">(.*?)</script>', text, re.DOTALL)[1])
+
+
+def rows_of(page):
+    data = data_of(page)
+    return [dict(zip(data["columns"], row)) for row in data["rows"]]
+
+
+def size_of(address):
+    """Returns width and height of a PNG picture in a page."""
+    data = base64.b64decode(address.removeprefix("data:image/png;base64,"), validate=True)
+    return struct.unpack(">II", data[16:24])
 
 
 class Report(TestCase):
@@ -24,24 +45,19 @@ class Report(TestCase):
         self.assertDone(done, 1)  # one structure has failed
         self.page = self.output / "summary.html"
 
-    def rows(self):
-        text = self.page.read_text(encoding="utf-8")
-        data = json.loads(re.search(r'id="rows">(.*?)</script>', text, re.DOTALL)[1])
-        return [dict(zip(data["columns"], row)) for row in data["rows"]]
-
     def test_rows_are_those_of_the_structures(self):
-        rows = {row["id"]: row for row in self.rows()}
+        rows = {row["id"]: row for row in rows_of(self.page)}
         self.assertEqual({name: row["atoms"] for name, row in rows.items()},
                          {"n1": 1, "n2": 2, "n10": 10, "<b>bad": ""})
         self.assertIn("radius", rows["<b>bad"]["message"])
         self.assertNotIn("<b>", self.page.read_text(encoding="utf-8"))
-        written = self.rows()
+        written = rows_of(self.page)
         done = run("pdbbind", self.folder / "structures", "-o", self.output, "--program", PROGRAM,
                    "--task", "1/1", "--keep", "none", "--threads", 1)
         self.assertDone(done, 1)
         self.page.unlink()
         self.assertDone(run("pdbbind", "merge", self.output, "--report"), 1)
-        self.assertEqual([row["id"] for row in self.rows()], [row["id"] for row in written])
+        self.assertEqual([row["id"] for row in rows_of(self.page)], [row["id"] for row in written])
 
     @unittest.skipUnless(has_browser(), "needs chromium, chromium-driver and python3-selenium")
     def test_table_sorts_and_filters(self):
@@ -75,6 +91,95 @@ class Report(TestCase):
             if (data[i + 2] > data[i] + 100 && data[i + 3] > 127) count++;
           return count""")
         self.assertAlmostEqual(blue, 2 * 3.14 * 2.5**2, delta=12)
+        self.assertEqual(browser_errors(browser), [])
+
+    @unittest.skipUnless(can_draw(), "needs python3-vtk9 and a display or xvfb")
+    def test_chosen_structures_have_pictures(self):
+        def compute(patterns):
+            self.assertDone(run("pdbbind", self.folder / "structures", "-o", self.output,
+                                "--program", PROGRAM, "--report", "--keep", "none", "--threads", 1,
+                                "--pictures", patterns), 1)
+            return data_of(self.page)["pictures"]
+
+        pictures = compute("n1*")  # n2 is complete
+        self.assertEqual(set(pictures), {"n1", "n10"})
+        self.assertEqual({size_of(address) for address in pictures.values()}, {(320, 240)})
+        self.assertEqual(set(compute("n2")), {"n1", "n2", "n10"})
+
+
+class MeasureReport(TestCase):
+    """Spheres that are apart from each other, whose areas and volumes are known."""
+
+    def setUp(self):
+        super().setUp()
+        for count in (1, 2):
+            (self.folder / f"n{count}.xyzr").write_text(
+                "".join(f"{8 * n} 0 0 {RADIUS}\n" for n in range(count)))
+        (self.folder / "bad.xyzr").write_text("1 2 3 radius\n")
+        self.page = self.folder / "page.html"
+
+    def measure(self, *options):
+        return subprocess.run([PROGRAM, "measure", "n1.xyzr", "bad.xyzr", "n2.xyzr", *options],
+                              cwd=self.folder, capture_output=True, text=True, check=False)
+
+    def test_tables_and_json_give_the_same_page(self):
+        table, lines, errors = (self.folder / name for name in ("a.csv", "a.json", "errors.txt"))
+        errors.write_text(self.measure("--csv", table).stderr)
+        lines.write_text(self.measure("--json").stdout)
+        for source in (table, lines):
+            self.assertDone(run("report", source, "--messages", errors, "-o", self.page))
+            *spheres, failed = rows_of(self.page)
+            for count, row in enumerate(spheres, 1):
+                self.assertEqual((row["file"], row["atoms"], row["status"]),
+                                 (f"n{count}.xyzr", count, "done"))
+                self.assertAlmostEqual(row["ses_area"], count * 4 * math.pi * RADIUS**2, places=5)
+                self.assertAlmostEqual(row["convex_area"], row["ses_area"], places=5)
+                self.assertAlmostEqual(row["ses_volume"], count * 4 / 3 * math.pi * RADIUS**3,
+                                       places=5)
+            self.assertEqual(failed["status"], "failed")
+            self.assertIn("bad.xyzr:1: field 4 (radius)", failed["message"])
+            data = data_of(self.page)
+            self.assertEqual([name for name, _ in data["plots"]], ["ses_area", "ses_volume"])
+            self.assertEqual(data["texts"], ["file", "status", "message"])
+
+    def test_other_files_are_refused(self):
+        table = self.folder / "a.csv"
+        for text in ("", "a,b\n1,2\n", "file,atoms\n1\n", "{}\n", "{\n", "file,name\na,b\n"):
+            table.write_text(text)
+            done = run("report", table, "-o", self.page)
+            self.assertEqual(done.returncode, 1)
+            self.assertIn(f"{table}: no table of eses-blocks measure", done.stderr)
+            self.assertFalse(self.page.exists())
+        done = run("report", table, "-o", self.page, "--", "--radii", "bondi")
+        self.assertEqual(done.returncode, 2)
+        self.assertIn("need --pictures", done.stderr)
+
+    @unittest.skipUnless(can_draw(), "needs python3-vtk9 and a display or xvfb")
+    def test_chosen_files_have_pictures(self):
+        table = self.folder / "a.csv"
+        self.measure("--csv", table)
+        done = run("report", table, "-o", self.page, "--program", PROGRAM, "--pictures", "n2*")
+        self.assertDone(done)
+        (name, address), = data_of(self.page)["pictures"].items()
+        self.assertEqual((name, size_of(address)), ("n2.xyzr", (320, 240)))
+        (self.folder / "n2.xyzr").unlink()
+        done = run("report", table, "-o", self.page, "--program", PROGRAM, "--pictures", "n2*")
+        self.assertDone(done)
+        self.assertIn("n2.xyzr: no picture: ", done.stderr)
+        self.assertEqual(data_of(self.page)["pictures"], {})
+        self.assertIn("no file of the table matches",
+                      run("report", table, "-o", self.page, "--pictures", "n3").stderr)
+
+    @unittest.skipUnless(has_browser(), "needs chromium, chromium-driver and python3-selenium")
+    def test_page_shows_failures(self):
+        table, errors = self.folder / "a.csv", self.folder / "errors.txt"
+        errors.write_text(self.measure("--csv", table).stderr)
+        self.assertDone(run("report", table, "--messages", errors, "-o", self.page))
+        browser = open_browser(self)
+        browser.get(self.page.as_uri())
+        self.assertIn("3 structures: 2 done, 1 failed",
+                      browser.find_element("tag name", "body").text)
+        self.assertTrue(browser.find_element("id", "failures").text.endswith('found "radius"'))
         self.assertEqual(browser_errors(browser), [])
 
 

@@ -13,7 +13,7 @@ import subprocess
 import unittest
 
 from support import (PROGRAM, SCRIPTS, TestCase, browser_errors, can_import, has_browser,
-                     open_browser)
+                     open_browser, write_map)
 
 SCRIPT = SCRIPTS / "view"
 RADIUS = 1.7
@@ -138,7 +138,8 @@ class Files(TestCase):
                 ([self.folder / "no.pqr"], 1, "no such file"),
                 ([broken], 1, "not a mesh of eses-blocks"),
                 ([mesh, "--color", "blue"], 2, "--color: blue is none of patch"),
-                ([mesh, "--color", "potential"], 2, "needs --potential"),
+                ([self.atoms, "--color", "potential"], 2, "needs --potential"),
+                ([mesh, "--color", "potential"], 1, "the meshes have no potential"),
                 ([mesh, "--electrostatics"], 2, "needs structures"),
                 ([mesh, "--potential", text], 1, "not an OpenDX map"),
                 ([self.atoms, "--", "--radii", "bondi"], 2, "--radii"),
@@ -152,13 +153,7 @@ class Files(TestCase):
 
     def test_potentials_are_those_of_the_map(self):
         """A map that grows along x has the potential x at each vertex, and x + offset n outside."""
-        field = self.folder / "x.dx"
-        rows = (f"{-12 + 12 * i}" for i in range(3) for _ in range(9))
-        field.write_text("object 1 class gridpositions counts 3 3 3\norigin -12 -12 -12\n"
-                         "delta 12 0 0\ndelta 0 12 0\ndelta 0 0 12\n"
-                         "object 2 class gridconnections counts 3 3 3\n"
-                         "object 3 class array type double rank 0 items 27 data follows\n"
-                         + "\n".join(rows) + "\n")
+        field = write_map(self.folder / "x.dx", 12)
         for offset in (0, 2):
             self.assertDone(run_view(self.atoms, "--potential", field, "--potential-offset", offset,
                                      "-o", self.page))
@@ -226,11 +221,7 @@ class Page(TestCase):
         self.assertEqual(set(self.pixels()), {"white"})
 
     def test_potential_is_red_where_negative_and_blue_where_positive(self):
-        field = self.folder / "x.dx"
-        field.write_text("object 1 class gridpositions counts 2 2 2\norigin -12 -12 -12\n"
-                         "delta 24 0 0\ndelta 0 24 0\ndelta 0 0 24\n"
-                         "object 3 class array type double rank 0 items 8 data follows\n"
-                         + "-5 " * 4 + "5 " * 4 + "\n")
+        field = write_map(self.folder / "x.dx", 5)
         self.open(self.atoms, "--potential", field)
         left, right = self.ask("""
           viewer.draw();

@@ -108,6 +108,7 @@ void add_vertex(const std::map<std::string, double>& values, Mesh& mesh) {
   if (values.contains("red"))
     mesh.colors.push_back({static_cast<int>(values.at("red")), static_cast<int>(values.at("green")),
                            static_cast<int>(values.at("blue"))});
+  if (values.contains("potential")) mesh.potentials.push_back(values.at("potential"));
   if (!values.contains("chain")) return;
   mesh.chains.push_back(static_cast<std::uint32_t>(values.at("chain")));
   mesh.residues.push_back(static_cast<std::uint32_t>(values.at("residue")));
@@ -478,6 +479,9 @@ Mesh read_vtp(const std::string& text) {
     mesh.chain_names = file.names("chain_name");
     mesh.residue_names = file.names("residue_name");
   }
+  if (file.has("potential"))
+    for (const float potential : file.values<float>("potential", "Float32"))
+      mesh.potentials.push_back(potential);
   const auto corners = file.values<std::int32_t>("connectivity", "Int32");
   const auto ends = file.values<std::int64_t>("offsets", "Int64");
   require(corners.size() == 3 * ends.size(), "VTP: cells that are no triangles");

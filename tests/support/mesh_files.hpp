@@ -20,6 +20,7 @@ struct Mesh {
   std::vector<Vec3> positions, normals;
   std::vector<int> patches;
   std::vector<std::uint32_t> atoms, chains, residues;
+  std::vector<double> potentials;
   std::vector<std::array<int, 3>> colors;
   std::vector<MeshTriangle> triangles;
   std::vector<int> triangle_patches;

@@ -1,17 +1,14 @@
-// Shows the rows of a summary of scripts/pdbbind: failures, plots, and a table that can be sorted
-// and filtered.
+// Shows the rows of a table: failures, pictures, plots, and the table, which can be sorted and
+// filtered. The first column names the structures.
 
-const PLOTS = [
-  ["seconds", "time, s"], ["peak_bytes", "peak memory, bytes"], ["area", "area, Å²"],
-  ["volume", "volume, Å³"],
-];
-const TEXTS = new Set(["id", "input", "radii", "status", "message"]);
 const STEP = 200; // rows that are shown at once
 const MARGIN = { left: 62, right: 12, top: 24, bottom: 36 }; // of a plot, in pixels
 
-const { columns, rows: lists } = JSON.parse(document.getElementById("rows").textContent);
+const { columns, texts, plots, rows: lists, pictures } =
+  JSON.parse(document.getElementById("rows").textContent);
+const key = columns[0], isText = (name) => texts.includes(name);
 const rows = lists.map((list) => Object.fromEntries(columns.map((name, i) => [name, list[i]])));
-const state = { column: "id", isDescending: false, filter: "", status: "", shown: STEP };
+const state = { column: key, isDescending: false, filter: "", status: "", shown: STEP };
 const $ = (selector) => document.querySelector(selector);
 
 function element(tag, text, className = "") {
@@ -28,7 +25,7 @@ function shortNumber(value) {
 // -------------------------------------------------------------------------------------- table
 
 function isMatch(row) {
-  const text = `${row.id}\n${row.input}\n${row.message}`.toLowerCase();
+  const text = texts.map((name) => row[name]).join("\n").toLowerCase();
   return text.includes(state.filter.toLowerCase()) && (!state.status || row.status === state.status);
 }
 
@@ -36,7 +33,7 @@ function isMatch(row) {
 function compare(a, b) {
   const [x, y] = [a[state.column], b[state.column]];
   if (x === "" || y === "") return (x === "") - (y === "");
-  const order = TEXTS.has(state.column) ? x.localeCompare(y, "en", { numeric: true }) : x - y;
+  const order = isText(state.column) ? x.localeCompare(y, "en", { numeric: true }) : x - y;
   return state.isDescending ? -order : order;
 }
 
@@ -45,7 +42,7 @@ function showTable() {
   $("#shown").textContent = `${matches.length} of ${rows.length} structures`;
   $("tbody").replaceChildren(...matches.slice(0, state.shown).map((row) => {
     const line = document.createElement("tr");
-    line.append(...columns.map((name) => element("td", row[name], TEXTS.has(name) ? "text" : "")));
+    line.append(...columns.map((name) => element("td", row[name], isText(name) ? "text" : "")));
     return line;
   }));
   $("#more").hidden = matches.length <= state.shown;
@@ -58,7 +55,7 @@ function showTable() {
 
 function makeHeader() {
   $("thead tr").append(...columns.map((name) => {
-    const cell = element("th", "", TEXTS.has(name) ? "text" : ""), button = element("button", name);
+    const cell = element("th", "", isText(name) ? "text" : ""), button = element("button", name);
     cell.scope = "col";
     button.type = "button";
     button.addEventListener("click", () => {
@@ -122,7 +119,7 @@ function drawPlot(canvas, points, title) {
 }
 
 function drawPlots(matches) {
-  for (const [name, title] of PLOTS) {
+  for (const [name, title] of plots) {
     const canvas = $(`#plot-${name}`);
     const points = matches.filter((row) => row.atoms > 0 && row[name] > 0)
       .map((row) => [row.atoms, row[name]]);
@@ -133,7 +130,7 @@ function drawPlots(matches) {
 }
 
 function makePlots() {
-  $("#plots").append(...PLOTS.map(([name]) => {
+  $("#plots").append(...plots.map(([name]) => {
     const figure = document.createElement("figure"), canvas = document.createElement("canvas");
     canvas.id = `plot-${name}`;
     canvas.setAttribute("role", "img");
@@ -152,12 +149,27 @@ function showCounts() {
   for (const status of counts.keys()) $("#status").append(new Option(status, status));
   const failures = rows.filter(({ status }) => status === "failed");
   $("#failures").hidden = failures.length === 0;
-  $("#failures ul").append(...failures.map(({ id, message }) => element("li", `${id}: ${message}`)));
+  $("#failures ul").append(...failures.map((row) =>
+    element("li", row[key] ? `${row[key]}: ${row.message}` : row.message)));
+}
+
+function showPictures() {
+  const names = Object.keys(pictures);
+  $("#pictures").hidden = names.length === 0;
+  $(".pictures").append(...names.map((name) => {
+    const figure = document.createElement("figure"), picture = new Image();
+    picture.src = pictures[name];
+    picture.alt = `surface of ${name}`;
+    picture.loading = "lazy";
+    figure.append(picture, element("figcaption", name));
+    return figure;
+  }));
 }
 
 makeHeader();
 makePlots();
 showCounts();
+showPictures();
 showTable();
 $("#filter").addEventListener("input", (event) => { state.filter = event.target.value; showTable(); });
 $("#status").addEventListener("change", (event) => { state.status = event.target.value; showTable(); });

@@ -16,6 +16,7 @@ const UNKNOWN_COVALENT = 0.76; // carbon
 const BOND_TOLERANCE = 0.45; // angstrom
 const MAX_LEGEND = 26; // entries; more would not be legible
 const PATCHES = ["", "convex", "saddle", "concave"];
+const CLASSES = 4; // of colours, see divideIntoClasses
 const PLAIN = [158, 181, 204];
 // Viridis (S. van der Walt, N. Smith).
 const SEQUENTIAL = [[68, 1, 84], [59, 82, 139], [33, 145, 140], [94, 201, 98], [253, 231, 37]];
@@ -155,8 +156,8 @@ function largestArea(molecules) {
   return 5 * Math.ceil((areas[Math.floor(0.98 * areas.length)] ?? 500) / 500);
 }
 
-// The schemes: which molecules have them, a function that returns the colour of a vertex, and the
-// legend.
+// The schemes: which molecules have them, a function that returns the colour of a vertex, whether
+// colours between vertices are interpolated, and the legend.
 const SCHEMES = {
   patch: {
     label: "patch", has: (one) => one.patch,
@@ -164,7 +165,7 @@ const SCHEMES = {
     entries: (_, { patches }) => patches.map((color, i) => [PATCHES[i + 1], color]),
   },
   potential: {
-    label: "potential", has: (one) => one.potential,
+    label: "potential", has: (one) => one.potential, isSmooth: true,
     paint: (one, { potential, diverging }) => (vertex) =>
       gradientColor(diverging, 0.5 + potentialAt(one, vertex) / (2 * potential)),
     gradient: ({ potential, diverging }) => ({
@@ -209,7 +210,7 @@ const SCHEMES = {
     }),
   },
   file: {
-    label: "as in the file", has: (one) => one.color_of_file,
+    label: "as in the file", has: (one) => one.color_of_file, isSmooth: true,
     paint: (one) => (vertex) => one.color_of_file.subarray(3 * vertex, 3 * vertex + 3),
   },
   plain: { label: "none", has: () => true, paint: () => () => PLAIN },
@@ -221,13 +222,41 @@ function byAtom(molecule, colorOf) {
   return (vertex) => colors[molecule.atom[vertex]];
 }
 
-// Returns the colours of all vertices in a scheme, four bytes each.
+// Returns the colours of all vertices in a scheme and their classes, four bytes each.
 function paintVertices(molecule, scheme, limits) {
   const chosen = SCHEMES[scheme].has(molecule) ? SCHEMES[scheme] : SCHEMES.plain;
   const paint = chosen.paint(molecule, limits);
   const colors = new Uint8Array(4 * molecule.vertices);
   for (let vertex = 0; vertex < molecule.vertices; vertex++) colors.set(paint(vertex), 4 * vertex);
+  if (!chosen.isSmooth) divideIntoClasses(molecule.triangle, colors);
   return colors;
+}
+
+// Sets the fourth byte of each vertex to a class, such that different colours in a triangle have
+// different classes. The shader draws sharp borders between classes. Colours are ordered by their
+// numbers of neighbours; each gets the class with which it has the fewest borders, mostly none.
+function divideIntoClasses(triangles, bytes) {
+  const colors = new Uint32Array(bytes.buffer), borders = new Map();
+  const count = (one, other) => {
+    if (!borders.has(one)) borders.set(one, new Map());
+    borders.get(one).set(other, (borders.get(one).get(other) ?? 0) + 1);
+  };
+  for (let i = 0; i < triangles.length; i += 3)
+    for (let k = 0; k < 3; k++) {
+      const one = colors[triangles[i + k]], other = colors[triangles[i + (k + 1) % 3]];
+      if (one === other) continue;
+      count(one, other);
+      count(other, one);
+    }
+  const classes = new Map();
+  for (const [color, others] of [...borders].sort((a, b) => b[1].size - a[1].size)) {
+    const shared = new Array(CLASSES).fill(0);
+    for (const [other, length] of others)
+      if (classes.has(other)) shared[classes.get(other)] += length;
+    classes.set(color, shared.indexOf(Math.min(...shared)));
+  }
+  for (let vertex = 0; vertex < colors.length; vertex++)
+    bytes[4 * vertex + 3] = classes.get(colors[vertex]) ?? 0;
 }
 
 // Returns the names and colours of a scheme without repetition; none if they would be too many.

@@ -43,7 +43,10 @@ uniform float u_step; // angstrom per unit of a_place
 layout(location = 0) in vec3 a_place;
 layout(location = 1) in vec2 a_normal; // octahedral, 0 to 2046
 layout(location = 2) in vec3 a_color;
-out vec3 v_normal, v_color;
+layout(location = 3) in float a_class;
+out vec3 v_normal;
+out vec4 v_shares; // of the classes
+out mat4x3 v_colors; // of the classes, times their shares
 flat out uint v_id;
 
 void main() {
@@ -52,20 +55,32 @@ void main() {
   vec3 n = vec3(e, 1.0 - abs(e.x) - abs(e.y));
   if (n.z < 0.0) n.xy = (1.0 - abs(n.yx)) * vec2(n.x < 0.0 ? -1.0 : 1.0, n.y < 0.0 ? -1.0 : 1.0);
   v_normal = u_rotation * n;
-  v_color = a_color;
+  v_shares = vec4(equal(vec4(a_class), vec4(0, 1, 2, 3)));
+  v_colors = outerProduct(a_color, v_shares);
   v_id = uint(gl_VertexID) + 1u;
 }`,
   fragment: `${LIGHT}
 uniform float u_clip, u_opacity;
-in vec3 v_place, v_normal, v_color;
+in vec3 v_place, v_normal;
+in vec4 v_shares;
+in mat4x3 v_colors;
 flat in uint v_id;
 
+// Returns the colour of the class with the largest share. Classes within a pixel of it are mixed.
+vec3 nearestColor() {
+  float top = max(max(v_shares.x, v_shares.y), max(v_shares.z, v_shares.w));
+  vec4 width = max(fwidth(v_shares), vec4(1e-4));
+  vec4 weights = clamp(1.0 + (v_shares - top) / width, 0.0, 1.0);
+  return v_colors * (weights / max(v_shares, vec4(1e-4))) / (weights.x + weights.y + weights.z + weights.w);
+}
+
 void main() {
+  vec3 color = nearestColor(); // first, because derivatives need all fragments
   if (v_place.z > u_clip) discard;
   if (u_pick) { o_color = number(v_id); return; }
   vec3 normal = normalize(v_normal);
   bool is_inner = normal.z < 0.0 && !gl_FrontFacing;
-  vec3 color = is_inner ? 0.55 * v_color : v_color;
+  if (is_inner) color *= 0.55;
   o_color = vec4(lit(color, is_inner ? -normal : normal, v_place.z), u_opacity);
 }`,
 };

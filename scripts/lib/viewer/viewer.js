@@ -594,6 +594,7 @@ function makeDrawing(gl, molecule) {
   attribute(gl, 0, vertices, 3, gl.UNSIGNED_SHORT, { stride: 12 });
   attribute(gl, 1, vertices, 2, gl.UNSIGNED_SHORT, { stride: 12, offset: 8 });
   attribute(gl, 2, colors, 3, gl.UNSIGNED_BYTE, { stride: 4, isColor: true });
+  attribute(gl, 3, colors, 1, gl.UNSIGNED_BYTE, { stride: 4, offset: 3 });
   makeBuffer(gl, molecule.triangle, gl.ELEMENT_ARRAY_BUFFER);
   gl.bindVertexArray(null);
   return { surface, colors, ...(molecule.centers ? makeAtomDrawing(gl, molecule) : {}) };

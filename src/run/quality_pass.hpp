@@ -1,0 +1,72 @@
+#pragma once
+/// The improvement of a mesh that is read as a stream, and its result as vertices and triangles.
+
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <vector>
+
+#include "eses/summary.hpp"
+#include "mesh/quality_mesh.hpp"
+#include "output/eses_writer.hpp"
+#include "output/mesh_writer.hpp"
+
+namespace eses::detail {
+
+/// Batches of a mesh for QualityPass. A batch has its length in bytes and the number of its
+/// vertices; the vertices with their text in the mesh's format; and triangles as
+/// mesh::LocalTriangle. The corners of a triangle are in its batch or before it.
+void append_streamed_vertex(TextBuffer& batch, const mesh::PlainVertex& vertex,
+                            std::span<const char> text);
+void append_streamed_batch(TextBuffer& stream, std::uint64_t vertices,
+                           std::span<const char> vertex_bytes,
+                           std::span<const char> triangle_bytes);
+/// Typical size in bytes of a vertex and its two triangles in the stream.
+std::uint64_t streamed_vertex_bytes(std::uint64_t text_bytes);
+
+/// Improves the triangles of a mesh. See mesh::QualityMesh.
+class QualityPass {
+ public:
+  /// The receivers of the result: vertices as text or records of the mesh's format, triangles as
+  /// mesh::LocalTriangle with numbers in the whole mesh, or by the positions of their corners if
+  /// the format has them. Keeps a reference to `text`.
+  struct Sinks {
+    std::function<void(std::span<const char>)> vertices, triangles;
+  };
+  QualityPass(const mesh::MeshText& text, double spacing, Sinks sinks);
+
+  /// Begins the stream of a chunk of planes. `first_vertex` is the number of vertices before it.
+  void begin_chunk(std::uint64_t first_vertex) { first_vertex_ = first_vertex; }
+  /// Adds a part of the stream.
+  void add(std::span<const char> bytes);
+  /// Finishes the mesh.
+  void finish();
+
+  /// Returns the estimated memory in bytes for this number of crossings of a plane.
+  static double memory_bytes(const MeshOptions& mesh, double plane_crossings);
+
+  /// These are the figures of the finished mesh.
+  MeshCounts counts() const { return counts_; }
+  const MeshQuality& quality() const { return mesh_.quality(); }
+
+ private:
+  std::size_t add_batch(std::span<const char> bytes);
+  void take_vertex(std::uint64_t number);
+  void take_triangle(const mesh::Triangle& triangle);
+  void flush(std::size_t min_bytes);
+
+  const mesh::MeshText& text_;
+  Sinks sinks_;
+  std::uint64_t first_vertex_ = 0;
+  std::vector<char> rest_;  // the begin of a batch that is not complete
+  // Texts of the vertices of the window. Text i ends where text i + 1 begins.
+  std::vector<char> texts_;
+  std::vector<std::size_t> text_begins_{0};
+  std::uint64_t first_text_ = 0;   // number of the vertex of the first text
+  std::uint64_t next_vertex_ = 0;  // texts before this vertex are not needed any more
+  TextBuffer vertices_, triangles_;
+  MeshCounts counts_;
+  mesh::QualityMesh mesh_;
+};
+
+}  // namespace eses::detail

@@ -1,0 +1,37 @@
+#pragma once
+/// Atom sets and the comparison of values for tests of areas and volumes.
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <vector>
+
+#include "eses/atoms.hpp"
+
+namespace eses::detail::test {
+
+/// Difference of two values, relative to the second one or to 1.
+inline double difference(double value, double expected) {
+  return std::fabs(value - expected) / std::max(1.0, std::fabs(expected));
+}
+
+/// Rotates atoms, so that their symmetries are not those of the axes.
+inline std::vector<Atom> rotated(std::vector<Atom> atoms) {
+  const Vec3 x{0.36, 0.48, 0.8}, y{0.8, -0.6, 0}, z = cross(x, y);
+  for (Atom& atom : atoms) atom.center = atom.center.x * x + atom.center.y * y + atom.center.z * z;
+  return atoms;
+}
+
+/// Six rotated atoms on three axes, at this distance from the origin.
+inline std::vector<Atom> octahedron(double distance, double radius) {
+  std::vector<Atom> atoms;
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    for (const double sign : {-1, 1}) {
+      Vec3 center;
+      center[axis] = sign * distance;
+      atoms.push_back({center, radius});
+    }
+  return rotated(atoms);
+}
+
+}  // namespace eses::detail::test

@@ -1,0 +1,255 @@
+/// Tests of the improvement of meshes: angles, topology, positions, and invariance.
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <map>
+#include <numbers>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "catch.hpp"
+#include "eses/read_atoms.hpp"
+#include "support/atom_sets.hpp"
+#include "support/eses_files.hpp"
+#include "support/mesh_files.hpp"
+#include "support/run.hpp"
+#include "support/temporary_directory.hpp"
+
+namespace eses::detail::test {
+namespace {
+
+using Points = std::array<Vec3, 3>;
+
+struct QualityRun {
+  Mesh mesh;
+  EsesFiles files;
+  Summary summary;
+  std::string bytes;
+};
+
+QualityRun run_mesh(const std::vector<Atom>& atoms, const Parameters& parameters, bool quality,
+                    MeshOptions choice = {.file = "mesh.ply"}) {
+  const TemporaryDirectory directory;
+  choice.file = directory.path() / choice.file;
+  choice.quality = quality;
+  Outputs outputs;
+  outputs.mesh = choice;
+  QualityRun result;
+  result.summary = run(atoms, parameters, outputs, directory.path());
+  result.mesh = read_mesh(choice.file);
+  result.files = read_eses_files(directory.path());
+  result.bytes = read_bytes(choice.file);
+  return result;
+}
+
+Points points_of(const Mesh& mesh, const MeshTriangle& t) {
+  return {mesh.positions[t[0]], mesh.positions[t[1]], mesh.positions[t[2]]};
+}
+
+// Returns the smallest angle in degrees.
+double smallest_angle(const Points& t) {
+  double smallest = 180;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const Vec3 u = t[(i + 1) % 3] - t[i], v = t[(i + 2) % 3] - t[i];
+    smallest =
+        std::min(smallest, std::atan2(norm(cross(u, v)), dot(u, v)) * 180 / std::numbers::pi);
+  }
+  return smallest;
+}
+
+// Whether the inner points of a segment pass through the inside of a triangle.
+bool pierces(const Vec3& from, const Vec3& to, const Points& t) {
+  const Vec3 u = t[1] - t[0], v = t[2] - t[0], along = to - from, p = cross(along, v);
+  const double determinant = dot(u, p);
+  if (determinant == 0) return false;
+  const Vec3 s = from - t[0], q = cross(s, u);
+  const double a = dot(s, p) / determinant, b = dot(along, q) / determinant,
+               at = dot(v, q) / determinant;
+  constexpr double margin = 1e-9;
+  return a > margin && b > margin && a + b < 1 - margin && at > margin && at < 1 - margin;
+}
+
+// Counts the pairs of triangles that intersect.
+std::size_t count_intersections(const Mesh& mesh) {
+  struct Entry {
+    Vec3 low, high;
+    const MeshTriangle* corners;
+  };
+  std::vector<Entry> entries;
+  for (const MeshTriangle& t : mesh.triangles) {
+    const Points p = points_of(mesh, t);
+    Entry& entry = entries.emplace_back(p[0], p[0], &t);
+    for (const Vec3& point : p)
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        entry.low[axis] = std::min(entry.low[axis], point[axis]);
+        entry.high[axis] = std::max(entry.high[axis], point[axis]);
+      }
+  }
+  std::sort(entries.begin(), entries.end(),
+            [](const Entry& a, const Entry& b) { return a.low.z < b.low.z; });
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < entries.size(); ++i)
+    for (std::size_t j = i + 1; j < entries.size() && entries[j].low.z <= entries[i].high.z; ++j) {
+      const Entry &a = entries[i], &b = entries[j];
+      if (a.low.x > b.high.x || b.low.x > a.high.x || a.low.y > b.high.y || b.low.y > a.high.y)
+        continue;
+      const Points p = points_of(mesh, *a.corners), q = points_of(mesh, *b.corners);
+      bool found = false;
+      for (std::size_t k = 0; k < 3; ++k)
+        found = found || pierces(p[k], p[(k + 1) % 3], q) || pierces(q[k], q[(k + 1) % 3], p);
+      if (found) ++count;
+    }
+  return count;
+}
+
+void check_quality_mesh(const QualityRun& plain, const QualityRun& improved, double spacing) {
+  const Mesh& mesh = improved.mesh;
+  const std::vector<std::string> faults = find_mesh_faults(mesh.positions.size(), mesh.triangles);
+  INFO(faults.size() << " faults, the first: " << (faults.empty() ? "" : faults.front()));
+  CHECK(faults.empty());
+  const MeshMeasures before = measure(plain.mesh), after = measure(mesh);
+  CHECK(after.euler_number == before.euler_number);
+  CHECK(after.components == before.components);
+  CHECK(count_intersections(mesh) == 0);
+  CHECK(mesh.triangles.size() == improved.summary.mesh->triangles);
+  CHECK(mesh.positions.size() == improved.summary.mesh->vertices);
+
+  const MeshQuality& quality = improved.summary.mesh_quality.value();
+  double smallest = 90;
+  std::uint64_t below_20 = 0, below_5 = 0;
+  for (const MeshTriangle& t : mesh.triangles) {
+    const double angle = smallest_angle(points_of(mesh, t));
+    smallest = std::min(smallest, angle);
+    if (angle < 20) ++below_20;
+    if (angle < 5) ++below_5;
+  }
+  CHECK(std::fabs(quality.smallest_angle - smallest) < 1e-6);
+  CHECK(quality.below_20 == below_20);
+  CHECK(quality.below_5 == below_5);
+
+  // The vertices are crossings in the same order, with their normals and atoms.
+  std::size_t next = 0, missing = 0;
+  const auto& crossings = improved.files.crossings;
+  for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
+    const auto is_same = [&](const auto& crossing) {
+      return norm(crossing.point - mesh.positions[v]) < 1.1e-6 * spacing &&
+             norm(crossing.normal - mesh.normals[v]) < 1e-6 &&
+             crossing.atoms.front() == std::int64_t{mesh.atoms[v]};
+    };
+    while (next < crossings.size() && !is_same(crossings[next])) ++next;
+    if (next++ >= crossings.size()) ++missing;
+  }
+  CHECK(missing == 0);
+}
+
+std::vector<Atom> atoms_of(const char* file) {
+  return read_atoms(std::string(ESES_DATA "/") + file).atoms;
+}
+
+}  // namespace
+
+TEST_CASE("quality mesh: angles and topology of molecules", "[mesh][quality]") {
+  for (const char* const name : {"c60.xyzr", "fas2.pqr", "1ubq.xyzr", "boxb.pqr"}) {
+    INFO(name);
+    const std::vector<Atom> atoms = atoms_of(name);
+    const Parameters parameters;
+    const QualityRun plain = run_mesh(atoms, parameters, false);
+    const QualityRun improved = run_mesh(atoms, parameters, true);
+    check_quality_mesh(plain, improved, 0.4);
+    const MeshQuality& quality = improved.summary.mesh_quality.value();
+    CHECK(1000 * quality.below_20 < improved.mesh.triangles.size());
+    CHECK(quality.below_5 - quality.below_5_at_cusps <= 2);
+    CHECK_FALSE(plain.summary.mesh_quality);
+  }
+}
+
+TEST_CASE("quality mesh: random and degenerate sets", "[mesh][quality]") {
+  for (const Kind kind : all_kinds)
+    for (std::uint64_t seed = 0; seed < 4; ++seed) {
+      INFO(kind_name(kind) << ", seed " << seed);
+      const std::vector<Atom> atoms = make_atom_set(kind, seed);
+      Parameters parameters;
+      parameters.probe_radius = designed_probe_radius(seed);
+      grid_options(parameters).spacing = seed % 2 == 0 ? 0.5 : 0.8;
+      check_quality_mesh(run_mesh(atoms, parameters, false), run_mesh(atoms, parameters, true),
+                         grid_options(parameters).spacing);
+    }
+}
+
+TEST_CASE("quality mesh: bytes do not depend on threads and block size", "[mesh][quality]") {
+  const std::vector<Atom> atoms = make_chain(80, 12);
+  for (const MeshOptions& choice :
+       {MeshOptions{.file = "a.ply"}, MeshOptions{.file = "a.vtp"}, MeshOptions{.file = "a.vert"},
+        MeshOptions{.file = "a.stl"}, MeshOptions{.file = "a.glb"}, MeshOptions{.file = "a.obj"},
+        MeshOptions{.file = "a.off"}}) {
+    Parameters parameters;
+    const std::string expected = run_mesh(atoms, parameters, true, choice).bytes;
+    REQUIRE(expected.size() > 10000);
+    for (const int threads : {1, 3})
+      for (const std::int64_t block_size : {2, 7, 1000}) {
+        INFO(choice.file << ", " << threads << " threads, block size " << block_size);
+        parameters.threads = threads;
+        parameters.block_size = block_size;
+        const bool same = run_mesh(atoms, parameters, true, choice).bytes == expected;
+        CHECK(same);
+      }
+  }
+}
+
+TEST_CASE("quality mesh: all formats have the same triangles", "[mesh][quality]") {
+  const std::vector<Atom> atoms = make_chain(60, 5);
+  const Mesh ply = run_mesh(atoms, {}, true).mesh;
+  for (const char* const name : {"a.obj", "a.off", "a.vtp", "a.vert", "a.glb"}) {
+    INFO(name);
+    const Mesh other = run_mesh(atoms, {}, true, {.file = name}).mesh;
+    const bool same = other.triangles == ply.triangles;
+    CHECK(same);
+    CHECK(other.positions.size() == ply.positions.size());
+  }
+  const Mesh stl = run_mesh(atoms, {}, true, {.file = "a.stl"}).mesh;
+  REQUIRE(stl.triangles.size() == ply.triangles.size());
+  double farthest = 0;
+  for (std::size_t t = 0; t < stl.triangles.size(); ++t)
+    for (std::size_t i = 0; i < 3; ++i)
+      farthest = std::max(
+          farthest, norm(stl.positions[stl.triangles[t][i]] - ply.positions[ply.triangles[t][i]]));
+  CHECK(farthest < 1e-5);
+}
+
+TEST_CASE("quality mesh: parts of the grid meet at the same border", "[mesh][quality]") {
+  const std::vector<Atom> atoms = make_chain(120, 31);
+  Parameters parameters;
+  parameters.block_size = 16;
+  const GridIndex blocks = make_plan(atoms, parameters, {}).tiling.blocks;
+  REQUIRE(blocks[2] > 1);
+  // Each edge of a triangle occurs once in each direction in all parts together.
+  std::map<std::array<double, 6>, int> edges;
+  std::size_t triangles = 0;
+  for (std::int64_t z = 0; z < blocks[2]; ++z) {
+    parameters.part = BlockRange{{0, 0, z}, {blocks[0], blocks[1], z + 1}};
+    const TemporaryDirectory directory;
+    Outputs outputs = Outputs::none();
+    outputs.mesh = MeshOptions{.file = directory.path() / "mesh.ply", .quality = true};
+    run(atoms, parameters, outputs, directory.path());
+    const Mesh mesh = read_mesh(outputs.mesh->file);
+    triangles += mesh.triangles.size();
+    for (const MeshTriangle& t : mesh.triangles)
+      for (std::size_t i = 0; i < 3; ++i) {
+        const Vec3 a = mesh.positions[t[i]], b = mesh.positions[t[(i + 1) % 3]];
+        ++edges[{a.x, a.y, a.z, b.x, b.y, b.z}];
+      }
+  }
+  REQUIRE(triangles > 1000);
+  std::size_t faults = 0;
+  for (const auto& [edge, count] : edges) {
+    const auto other = edges.find({edge[3], edge[4], edge[5], edge[0], edge[1], edge[2]});
+    if (count != 1 || other == edges.end()) ++faults;
+  }
+  CHECK(faults == 0);
+}
+
+}  // namespace eses::detail::test
