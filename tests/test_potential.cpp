@@ -247,12 +247,12 @@ TEST_CASE("potential: wrong options of the library are refused", "[potential]") 
     return false;
   };
   const MeshPotential map{"no.dx"};
-  CHECK_FALSE(refused({"a.ply", MeshColor::potential, false, map}));
+  CHECK_FALSE(refused({"a.ply", MeshColor::potential, false, false, map}));
   CHECK(refused({"a.ply", MeshColor::potential}));
-  CHECK(refused({"a.ply", MeshColor::patch, false, map}));
-  CHECK(refused({"a.ply", MeshColor::potential, false, MeshPotential{"no.dx", -1}}));
-  CHECK(refused({"a.ply", MeshColor::potential, false, MeshPotential{"no.dx", 0, 0}}));
-  CHECK(refused({"a.ply", MeshColor::potential, false, MeshPotential{"no.dx", NAN}}));
+  CHECK(refused({"a.ply", MeshColor::patch, false, false, map}));
+  CHECK(refused({"a.ply", MeshColor::potential, false, false, MeshPotential{"no.dx", -1}}));
+  CHECK(refused({"a.ply", MeshColor::potential, false, false, MeshPotential{"no.dx", 0, 0}}));
+  CHECK(refused({"a.ply", MeshColor::potential, false, false, MeshPotential{"no.dx", NAN}}));
 }
 
 // --- the program --------------------------------------------------------------------------------
