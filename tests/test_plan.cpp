@@ -433,7 +433,7 @@ TEST_CASE("each file system is checked for the files that it receives", "[plan]"
   CHECK(two.file_systems[0].expected == of_others);
   CHECK(two.file_systems[1].directory == directory.path() / "a");
   CHECK(two.file_systems[1].expected == of_mesh);
-  CHECK(two.file_systems[1].available == one.file_systems[0].available);
+  CHECK(two.file_systems[1].available > 0);  // other processes may change it between two calls
 }
 
 TEST_CASE("the plan knows the length of the tables and of the bounding box", "[plan]") {
