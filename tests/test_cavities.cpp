@@ -237,16 +237,6 @@ std::optional<std::uint32_t> component_at(const Components& components,
   return wall ? std::optional(components.walls[*wall].component) : std::nullopt;
 }
 
-/// Dense random atoms, with cavities.
-std::vector<Atom> make_sponge(std::uint64_t seed) {
-  Random random(seed);
-  std::vector<Atom> atoms;
-  for (int k = 0; k < 90; ++k)
-    atoms.push_back({{random.uniform(0, 9.5), random.uniform(0, 9.5), random.uniform(0, 9.5)},
-                     random.uniform(0.9, 1.6)});
-  return atoms;
-}
-
 void check_against_flood_fill(const std::vector<Atom>& atoms, double probe, double spacing) {
   const Measures measures = measure_cavities(atoms, probe);
   check_consistent(measures, probe);

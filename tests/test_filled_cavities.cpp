@@ -18,6 +18,7 @@
 #include "support/atom_sets.hpp"
 #include "support/brute_force.hpp"
 #include "support/eses_files.hpp"
+#include "support/measured_sets.hpp"
 #include "support/run.hpp"
 #include "support/temporary_directory.hpp"
 #include "surface/measure_patches.hpp"
@@ -54,16 +55,6 @@ std::vector<Atom> unequal_chambers(double probe, double window) {
 bool is_inside(const Surface& surface, Vec3 point) {
   const Grid grid{point, 1e-3, {2, 2, 2}};
   return compute(surface, grid).is_inside({0, 0, 0});
-}
-
-/// Dense random atoms, with cavities.
-std::vector<Atom> make_sponge(std::uint64_t seed) {
-  Random random(seed);
-  std::vector<Atom> atoms;
-  for (int k = 0; k < 90; ++k)
-    atoms.push_back({{random.uniform(0, 9.5), random.uniform(0, 9.5), random.uniform(0, 9.5)},
-                     random.uniform(0.9, 1.6)});
-  return atoms;
 }
 
 /// The components of a set of atoms, found by `find_components`, whose result the tests of cavities

@@ -87,7 +87,6 @@ struct RowBegin {
 Mesh improve(const Mesh& plain, std::span<const RowBegin> rows, double spacing,
              const CheckCallback& check) {
   Mesh mesh;
-  mesh::QualityMesh* improved = nullptr;
   mesh::QualityMesh quality_mesh(spacing, {.vertex =
                                                [&](std::uint64_t vertex) {
                                                  mesh.vertices.push_back(plain.vertices[vertex]);
@@ -100,9 +99,8 @@ Mesh improve(const Mesh& plain, std::span<const RowBegin> rows, double spacing,
                                                  mesh::Triangle& numbers =
                                                      mesh.faces.emplace_back(triangle);
                                                  for (std::uint64_t& vertex : numbers)
-                                                   vertex = improved->new_number(vertex);
+                                                   vertex = quality_mesh.new_number(vertex);
                                                }});
-  improved = &quality_mesh;
   std::uint64_t next = 0;
   auto row = rows.begin();
   for (const mesh::Triangle& triangle : plain.faces) {

@@ -57,7 +57,7 @@ class Components {
     Vec3 center;
     std::uint32_t wall = 0;
   };
-  /// Those that were kept, see ComponentFinder::keep.
+  /// The placements that ComponentFinder::keep has kept.
   std::vector<WallPlacement> placements;
   /// Pairs of components whose voids overlap, ascending. The first one of a pair is smaller.
   std::vector<std::pair<std::uint32_t, std::uint32_t>> overlaps;

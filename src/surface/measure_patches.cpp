@@ -150,7 +150,7 @@ Vec3 middle_of(const Arc& arc, Vec3 axis) {
   return arc.kind == ArcKind::minor ? normalized(sum) : -normalized(sum);
 }
 
-// What a sweep finds.
+// The result that a sweep is for.
 enum class Sought : std::uint8_t { measures, components };
 
 class PatchMeasurement {
@@ -842,13 +842,13 @@ void PatchMeasurement::measure_faces() {
 }
 
 Components PatchMeasurement::take_components() {
-  const auto integrals_of = [&](AtomIndex i) {
-    return ComponentFinder::FaceIntegrals{faces_[i].solid_angle, faces_[i].boundary.vector_area,
-                                          face_moments_[i]};
-  };
-  const std::function<ComponentFinder::FaceIntegrals(AtomIndex)> none;
-  Components components =
-      sought_ == Sought::measures ? components_->finish(integrals_of) : components_->finish(none);
+  std::function<ComponentFinder::FaceIntegrals(AtomIndex)> integrals_of;
+  if (sought_ == Sought::measures)
+    integrals_of = [&](AtomIndex i) {
+      return ComponentFinder::FaceIntegrals{faces_[i].solid_angle, faces_[i].boundary.vector_area,
+                                            face_moments_[i]};
+    };
+  Components components = components_->finish(integrals_of);
   components_.reset();
   return components;
 }

@@ -4,9 +4,11 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <vector>
 
 #include "eses/atoms.hpp"
+#include "support/atom_sets.hpp"
 
 namespace eses::detail::test {
 
@@ -32,6 +34,16 @@ inline std::vector<Atom> octahedron(double distance, double radius) {
       atoms.push_back({center, radius});
     }
   return rotated(atoms);
+}
+
+/// Dense random atoms, with cavities.
+inline std::vector<Atom> make_sponge(std::uint64_t seed) {
+  Random random(seed);
+  std::vector<Atom> atoms;
+  for (int k = 0; k < 90; ++k)
+    atoms.push_back({{random.uniform(0, 9.5), random.uniform(0, 9.5), random.uniform(0, 9.5)},
+                     random.uniform(0.9, 1.6)});
+  return atoms;
 }
 
 }  // namespace eses::detail::test
