@@ -189,13 +189,19 @@ class Page(TestCase):
             "const [done] = arguments;"
             f"window.eses.then((viewer) => {{ {script} }}).then(done, (e) => done('' + e.stack))")
 
-    def pixels(self):
-        """Returns the number of pixels that are near each hue of the picture, and others."""
+    def bytes_of_picture(self, script):
+        """Draws, and runs a script with the red, green, blue and alpha of all pixels as `bytes`."""
         return self.ask("""
           viewer.draw();
           const { gl } = viewer, { width, height } = viewer.buffers;
-          const bytes = new Uint8Array(4 * width * height), counts = {};
+          const bytes = new Uint8Array(4 * width * height);
           gl.readPixels(0, 0, width, height, gl.RGBA, gl.UNSIGNED_BYTE, bytes);
+          """ + script)
+
+    def pixels(self):
+        """Returns the number of pixels that are near each hue of the picture, and others."""
+        return self.bytes_of_picture("""
+          const counts = {};
           for (let i = 0; i < bytes.length; i += 4) {
             const [r, g, b] = bytes.subarray(i, i + 3);
             const name = Math.max(r, g, b) - Math.min(r, g, b) < 12 ? (r > 250 ? "white" : "grey")
@@ -224,11 +230,7 @@ class Page(TestCase):
         """Between red and blue there is hardly any pixel with a colour between them."""
         self.atoms.write_text(TWO_ATOMS.replace("-6 0 0", "-1.5 0 0").replace(" 6 0 0", " 1.5 0 0"))
         self.open(self.atoms, "--color", "chain")
-        colored, between = self.ask("""
-          viewer.draw();
-          const { gl } = viewer, { width, height } = viewer.buffers;
-          const bytes = new Uint8Array(4 * width * height);
-          gl.readPixels(0, 0, width, height, gl.RGBA, gl.UNSIGNED_BYTE, bytes);
+        colored, between = self.bytes_of_picture("""
           let colored = 0, between = 0;
           for (let i = 0; i < bytes.length; i += 4) {
             const [r, g, b] = bytes.subarray(i, i + 3);

@@ -71,6 +71,7 @@ vec3 nearestColor() {
   float top = max(max(v_shares.x, v_shares.y), max(v_shares.z, v_shares.w));
   vec4 width = max(fwidth(v_shares), vec4(1e-4));
   vec4 weights = clamp(1.0 + (v_shares - top) / width, 0.0, 1.0);
+  weights *= step(1e-3, v_shares); // there is no colour without a share, which may be extrapolated
   return v_colors * (weights / max(v_shares, vec4(1e-4))) / (weights.x + weights.y + weights.z + weights.w);
 }
 
