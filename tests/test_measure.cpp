@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <numbers>
 #include <numeric>
@@ -78,6 +79,24 @@ auto differentiate(Function&& function) {
     auto slope = function(h);
     const auto below = function(-h);
     for (std::size_t q = 0; q < slope.size(); ++q) slope[q] = (slope[q] - below[q]) / (2 * h);
+    return slope;
+  };
+  const auto coarse = difference_at(step);
+  auto slope = difference_at(step / 2);
+  for (std::size_t q = 0; q < slope.size(); ++q) slope[q] = (4 * slope[q] - coarse[q]) / 3;
+  return slope;
+}
+
+/// Returns the derivatives at 0 of a function of a positive displacement, which returns an array:
+/// of the parabola through three points, with Richardson's extrapolation.
+template <class Function>
+auto differentiate_above(Function&& function) {
+  constexpr double step = 1e-4;
+  const auto difference_at = [&](double h) {
+    auto slope = function(2 * h);
+    const auto one = function(h), three = function(3 * h);
+    for (std::size_t q = 0; q < slope.size(); ++q)
+      slope[q] = (8 * slope[q] - 5 * one[q] - 3 * three[q]) / (2 * h);
     return slope;
   };
   const auto coarse = difference_at(step);
@@ -539,13 +558,29 @@ TEST_CASE("measure: one-sided derivatives where a probe touches more than three 
                                  {{half, -half, 0}, 1.7}};
   std::vector<Atom> pyramid = square;
   pyramid.push_back({{0, 0, -1.5}, 1.2});
-  for (const std::vector<Atom>& set : {square, pyramid}) {
+  // The probes above and below these rings cut the patches of each other.
+  std::vector<Atom> wide = square, pentagon;
+  for (Atom& atom : wide) atom.center = (2.05 / half) * atom.center;
+  for (int k = 0; k < 5; ++k)
+    pentagon.push_back({{2.9 * std::cos(0.4 * pi * k), 2.9 * std::sin(0.4 * pi * k), 0}, 1.7});
+  std::vector<std::vector<Atom>> sets{square, pyramid, wide, pentagon};
+  // Further atoms make placements that touch three atoms, and cut these patches or are cut by them.
+  // Some keep the probe from one side of the ring.
+  for (std::uint64_t seed = 0; seed < 12; ++seed) {
+    Random random(seed);
+    std::vector<Atom>& more = sets.emplace_back(seed % 2 == 0 ? wide : pentagon);
+    for (int k = 0; k < 3; ++k)
+      more.push_back({{random.uniform(-4, 4), random.uniform(-4, 4), random.uniform(-5, -2.5)},
+                      random.uniform(1, 2)});
+  }
+  for (const std::vector<Atom>& set : sets) {
+    INFO("set " << &set - sets.data());
     const std::vector<Atom> atoms = rotated(set);
     const double probe = 1.4;
     const Measures measures = measure_atoms(atoms, probe, {.gradients = true});
     CHECK_FALSE(measures.gradients.are_smooth);
     // Each atom grows by a fraction of the growth of the one before.
-    constexpr double fraction = 0.05;
+    constexpr double fraction = 0.2;
     const auto grown = [&](double growth) {
       std::vector<Atom> larger = atoms;
       for (Atom& atom : larger) {
@@ -554,14 +589,133 @@ TEST_CASE("measure: one-sided derivatives where a probe touches more than three 
       }
       return values_of(larger, probe);
     };
-    // The derivative at 0 of the parabola through three points on one side.
-    const double h = 1e-4;
-    const std::array<double, 4> one = grown(h), two = grown(2 * h), three = grown(3 * h);
-    for (std::size_t q = 0; q < one.size(); ++q) {
+    const std::array<double, 4> slopes = differentiate_above(grown);
+    for (std::size_t q = 0; q < slopes.size(); ++q) {
       double expected = 0, growth = 1;
       for (std::size_t i = 0; i < atoms.size(); ++i, growth *= fraction)
         expected += growth * gradients_of(measures)[q]->radii[i];
-      CHECK(difference((8 * two[q] - 5 * one[q] - 3 * three[q]) / (2 * h), expected) < 1e-6);
+      CHECK(difference(slopes[q], expected) < 1e-6);
+    }
+  }
+}
+
+// The events of the table in doc/measure.md, at 0. Where there is a kink, the derivatives at the
+// event are those of one side.
+TEST_CASE("measure: a flag tells where areas and volumes are not smooth") {
+  enum class Flag { set, clear, either };
+  struct Event {
+    const char* name;
+    std::function<std::vector<Atom>(double)> atoms_at;
+    Flag flag;
+    int kink_side = 0;  // where the derivatives are those at a kink; 0 without a kink
+    std::vector<double> weights = {};
+  };
+  const double p = 1.4, r = 1.7, sas = r + p, meeting = std::sqrt(sas * sas - p * p);
+  const auto triangle = [&](double distance, std::vector<Atom> more = {}) {
+    for (const double angle : {0.0, 2 * pi / 3, 4 * pi / 3})
+      more.push_back({{distance * std::cos(angle), distance * std::sin(angle), 0}, r});
+    return more;
+  };
+  const auto in_sphere = [&](double h) {
+    return std::vector<Atom>{{{0, 0, 0}, r}, {{0.5 + h, 0, 0}, r - 0.5}};
+  };
+  const auto outside = [&](double h, double y) {
+    return std::vector<Atom>{{{0, 0, 0}, 1.2}, {{2.6 + sas + h, 0, 0}, r}, {{2.6, y, 0}, r}};
+  };
+  const std::vector<Event> events{
+      {"the last place in a cavity closes", [&](double h) { return octahedron(sas + h, r); },
+       Flag::set},
+      {"a fourth atom touches the probe",
+       [&](double h) {
+         return triangle(
+             2, {{{-0.5, 0, std::sqrt(sas * sas - 4) - std::sqrt(sas * sas - 0.25) - h}, r}});
+       },
+       Flag::set, -1},
+      {"two patches meet", [&](double h) { return triangle(meeting + h); }, Flag::set, -1},
+      {"an atom covers the place where two patches meet",
+       [&](double h) {
+         return triangle(meeting + h, {{{0, 0, -2.5}, r}});
+       },
+       Flag::clear},
+      {"spheres touch from outside", [&](double h) { return outside(h, 9); }, Flag::set, 1},
+      {"an atom covers the place where spheres touch", [&](double h) { return outside(h, 0.3); },
+       Flag::clear},
+      {"a sphere touches another one from inside", in_sphere, Flag::clear},
+      {"a sphere with another weight touches another one from inside",
+       in_sphere,
+       Flag::set,
+       -1,
+       {1, 2}},
+      {"spheres are equal",
+       [&](double h) {
+         return std::vector<Atom>{{{0, 0, 0}, r}, {{h, 0, 0}, r}};
+       },
+       Flag::set},
+      {"a circle is as large as the probe",
+       [&](double h) {
+         return std::vector<Atom>{
+             {{-meeting - h, 0, 0}, r}, {{meeting + h, 0, 0}, r}, {{0, 2.5, 0.3}, r}};
+       },
+       Flag::clear},
+      {"a window of three atoms closes", [&](double h) { return triangle(sas + h); }, Flag::either},
+      {"a sphere grazes a circle",
+       [&](double h) {
+         const double y = std::sqrt(sas * sas - 4) + sas + h;
+         return std::vector<Atom>{{{-2, 0, 0}, r}, {{2, 0, 0}, r}, {{0, y, 0}, r}};
+       },
+       Flag::either},
+  };
+  for (const Event& event : events) {
+    const auto measure_at = [&](double h, bool gradients) {
+      return measure_atoms(rotated(event.atoms_at(h)), p,
+                           {.gradients = gradients, .weights = event.weights});
+    };
+    const auto values_at = [&](double h) {
+      const Measures at = measure_at(h, false);
+      return std::array{at.ses_area,   at.ses_volume,        at.sas_area,
+                        at.sas_volume, at.weighted_ses_area, at.weighted_sas_area};
+    };
+    const auto slopes_of = [&](const Measures& measures) {
+      const std::vector<Atom> from = rotated(event.atoms_at(0)), to = rotated(event.atoms_at(1));
+      const Gradients& all = measures.gradients;
+      std::array<double, 6> slopes{};
+      const std::array gradients{&all.ses_area,   &all.ses_volume,        &all.sas_area,
+                                 &all.sas_volume, &all.weighted_ses_area, &all.weighted_sas_area};
+      for (std::size_t q = 0; q < slopes.size(); ++q)
+        for (std::size_t i = 0; i < gradients[q]->centers.size(); ++i)
+          slopes[q] += dot(gradients[q]->centers[i], to[i].center - from[i].center);
+      return slopes;
+    };
+    const auto largest_difference = [](const auto& some, const auto& others) {
+      double largest = 0;
+      for (std::size_t q = 0; q < some.size(); ++q)
+        largest = std::max(largest, difference(some[q], others[q]));
+      return largest;
+    };
+    for (const double h : {-1e-4, -1e-5, 1e-5, 1e-4}) {
+      INFO(event.name << ", " << h);
+      const Measures measures = measure_at(h, true);
+      CHECK(measures.gradients.are_smooth);
+      constexpr double step = 1e-6;
+      std::array<double, 6> slopes = values_at(h + step);
+      const std::array<double, 6> below = values_at(h - step);
+      for (std::size_t q = 0; q < slopes.size(); ++q)
+        slopes[q] = (slopes[q] - below[q]) / (2 * step);
+      CHECK(largest_difference(slopes_of(measures), slopes) < 1e-3);
+    }
+    INFO(event.name);
+    const Measures measures = measure_at(0, true);
+    if (event.flag != Flag::either)
+      CHECK(measures.gradients.are_smooth == (event.flag == Flag::clear));
+    const auto difference_at = [&](double h) {
+      return largest_difference(slopes_of(measures), slopes_of(measure_at(h, true)));
+    };
+    if (event.kink_side != 0) {
+      CHECK(difference_at(event.kink_side * 1e-6) < 1e-3);
+      CHECK(difference_at(event.kink_side * -1e-6) > 0.1);
+    } else if (event.flag != Flag::set) {
+      CHECK(difference_at(1e-8) < 0.01);
+      CHECK(difference_at(-1e-8) < 0.01);
     }
   }
 }

@@ -72,11 +72,11 @@ struct Gradients {
   Gradient sas_volume;         ///< Of Measures::sas_volume.
   Gradient weighted_ses_area;  ///< Of Measures::weighted_ses_area; empty without weights.
   Gradient weighted_sas_area;  ///< Of Measures::weighted_sas_area; empty without weights.
-  /// Whether areas and volumes are smooth: no decision depended on a tolerance. Otherwise, the
-  /// derivatives are one-sided: those of a probe that is smaller by 1e-9 angstrom, and, where a
-  /// probe touches more than three atoms, those of atoms that grow, each much more than all later
-  /// ones. Two SAS spheres or two concave patches that touch in one point do not count: the
-  /// derivatives are those for spheres and patches that do not meet.
+  /// Whether areas and volumes are smooth: no decision depended on a tolerance, and no two SAS
+  /// spheres or concave patches just touch. Otherwise, the derivatives are one-sided: those of a
+  /// probe that is smaller by 1e-9 angstrom, and, where a probe touches more than three atoms,
+  /// those of atoms that grow, each much more than all later ones. Spheres and patches that just
+  /// touch do not meet. doc/measure.md has a table of these events.
   bool are_smooth = true;
 };
 

@@ -84,8 +84,10 @@ They are computed in closed form, and not from differences.)";
             "of the weighted sum of SAS areas; None without weights."},
       Field{"are_smooth", Shape::flag,
             "whether areas and volumes are smooth: no decision about the patches depended on a "
-            "tolerance. Otherwise the derivatives are those of a probe that is smaller by 1e-9 "
-            "angstrom, and placements that touch more than three atoms do not contribute."}};
+            "tolerance, and no two SAS spheres or concave patches just touch. Otherwise the "
+            "derivatives are those of a probe that is smaller by 1e-9 angstrom, and, where a probe "
+            "touches more than three atoms, those of atoms that grow, each much more than all "
+            "later ones."}};
 };
 
 /// The attributes of a result.

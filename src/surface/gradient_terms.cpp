@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
+#include <vector>
 
 namespace eses::detail {
 namespace {
@@ -121,25 +123,113 @@ void add_motion(const SurfaceModel& surface, const ProbePlacement& placement, Qu
   }
 }
 
-// Adds the derivatives of the area of the saddle of two atoms for an end of its arc that moves
-// along the circle. Returns the derivative by the centre of the placement.
-Vec3 add_arc_end(const SurfaceModel& surface, Vec3 center, const std::array<AtomIndex, 3>& atoms,
-                 const AreaWeights& weights, Quantity quantity, GradientTerms& terms) {
-  const SasSphere first = surface.sas_sphere(atoms[0]), second = surface.sas_sphere(atoms[1]);
-  const ContactCircle circle = make_contact_circle(first, second);
-  if (circle.radius == 0) return {};
+// Adds the derivatives of an area, given for each radian of the arc of the first two atoms, for the
+// end of the arc at `center` that moves along the circle. Returns the derivative by the centre.
+Vec3 add_arc_end(const SurfaceModel& surface, const ContactCircle& circle, Vec3 center,
+                 const std::array<AtomIndex, 3>& atoms, double area, Quantity quantity,
+                 GradientTerms& terms) {
   const Vec3 along = cross(circle.axis, normalized(center - circle.center));
   // The arc leaves the third atom's sphere.
   const double side = dot(along, center - surface.atoms[atoms[2]].center) > 0 ? -1 : 1;
-  const SaddleOutline outline = make_outline(circle, surface.probe_radius);
-  const SaddleBorder border = find_border(outline, circle, first.radius, second.radius);
-  const double area =
-      DividedSaddle(outline, border, weights[atoms[0]], weights[atoms[1]]).width.area;
   const Vec3 by_center = (side * area / circle.radius) * along;
   const double share = circle.first_height / (circle.first_height + circle.second_height);
   terms.atoms.push_back({atoms[0], quantity, (share - 1) * by_center, 0});
   terms.atoms.push_back({atoms[1], quantity, -share * by_center, 0});
   return by_center;
+}
+
+// Adds the derivatives of the area of the saddle of two atoms for an end of its arc. Returns the
+// derivative by the centre of the placement.
+Vec3 add_saddle_end(const SurfaceModel& surface, Vec3 center, const std::array<AtomIndex, 3>& atoms,
+                    const AreaWeights& weights, Quantity quantity, GradientTerms& terms) {
+  const SasSphere first = surface.sas_sphere(atoms[0]), second = surface.sas_sphere(atoms[1]);
+  const ContactCircle circle = make_contact_circle(first, second);
+  if (circle.radius == 0) return {};
+  const SaddleOutline outline = make_outline(circle, surface.probe_radius);
+  const SaddleBorder border = find_border(outline, circle, first.radius, second.radius);
+  const double area =
+      DividedSaddle(outline, border, weights[atoms[0]], weights[atoms[1]]).width.area;
+  return add_arc_end(surface, circle, center, atoms, area, quantity, terms);
+}
+
+// Returns whether several parts of a placement touch both atoms.
+bool is_shared_edge(PlacementParts parts, AtomIndex i, AtomIndex j) {
+  if (parts.size() == 1) return false;
+  return std::count_if(parts.begin(), parts.end(), [&](const ProbePlacement& part) {
+           const auto touches = [&](AtomIndex atom) {
+             return std::find(part.atoms.begin(), part.atoms.end(), atom) != part.atoms.end();
+           };
+           return touches(i) && touches(j);
+         }) > 1;
+}
+
+// Adds the derivatives of the area of a patch at an arc in the plane of the placement and its first
+// two atoms, if another part of the placement is on the other side of the plane. When both parts
+// move apart, a saddle arises between them. Beyond the axis of the atoms, it has a negative width:
+// the patches overlap, and cut each other in the middle. Returns the derivative by the centre of
+// the placement.
+Vec3 add_overlap(const SurfaceModel& surface, Vec3 center, const std::array<AtomIndex, 3>& atoms,
+                 const RimArc& arc, double weight, Quantity quantity, GradientTerms& terms) {
+  const ContactCircle circle =
+      make_contact_circle(surface.sas_sphere(atoms[0]), surface.sas_sphere(atoms[1]));
+  const SaddleOutline outline = make_outline(circle, surface.probe_radius);
+  if (outline.cusp == 0 || circle.radius == 0) return {};
+  const Vec3 inward = normalized(circle.center - center);
+  const auto angle_of = [&](Vec3 n) { return std::atan2(dot(n, circle.axis), dot(n, inward)); };
+  const auto [first, last] = std::minmax({angle_of(arc.start), angle_of(arc.end)});
+  const double low = std::max(first, -outline.cusp), high = std::min(last, outline.cusp);
+  if (low >= high) return {};
+  const double p = outline.probe;
+  const double area = p * (outline.rho * (high - low) - p * (std::sin(high) - std::sin(low)));
+  return add_arc_end(surface, circle, center, atoms, weight * area, quantity, terms);
+}
+
+// Calls `action(part, start, end, angle)` for the pieces of an arc at which a placement cuts the
+// patch of another one. A point of the arc is at the direction n from the centre of the patch, and
+// at the direction m = n - 2 (n . u) u from the placement, where u is the axis of the cap. It
+// belongs to the part in whose triangle m is, which is the part that it is nearest to if the parts
+// move apart.
+template <class Action>
+void divide_arc(const SurfaceModel& surface, const RimArc& arc, const SphericalCap& cap,
+                PlacementParts parts, Action&& action) {
+  constexpr double full_turn = 2 * std::numbers::pi;
+  const double c = cap.cosine, s = std::sqrt((1 - c) * (1 + c));
+  const Vec3 u = cap.axis, across = cross(u, arc.start);
+  const auto radial_at = [&](double angle) {
+    return std::cos(angle) * arc.start + std::sin(angle) * across;
+  };
+  std::vector<std::array<Vec3, 3>> normals;  // of the planes that bound each triangle, inwards
+  std::vector<double> angles{0, arc.angle};  // where the arc meets these planes
+  for (const ProbePlacement& part : parts) {
+    std::array<Vec3, 3> toward;
+    for (std::size_t q = 0; q < 3; ++q)
+      toward[q] = surface.atoms[part.atoms[q]].center - part.center;
+    const double sign = dot(toward[0], cross(toward[1], toward[2])) < 0 ? -1 : 1;
+    std::array<Vec3, 3>& planes = normals.emplace_back();
+    for (std::size_t q = 0; q < 3; ++q) {
+      planes[q] = sign * normalized(cross(toward[q], toward[(q + 1) % 3]));
+      const double x = dot(planes[q], arc.start), y = dot(planes[q], across);
+      const double cosine = c * dot(planes[q], u) / (s * std::hypot(x, y));
+      if (!(std::fabs(cosine) < 1)) continue;
+      for (const double side : {-1, 1}) {
+        const double angle = std::atan2(y, x) + side * std::acos(cosine);
+        const double turned = angle - full_turn * std::floor(angle / full_turn);
+        if (turned < arc.angle) angles.push_back(turned);
+      }
+    }
+  }
+  std::sort(angles.begin(), angles.end());
+  for (std::size_t k = 0; k + 1 < angles.size(); ++k) {
+    const Vec3 middle = s * radial_at((angles[k] + angles[k + 1]) / 2) - c * u;
+    const auto depth = [&](const std::array<Vec3, 3>& planes) {
+      return std::min({dot(planes[0], middle), dot(planes[1], middle), dot(planes[2], middle)});
+    };
+    const auto deepest =
+        std::max_element(normals.begin(), normals.end(),
+                         [&](const auto& a, const auto& b) { return depth(a) < depth(b); });
+    action(parts[static_cast<std::size_t>(deepest - normals.begin())], radial_at(angles[k]),
+           radial_at(angles[k + 1]), angles[k + 1] - angles[k]);
+  }
 }
 
 }  // namespace
@@ -206,7 +296,8 @@ void add_saddle_end_gradient(const SurfaceModel& surface, const ProbePlacement& 
   Vec3 by_center;
   for (const std::array<AtomIndex, 3>& atoms :
        {std::array<AtomIndex, 3>{a, b, c}, {b, c, a}, {c, a, b}})
-    by_center = by_center + add_arc_end(surface, placement.center, atoms, weights, quantity, terms);
+    by_center =
+        by_center + add_saddle_end(surface, placement.center, atoms, weights, quantity, terms);
   add_motion(surface, placement, quantity, by_center, terms);
 }
 
@@ -217,7 +308,8 @@ void add_concave_area_gradient(const SurfaceModel& surface, const ConcavePart& c
   const double p = surface.probe_radius;
   Vec3 by_center;
   // `radial` is the integral of the direction n along the arc, across the axis of the cap.
-  const auto add_plane = [&](std::size_t k, Vec3 radial) {
+  const auto add_plane = [&](const RimArc& arc, Vec3 radial) {
+    const std::size_t k = arc.cap;
     const AtomIndex i = placement.atoms[k], j = placement.atoms[(k + 1) % 3];
     const Vec3 to_i = surface.atoms[i].center - center, to_j = surface.atoms[j].center - center;
     const Vec3 normal = cross(to_i, to_j), axis = concave.caps[k].axis;
@@ -228,16 +320,27 @@ void add_concave_area_gradient(const SurfaceModel& surface, const ConcavePart& c
     terms.atoms.push_back({i, quantity, by_i, 0});
     terms.atoms.push_back({j, quantity, by_j, 0});
     by_center = by_center - by_i - by_j;
+    if (is_shared_edge(concave.parts, i, j))
+      by_center = by_center + add_overlap(surface, center, {i, j, placement.atoms[(k + 2) % 3]},
+                                          arc, weight, quantity, terms);
   };
-  const auto add_cutter = [&](const ProbePlacement& cutter, const SphericalCap& cap, double angle,
-                              Vec3 radial) {
+  const auto add_cutter = [&](PlacementParts cutter, const SphericalCap& cap, const RimArc& arc) {
     const double length = 2 * p * cap.cosine;
+    if (2 * p - length <= tolerance::touching) return;  // the patches just touch
     const double sine = std::sqrt((1 - cap.cosine) * (1 + cap.cosine));
-    const Vec3 by_cutter =
-        (weight * p * angle / 2) * cap.axis - (weight * p * p * sine / length) * radial;
-    add_motion(surface, cutter, quantity, by_cutter, terms);
-    by_center = by_center - by_cutter;
-    terms.probe[quantity] -= weight * angle * length / 2;
+    const auto by_cutter = [&](Vec3 start, Vec3 end, double angle) {
+      const Vec3 radial = cross(end - start, cap.axis);
+      return (weight * p * angle / 2) * cap.axis - (weight * p * p * sine / length) * radial;
+    };
+    const auto move = [&](const ProbePlacement& moving, Vec3 start, Vec3 end, double angle) {
+      add_motion(surface, moving, quantity, by_cutter(start, end, angle), terms);
+    };
+    if (cutter.size() == 1)
+      move(cutter.front(), arc.start, arc.end, arc.angle);
+    else if (!cutter.empty())
+      divide_arc(surface, arc, cap, cutter, move);
+    by_center = by_center - by_cutter(arc.start, arc.end, arc.angle);
+    terms.probe[quantity] -= weight * arc.angle * length / 2;
   };
   // The border does not depend on the placement. Its axis is (a_2 - a_1) / d, and its cosine
   // (R_2 - R_1) / d.
@@ -255,9 +358,9 @@ void add_concave_area_gradient(const SurfaceModel& surface, const ConcavePart& c
     const SphericalCap& cap = concave.caps[arc.cap];
     const Vec3 radial = cross(arc.end - arc.start, cap.axis);
     if (arc.cap < 3) {
-      add_plane(arc.cap, radial);
+      add_plane(arc, radial);
     } else if (arc.cap < 3 + concave.cutters.size()) {
-      add_cutter(*concave.cutters[arc.cap - 3], cap, arc.angle, radial);
+      add_cutter(concave.cutters[arc.cap - 3], cap, arc);
     } else {
       add_border(concave.borders[arc.cap - 3 - concave.cutters.size()], cap, arc.angle, radial);
     }

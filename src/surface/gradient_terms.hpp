@@ -73,13 +73,18 @@ void add_arc_volume_gradient(const SurfaceModel& surface, const ArcShape& shape,
 void add_saddle_end_gradient(const SurfaceModel& surface, const ProbePlacement& placement,
                              const AreaWeights& weights, Quantity quantity, GradientTerms& terms);
 
+/// The placements that touch three atoms into which a placement divides: itself, or those of
+/// divide_cone. A placement that does not move has none.
+using PlacementParts = std::span<const ProbePlacement>;
+
 /// A part of the patch at a placement that touches three atoms.
 struct ConcavePart {
   const ProbePlacement& placement;
   SpherePart part;
   std::span<const SphericalCap> caps;  ///< three bounding planes, then those of `cutters`, borders
   std::span<const RimArc> arcs;        ///< that bound the part
-  std::span<const ProbePlacement* const> cutters;
+  std::span<const PlacementParts> cutters;
+  PlacementParts parts;  ///< that arise together with `placement`, and the placement itself
   /// The atom of the part, if the patch is divided among its atoms. The border with atom
   /// `borders[k]` is the cap with the number 3 + cutters.size() + k.
   AtomIndex owner = 0;

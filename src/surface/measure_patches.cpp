@@ -11,9 +11,11 @@
 #include <numeric>
 #include <optional>
 #include <span>
+#include <unordered_map>
 #include <utility>
 #include <vector>
 
+#include "geometry/cap_list.hpp"
 #include "geometry/sphere_part.hpp"
 #include "surface/atom_loops.hpp"
 #include "surface/cavity_list.hpp"
@@ -58,6 +60,10 @@ constexpr std::array<Accessibility, 5> without_slack{{{false, tolerance::accessi
 // two sides of a narrow gap do, but the shrinkage makes a gap closed or wider.
 constexpr double min_cutting_distance = 1e-6;
 
+// SAS spheres that overlap by at most this separate if the probe is smaller by
+// tolerance::accessible. There are no derivatives for their circle (angstrom).
+constexpr double separated_overlap = 2 * tolerance::accessible;
+
 // A cap that misses a cone by less than this counts as one that cuts it (angstrom). The value is
 // far above rounding errors, so no cap that cuts it is missed.
 constexpr double meeting_slack = 1e-9;
@@ -86,9 +92,11 @@ struct ClusterTerms {
   std::vector<FaceTerm> faces;
   std::vector<AtomShare> shares;
   GradientTerms gradients;
+  bool is_smooth = true;  // see Gradients
 
   void clear() {
     gradients.clear();
+    is_smooth = true;
     sums = {};
     roots.clear();
     cuts.clear();
@@ -129,9 +137,15 @@ struct MeasureScratch {
   std::vector<std::uint32_t> node;  // placements that coincide
   std::vector<std::uint32_t> near;  // placements within `near_distance` of `near_center`
   Vec3 near_center;
-  double near_distance = -1;                   // angstrom
-  std::vector<const ProbePlacement*> cutters;  // placements that cut the cone
-  std::vector<std::uint32_t> cutter_numbers;
+  double near_distance = -1;                 // angstrom
+  std::vector<std::uint32_t> cutters;        // placements that cut the cone
+  std::vector<Vec3> tangent;                 // directions to placements that just touch the patch
+  std::vector<PlacementParts> cutter_parts;  // parts of the cutters, if there are gradients
+  struct {
+    std::vector<AtomIndex> atoms;
+    SphereList spheres;       // of the atoms that are not contained in others
+    SpherePositions meeting;  // those that meet a sphere
+  } neighbours;
 };
 
 // Returns the middle of the box around the centres.
@@ -240,6 +254,10 @@ class PatchMeasurement {
   void record_shared_cut(std::uint32_t number, const SpherePart& part, MeasureScratch& scratch,
                          ClusterTerms& terms) const;
   void find_node(std::uint32_t number, std::vector<std::uint32_t>& node) const;
+  void find_touched(std::span<const std::uint32_t> node, std::vector<AtomIndex>& touched,
+                    std::vector<Vec3>& toward) const;
+  void divide_node(std::span<const std::uint32_t> node);
+  PlacementParts parts_of(std::uint32_t number) const;
   SpherePart find_triangle(const ProbePlacement& placement, MeasureScratch& scratch) const;
   SpherePart find_cone(std::uint32_t number, MeasureScratch& scratch) const;
   void add_cutters(std::uint32_t number, Vec3 center, double distance,
@@ -249,9 +267,15 @@ class PatchMeasurement {
   SpherePart part_of_atom(AtomIndex owner, MeasureScratch& scratch) const;
   void share_among_atoms(const SpherePart& part, MeasureScratch& scratch,
                          ClusterTerms& terms) const;
-  void add_patch_gradient(const ProbePlacement& placement, const SpherePart& part,
-                          MeasureScratch& scratch, ClusterTerms& terms) const;
-  void add_node_gradient(Vec3 center, MeasureScratch& scratch, ClusterTerms& terms) const;
+  void add_patch_gradient(const ProbePlacement& placement, PlacementParts parts,
+                          const SpherePart& part, MeasureScratch& scratch,
+                          ClusterTerms& terms) const;
+  bool has_tangent_spheres(ClusterIndex cluster, MeasureScratch& scratch) const;
+  bool touches_outside(AtomIndex i, AtomIndex j, std::span<const AtomIndex> near) const;
+  bool touches_inside(AtomIndex i, AtomIndex j, std::span<const AtomIndex> near) const;
+  bool touch_accessibly(AtomIndex i, AtomIndex j, std::span<const AtomIndex> near) const;
+  bool has_tangent_patch(const MeasureScratch& scratch) const;
+  void add_node_gradient(std::uint32_t number, MeasureScratch& scratch, ClusterTerms& terms) const;
   void add_face_gradient(AtomIndex i, double angle);
   void finish_areas_by_atom();
   void finish_gradients();
@@ -279,6 +303,8 @@ class PatchMeasurement {
   std::vector<Vec3> centers_;
   std::vector<std::uint32_t> first_placement_;  // by cluster
   std::vector<std::uint32_t> node_;             // by placement: the first one that coincides
+  // The parts of placements that coincide, by the first one, if there are gradients.
+  std::unordered_map<std::uint32_t, std::vector<ProbePlacement>> node_parts_;
   PointTree tree_;
 
   std::vector<MeasureScratch> scratch_;  // by thread
@@ -378,11 +404,13 @@ void PatchMeasurement::index_placements() {
   node_.resize(placements_.size());
   std::iota(node_.begin(), node_.end(), 0U);
   if (surface_.has_slack) return;
+  node_parts_.clear();
   std::vector<std::uint32_t> node;
   for (std::uint32_t k = 0; k < node_.size(); ++k) {
     if (node_[k] != k) continue;
     find_node(k, node);
     for (const std::uint32_t other : node) node_[other] = k;
+    if (settings_.gradients && node.size() > 1) divide_node(node);
   }
 }
 
@@ -393,6 +421,38 @@ void PatchMeasurement::find_node(std::uint32_t number, std::vector<std::uint32_t
     tree_.for_each_within(centers_[node[k]], same_placement_, [&](std::uint32_t other) {
       if (std::find(node.begin(), node.end(), other) == node.end()) node.push_back(other);
     });
+}
+
+// Replaces `touched` by the atoms that the placements touch, and `toward` by the directions to
+// them.
+void PatchMeasurement::find_touched(std::span<const std::uint32_t> node,
+                                    std::vector<AtomIndex>& touched,
+                                    std::vector<Vec3>& toward) const {
+  touched.clear();
+  for (const std::uint32_t k : node)
+    touched.insert(touched.end(), placements_[k]->atoms.begin(), placements_[k]->atoms.end());
+  std::sort(touched.begin(), touched.end());
+  touched.erase(std::unique(touched.begin(), touched.end()), touched.end());
+  toward.clear();
+  for (const AtomIndex i : touched)
+    toward.push_back(normalized(surface_.atoms[i].center - centers_[node.front()]));
+}
+
+// Finds the parts of placements that coincide: those into which they divide if the atoms grow, each
+// of them much more than all later ones. Their cones divide the cone.
+void PatchMeasurement::divide_node(std::span<const std::uint32_t> node) {
+  std::vector<AtomIndex> touched;
+  std::vector<Vec3> toward;
+  find_touched(node, touched, toward);
+  std::vector<ProbePlacement>& parts = node_parts_[node.front()];
+  for (const auto& [a, b, c] : divide_cone(toward))
+    parts.push_back({centers_[node.front()], {touched[a], touched[b], touched[c]}});
+}
+
+PlacementParts PatchMeasurement::parts_of(std::uint32_t number) const {
+  const auto found = node_parts_.find(number);
+  return found != node_parts_.end() ? PlacementParts(found->second)
+                                    : PlacementParts(placements_[number], 1);
 }
 
 // Returns whether no decision about the cluster's patches depends on the slack. If the circles of
@@ -436,6 +496,8 @@ void PatchMeasurement::measure_cluster(ClusterIndex cluster, MeasureScratch& scr
     return;
   }
   scratch.near_distance = -1;
+  if (settings_.gradients && surface_.has_slack)
+    terms.is_smooth = !has_tangent_spheres(cluster, scratch);
   for (std::size_t k = 0; k < patches.arcs.size(); ++k)
     terms.add(add_arc(patches.arcs[k], terms),
               components_ ? components_->root_of_arc(cluster, k) : 0);
@@ -466,13 +528,81 @@ void PatchMeasurement::add_terms(ClusterIndex cluster, const ClusterTerms& terms
     gradient.centers[term.atom] = gradient.centers[term.atom] + term.center;
     gradient.radii[term.atom] += term.sas_radius;
   }
-  if (settings_.gradients)
+  if (settings_.gradients) {
     for (std::size_t q = 0; q < quantity_count; ++q)
       gradients()[q]->probe += terms.gradients.probe[q];
+    result_.gradients.are_smooth = result_.gradients.are_smooth && terms.is_smooth;
+  }
   for (const AtomShare& share : terms.shares) {
     result_.by_atom.saddle[share.atom] += share.saddle;
     result_.by_atom.concave[share.atom] += share.concave;
   }
+}
+
+// Returns whether areas have a kink because the SAS sphere of an exposed atom of the cluster and
+// another one just touch in an accessible point.
+bool PatchMeasurement::has_tangent_spheres(ClusterIndex cluster, MeasureScratch& scratch) const {
+  const ClusterPatches& patches = schedule_.patches().of_cluster(cluster);
+  const std::span<const AtomIndex> members = schedule_.patches().clusters().members(cluster);
+  Box box = empty_box();
+  double radius = 0;
+  for (std::size_t m = 0; m < members.size(); ++m) {
+    if (patches.exposure[m] != AtomExposure::exposed) continue;
+    box.include(surface_.atoms[members[m]].center);
+    radius = std::max(radius, surface_.atoms[members[m]].radius);
+  }
+  if (box.low.x > box.high.x) return false;  // no atom is exposed
+  auto& [near, spheres, meeting] = scratch.neighbours;
+  surface_.cells().find_reaching(box, radius + 2 * probe() + look_up_slack, near);
+  const auto contained = std::stable_partition(
+      near.begin(), near.end(), [&](AtomIndex k) { return !surface_.molecule.is_contained(k); });
+  const std::span<const AtomIndex> kept(near.begin(), contained);
+  spheres.clear();
+  for (const AtomIndex k : kept) spheres.push_back(surface_.sas_sphere(k));
+  for (std::size_t m = 0; m < members.size(); ++m) {
+    if (patches.exposure[m] != AtomExposure::exposed) continue;
+    const AtomIndex i = members[m];
+    find_meeting(surface_.sas_sphere(i), spheres, meeting, -separated_overlap);
+    for (std::size_t n = 0; n < meeting.count; ++n)
+      if (touches_outside(i, kept[static_cast<std::size_t>(meeting.at[n])], kept)) return true;
+    if (std::any_of(contained, near.end(), [&](AtomIndex j) { return touches_inside(i, j, kept); }))
+      return true;
+  }
+  return false;
+}
+
+// Returns whether the SAS sphere of an atom touches that of an exposed atom `i` from outside.
+bool PatchMeasurement::touches_outside(AtomIndex i, AtomIndex j,
+                                       std::span<const AtomIndex> near) const {
+  const SasSphere first = surface_.sas_sphere(i), second = surface_.sas_sphere(j);
+  const double overlap = first.radius + second.radius - norm(second.center - first.center);
+  return overlap <= separated_overlap && touch_accessibly(i, j, near);
+}
+
+// Returns whether the SAS sphere of a contained atom touches that of an exposed atom `i` from
+// inside and has another weight, or is the same.
+bool PatchMeasurement::touches_inside(AtomIndex i, AtomIndex j,
+                                      std::span<const AtomIndex> near) const {
+  const Atom &outer = surface_.atoms[i], &inner = surface_.atoms[j];
+  const double excess = outer.radius - inner.radius;
+  const bool has_other_weight = weights_[i] != weights_[j];
+  if (excess > tolerance::containment && !has_other_weight) return false;
+  const double distance = norm(inner.center - outer.center);
+  if (distance + std::fabs(excess) <= tolerance::containment) return true;
+  return has_other_weight && std::fabs(excess - distance) <= tolerance::containment &&
+         touch_accessibly(i, j, near);
+}
+
+// Returns whether the point in which two SAS spheres touch is accessible.
+bool PatchMeasurement::touch_accessibly(AtomIndex i, AtomIndex j,
+                                        std::span<const AtomIndex> near) const {
+  const SasSphere sphere = surface_.sas_sphere(i);
+  const Vec3 point =
+      sphere.center + sphere.radius * normalized(surface_.atoms[j].center - sphere.center);
+  return std::none_of(near.begin(), near.end(), [&](AtomIndex k) {
+    const SasSphere other = surface_.sas_sphere(k);
+    return k != i && k != j && norm(point - other.center) < other.radius - tolerance::touching;
+  });
 }
 
 PatchSums PatchMeasurement::add_arc(const Arc& arc, ClusterTerms& terms) const {
@@ -496,7 +626,8 @@ PatchSums PatchMeasurement::add_arc(const Arc& arc, ClusterTerms& terms) const {
   sums.curvature -= swept.angle * (first_cap.cosine + second_cap.cosine);
   const SaddleOutline outline = make_outline(circle, std::max(0.0, probe()));
   const SurfaceIntegrals whole = saddle_integrals(outline, outline.contact, circle.axis, swept);
-  if (settings_.gradients) {
+  const double distance = circle.first_height + circle.second_height;
+  if (settings_.gradients && first.radius + second.radius - distance > separated_overlap) {
     const ArcShape shape{arc, circle, swept};
     add_arc_area_gradient(surface_, shape, outline, equal_weights_, sas_area_quantity,
                           ses_area_quantity, terms.gradients);
@@ -546,40 +677,44 @@ PatchSums PatchMeasurement::add_placement(std::uint32_t number, MeasureScratch& 
       probe() * probe() * (dot(center - origin_, part.vector_area) + probe() * part.solid_angle);
   if (divides_areas()) share_among_atoms(part, scratch, terms);
   if (!settings_.gradients) return sums;
+  if (has_tangent_patch(scratch)) terms.is_smooth = false;
+  scratch.cutter_parts.clear();
+  for (const std::uint32_t cutter : scratch.cutters)
+    scratch.cutter_parts.push_back(parts_of(cutter));
   if (scratch.touched.size() > 3) {
-    add_node_gradient(center, scratch, terms);
+    add_node_gradient(number, scratch, terms);
   } else {
     scratch.finder.find(scratch.caps);
-    add_patch_gradient(*placements_[number], part, scratch, terms);
+    const ProbePlacement& placement = *placements_[number];
+    add_patch_gradient(placement, {&placement, 1}, part, scratch, terms);
   }
   return sums;
 }
 
-// Adds the derivatives at a placement that touches more than three atoms: those of the placements
-// into which it divides if the atoms grow, each of them much more than all later ones. They
-// coincide, and their cones divide the cone.
-void PatchMeasurement::add_node_gradient(Vec3 center, MeasureScratch& scratch,
+// Adds the derivatives at a placement that touches more than three atoms: those of its parts.
+void PatchMeasurement::add_node_gradient(std::uint32_t number, MeasureScratch& scratch,
                                          ClusterTerms& terms) const {
-  const std::vector<AtomIndex> touched = scratch.touched;
   const auto first_cutter =
       scratch.caps.end() - static_cast<std::ptrdiff_t>(scratch.cutters.size());
   const std::vector<SphericalCap> cutter_caps(first_cutter, scratch.caps.end());
-  for (const auto& [a, b, c] : divide_cone(scratch.toward)) {
-    const ProbePlacement placement{center, {touched[a], touched[b], touched[c]}};
+  const PlacementParts parts = parts_of(number);
+  for (const ProbePlacement& placement : parts) {
     find_triangle(placement, scratch);
     scratch.caps.insert(scratch.caps.end(), cutter_caps.begin(), cutter_caps.end());
     const SpherePart part = scratch.finder.find(scratch.caps);
-    add_patch_gradient(placement, part, scratch, terms);
+    add_patch_gradient(placement, parts, part, scratch, terms);
   }
 }
 
 // Adds the derivatives of areas and volumes by the motion of a placement that touches three atoms.
-// `scratch.finder` has the arcs that bound its patch.
-void PatchMeasurement::add_patch_gradient(const ProbePlacement& placement, const SpherePart& part,
-                                          MeasureScratch& scratch, ClusterTerms& terms) const {
+// It is one of `parts`. `scratch.finder` has the arcs that bound its patch.
+void PatchMeasurement::add_patch_gradient(const ProbePlacement& placement, PlacementParts parts,
+                                          const SpherePart& part, MeasureScratch& scratch,
+                                          ClusterTerms& terms) const {
   add_saddle_end_gradient(surface_, placement, equal_weights_, ses_area_quantity, terms.gradients);
   add_concave_area_gradient(
-      surface_, {placement, part, scratch.caps, scratch.finder.arcs(), scratch.cutters, 0, {}}, 1,
+      surface_,
+      {placement, part, scratch.caps, scratch.finder.arcs(), scratch.cutter_parts, parts, 0, {}}, 1,
       ses_area_quantity, terms.gradients);
   add_concave_volume_gradient(surface_, placement, part, terms.gradients);
   if (!has_weights()) return;
@@ -589,7 +724,7 @@ void PatchMeasurement::add_patch_gradient(const ProbePlacement& placement, const
     const SpherePart own = part_of_atom(owner, scratch);
     add_concave_area_gradient(surface_,
                               {placement, own, scratch.shared_caps, scratch.finder.arcs(),
-                               scratch.cutters, owner, scratch.borders},
+                               scratch.cutter_parts, parts, owner, scratch.borders},
                               weights_[owner], weighted_ses_area_quantity, terms.gradients);
   }
 }
@@ -598,7 +733,7 @@ void PatchMeasurement::add_patch_gradient(const ProbePlacement& placement, const
 void PatchMeasurement::record_shared_cut(std::uint32_t number, const SpherePart& part,
                                          MeasureScratch& scratch, ClusterTerms& terms) const {
   const ComponentFinder::Node root = components_->root_of_placement(number);
-  const std::vector<std::uint32_t>& cutters = scratch.cutter_numbers;
+  const std::vector<std::uint32_t>& cutters = scratch.cutters;
   if (std::all_of(cutters.begin(), cutters.end(), [&](std::uint32_t cutter) {
         return components_->root_of_placement(cutter) == root;
       }))
@@ -634,15 +769,7 @@ SpherePart PatchMeasurement::find_cone(std::uint32_t number, MeasureScratch& scr
   if (surface_.has_slack) return find_triangle(*placements_[number], scratch);
   find_node(number, scratch.node);
   if (scratch.node.size() == 1) return find_triangle(*placements_[number], scratch);
-  std::vector<AtomIndex>& touched = scratch.touched;
-  touched.clear();
-  for (const std::uint32_t k : scratch.node)
-    touched.insert(touched.end(), placements_[k]->atoms.begin(), placements_[k]->atoms.end());
-  std::sort(touched.begin(), touched.end());
-  touched.erase(std::unique(touched.begin(), touched.end()), touched.end());
-  scratch.toward.clear();
-  for (const AtomIndex i : touched)
-    scratch.toward.push_back(normalized(surface_.atoms[i].center - centers_[number]));
+  find_touched(scratch.node, scratch.touched, scratch.toward);
   switch (bound_cone(scratch.toward, scratch.caps)) {
     case ConeShape::flat:
       return {};
@@ -681,30 +808,42 @@ bool PatchMeasurement::may_cut(Vec3 to_other, double squared, const MeasureScrat
 }
 
 // Finds the other placements that cut the cone which the caps bound, and then adds their caps. They
-// are nearer than `distance` to `center`.
+// are nearer than `distance` to `center`. Also finds those that touch the patch from outside.
 void PatchMeasurement::add_cutters(std::uint32_t number, Vec3 center, double distance,
                                    MeasureScratch& scratch) const {
   const Vec3 from = centers_[number];
   const double limit = 4 * probe() * probe();
   const double min_squared = surface_.has_slack ? 0 : min_cutting_distance * min_cutting_distance;
+  const double reach = distance + tolerance::touching;
   scratch.cutters.clear();
-  scratch.cutter_numbers.clear();
-  find_near(center, distance, scratch);
+  scratch.tangent.clear();
+  find_near(center, reach, scratch);
   for (const std::uint32_t other : scratch.near) {
-    if (squared_norm(centers_[other] - center) >= distance * distance) continue;
+    if (squared_norm(centers_[other] - center) >= reach * reach) continue;
     if (other == number || node_[other] != other) continue;
     const Vec3 to_other = centers_[other] - from;
     const double squared = squared_norm(to_other);
+    if (std::fabs(squared - limit) < 4 * probe() * tolerance::touching)
+      scratch.tangent.push_back((1 / (2 * probe())) * to_other);
     if (squared >= limit || squared <= min_squared || !may_cut(to_other, squared, scratch))
       continue;
-    scratch.cutters.push_back(placements_[other]);
-    scratch.cutter_numbers.push_back(other);
+    scratch.cutters.push_back(other);
   }
-  for (const ProbePlacement* cutter : scratch.cutters) {
-    const Vec3 to_cutter = cutter->center - from;
+  for (const std::uint32_t cutter : scratch.cutters) {
+    const Vec3 to_cutter = centers_[cutter] - from;
     const double length = norm(to_cutter);
     scratch.caps.push_back({(1 / length) * to_cutter, length / (2 * probe())});
   }
+}
+
+// Returns whether another placement just touches the patch that `scratch.caps` bound.
+bool PatchMeasurement::has_tangent_patch(const MeasureScratch& scratch) const {
+  const double slack = tolerance::touching / probe();
+  return std::any_of(scratch.tangent.begin(), scratch.tangent.end(), [&](Vec3 direction) {
+    return std::none_of(scratch.caps.begin(), scratch.caps.end(), [&](const SphericalCap& cap) {
+      return dot(direction, cap.axis) > cap.cosine + slack;
+    });
+  });
 }
 
 // Makes sure that `scratch.near` has all placements within a distance. Consecutive searches are
@@ -796,7 +935,7 @@ void PatchMeasurement::finish_gradients() {
     all.ses_volume.radii[i] += r * r * angle;
     if (has_weights()) all.weighted_ses_area.radii[i] += 2 * weights_[i] * r * angle;
   }
-  all.are_smooth = surface_.has_slack;
+  all.are_smooth = all.are_smooth && surface_.has_slack;
 }
 
 // Adds the weighted areas, and removes the areas by atom unless they are wanted.
