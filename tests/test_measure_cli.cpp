@@ -209,6 +209,53 @@ TEST_CASE("measure: cavities and pieces in report, JSON and tables") {
   CHECK(plain.out.find("cavities") == std::string::npos);
 }
 
+// Six atoms around a window that the probe passes and the large one does not.
+TEST_CASE("measure: pockets in report, JSON and tables") {
+  const Molecules box;
+  std::string atoms = pqr_line(1, "ALA", "A", 50);
+  for (int k = 0; k < 6; ++k)
+    atoms +=
+        fmt::format("ATOM {:6}  CA  GLY B{:4}    {:8.3f}{:8.3f}   0.000  0.00 2.70\n", k + 2, k / 2,
+                    5 * std::cos(k * std::numbers::pi / 3), 5 * std::sin(k * std::numbers::pi / 3));
+  write_file(box.directory() / "ring.pqr", atoms);
+  const Arguments search{"measure",   "ring.pqr", "--large-probe",       "3.5",
+                         "--spacing", "0.2",      "--min-pocket-volume", "5"};
+  const auto run = [&](const Arguments& more) {
+    Arguments arguments = search;
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const Outcome outcome = box.run(arguments);
+    REQUIRE(outcome.code == 0);
+    return outcome.out;
+  };
+  const std::string json = run({"--pockets", "--json", "--write", "pockets"});
+  check_json(box, json, "len(r['pockets'])", "1");
+  check_json(box, json, "r['pockets'][0]['mouths']", "2");
+  check_json(box, json, "r['pockets'][0]['atoms']", "[2, 3, 4, 5, 6, 7]");
+  check_json(box, json, "r['pockets'][0]['residues']", "['B:GLY 0', 'B:GLY 1', 'B:GLY 2']");
+  check_json(box, json, "max(abs(x) for x in r['pockets'][0]['centroid']) < 0.1", "True");
+  check_json(box, json, "r['pocket_search']['large_probe_radius']", "3.5");
+  check_json(box, json, "r['pocket_search']['spacing']", "0.2");
+  check_json(box, json,
+             "0 <= r['pocket_search']['shallow_volume'] < r['pocket_search']['difference_volume']",
+             "True");
+  const auto rows = rows_of(box.directory() / "ring.pockets.csv");
+  REQUIRE(rows.size() == 1);
+  REQUIRE(rows[0].size() == 10);
+  check_json(box, json, fmt::format("abs(r['pockets'][0]['volume'] - {}) < 1e-6", rows[0][1]),
+             "True");
+  CHECK(rows[0][4] == "2");
+  CHECK(rows[0][8] == "2 3 4 5 6 7");
+  CHECK(rows[0][9] == "B:GLY 0; B:GLY 1; B:GLY 2");
+  const std::string report = run({"--pockets"});
+  CHECK(report.find("1 pocket for a large probe of 3.5 angstrom on a grid of 0.2 angstrom\n") !=
+        std::string::npos);
+  CHECK(run({"--pockets", "--csv", "all.csv"}) == report);
+  const std::string table = read_file(box.directory() / "all.csv");
+  CHECK(table.find(",pockets\n") != std::string::npos);
+  CHECK(table.find(",1\n") != std::string::npos);
+  CHECK(run({"--write", "pockets", "--json"}).find("pockets") == std::string::npos);
+}
+
 TEST_CASE("measure: parts bury the areas of closed forms") {
   const Molecules box;
   const double sas = 2 * (free_sas() - sas_of_one()), ses = 2 * free_ses() - ses_of_two();
@@ -294,13 +341,28 @@ TEST_CASE("measure: bad requests are refused") {
   check_usage_error(box, {"measure"}, "FILE is required");
   check_usage_error(
       box, {"measure", "two.xyzr", "--write", "x"},
-      "--write is 'x', expected some of atoms,residues,chains,derivatives,cavities,pieces");
+      "--write is 'x', expected some of atoms,residues,chains,derivatives,cavities,pieces,pockets");
   check_usage_error(box, {"measure", "-", "two.xyzr"},
                     "standard input (-) cannot be combined with other files");
   check_usage_error(box, {"measure", "two.xyzr", "-o", "out"}, "--output-dir needs --write");
   check_usage_error(box, {"measure", "dimer.pqr", "--parts", "A|A"}, "--parts names chain A twice");
   check_usage_error(box, {"measure", "two.xyzr", "--probe-radius", "0.001"},
                     "--probe-radius is '0.001', expected 0, or a number from 0.01 to 1000, in "
+                    "angstrom");
+  for (const std::string option : {"--large-probe", "--spacing", "--min-pocket-volume"})
+    check_usage_error(box, {"measure", "two.xyzr", option, "1"},
+                      option + " needs --pockets or --write pockets");
+  check_usage_error(box, {"measure", "two.xyzr", "--pockets", "--large-probe", "1.4"},
+                    "the radius of the large probe must be more than that of the probe, 1.4, and "
+                    "at most 1000 angstrom, and is 1.4");
+  check_usage_error(box, {"measure", "two.xyzr", "--write", "pockets", "--spacing", "1.5"},
+                    "the spacing must be between 0.04375 and 1.4 angstrom for pockets with a probe "
+                    "radius of 1.4, and is 1.5");
+  check_usage_error(box, {"measure", "two.xyzr", "--pockets", "--probe-radius", "0"},
+                    "the probe radius must be between 0.01 and 1000 angstrom for pockets, and is "
+                    "0");
+  check_usage_error(box, {"measure", "two.xyzr", "--pockets", "--min-pocket-volume", "-1"},
+                    "--min-pocket-volume is '-1', expected a finite number of at least 0, in cubic "
                     "angstrom");
   const auto fails = [&](const Arguments& arguments, const std::string& message) {
     const Outcome outcome = box.run(arguments);

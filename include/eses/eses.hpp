@@ -21,6 +21,7 @@
 #include "eses/measure.hpp"
 #include "eses/measure_frames.hpp"
 #include "eses/outputs.hpp"
+#include "eses/pockets.hpp"
 #include "eses/read_atoms.hpp"
 #include "eses/run_options.hpp"
 #include "eses/summary.hpp"

@@ -375,6 +375,15 @@ class Surface:
     def cavities(
         self, probe_radius: Optional[float] = None, *, threads: int = 0
     ) -> list[dict[str, Any]]: ...
+    def pockets(
+        self,
+        large_probe: float = 3.0,
+        *,
+        spacing: float = 0.4,
+        min_volume: Optional[float] = None,
+        probe_radius: Optional[float] = None,
+        threads: int = 0,
+    ) -> list[dict[str, Any]]: ...
 
 def measure_frames(
     frames: npt.ArrayLike,

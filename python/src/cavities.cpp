@@ -49,6 +49,47 @@ Raises
 ValueError
     If an argument is out of its range.)";
 
+constexpr const char* pockets_text =
+    R"(pockets(self, large_probe=3.0, *, spacing=0.4, min_volume=None, probe_radius=None, threads=0)
+--
+
+Find the pockets: connected parts of space that the probe reaches from outside and a large probe
+does not.
+
+Unlike all other measures, the results are sums over a grid, so that they depend on its spacing.
+Cavities are not pockets. The results do not depend on the number of threads. Other Python threads
+run meanwhile. Ctrl-C ends the computation.
+
+Parameters
+----------
+large_probe : float, optional
+    Radius of the large probe, in angstrom; more than that of the probe, up to 1000.
+spacing : float, optional
+    Distance of the grid points, in angstrom; a 32nd of the radius of the probe, up to its radius.
+min_volume : float, optional
+    Pockets with less volume, in cubic angstrom, are left out. The default is twice the volume of
+    the probe.
+probe_radius : float, optional
+    Radius of the probe, in angstrom, 0.01 to 1000. The default is that of the surface.
+threads : int, optional
+    Number of threads; 0 for all that the process may use.
+
+Returns
+-------
+list of dict
+    The pockets, in descending order of ``volume``. ``probe_center_volume`` is the volume of the
+    centres of the probes in the pocket. ``mouth_area`` is the area of the large probe's surface that
+    closes it, and ``mouths`` the number of parts of this surface through which the centre of a probe
+    can leave it. ``centroid`` is that of the pocket, and ``atoms`` has the indices of the atoms whose
+    surface bounds it.
+
+Raises
+------
+ValueError
+    If an argument is out of its range.
+MemoryError
+    If the grid needs more memory than there is.)";
+
 py::array point_array(Vec3 point) {
   py::array_t<double> array(3);
   for (std::size_t axis = 0; axis < 3; ++axis)
@@ -96,11 +137,45 @@ py::list find_cavities(const Surface& surface, std::optional<double> probe_radiu
   return cavities;
 }
 
+py::list find_all_pockets(const Surface& surface, double large_probe, double spacing,
+                          std::optional<double> min_volume, std::optional<double> probe_radius,
+                          int threads) {
+  PocketOptions options{.probe_radius = probe_radius,
+                        .large_probe_radius = large_probe,
+                        .spacing = spacing,
+                        .min_volume = min_volume,
+                        .threads = usable_threads(threads)};
+  Pockets found;
+  {
+    const py::gil_scoped_release unlocked;
+    Interrupts interrupts;
+    options.check = [&interrupts] { interrupts.check(); };
+    found = find_pockets(surface, options);
+  }
+  py::list pockets;
+  for (const Pocket& pocket : found.pockets) {
+    py::dict item;
+    item["volume"] = pocket.volume;
+    item["probe_center_volume"] = pocket.probe_center_volume;
+    item["mouth_area"] = pocket.mouth_area;
+    item["mouths"] = pocket.mouth_count;
+    item["centroid"] = point_array(pocket.centroid);
+    item["atoms"] = index_array(pocket.atoms);
+    pockets.append(item);
+  }
+  return pockets;
+}
+
 }  // namespace
 
 void bind_cavities(py::class_<Surface>& surface) {
   surface.def("cavities", &find_cavities, cavities_text, py::arg("probe_radius") = py::none(),
               py::kw_only(), py::arg("threads") = 0);
+  const PocketOptions defaults;
+  surface.def("pockets", &find_all_pockets, pockets_text,
+              py::arg("large_probe") = defaults.large_probe_radius, py::kw_only(),
+              py::arg("spacing") = defaults.spacing, py::arg("min_volume") = py::none(),
+              py::arg("probe_radius") = py::none(), py::arg("threads") = 0);
 }
 
 }  // namespace eses::python

@@ -1,5 +1,5 @@
 #pragma once
-/// Cavities of a surface.
+/// Cavities and pockets of a surface.
 
 #include <pybind11/pybind11.h>
 
@@ -7,7 +7,7 @@
 
 namespace eses::python {
 
-/// Adds `cavities` to the class of surfaces.
+/// Adds `cavities` and `pockets` to the class of surfaces.
 void bind_cavities(pybind11::class_<Surface>& surface);
 
 }  // namespace eses::python

@@ -1,4 +1,4 @@
-"""Tests of the cavities of a surface. Expected values are closed forms."""
+"""Tests of the cavities and pockets of a surface. Expected values are closed forms."""
 
 import math
 
@@ -49,9 +49,35 @@ def test_filled_cavities_are_inside():
         eses.Surface(centers, radii, fill_cavities=-1.0)
 
 
+def test_a_ring_has_a_pocket_with_two_mouths():
+    turns = np.linspace(0, 2 * math.pi, 100, endpoint=False)
+    centers = 5.2 * np.column_stack([np.cos(turns), np.sin(turns), np.zeros(100)])
+    surface = eses.Surface(centers, np.full(100, 3.0))
+    (pocket,) = surface.pockets(3.5, spacing=0.2, min_volume=0)
+    assert pocket["mouths"] == 2
+    np.testing.assert_allclose(pocket["centroid"], 0, atol=0.1)
+    np.testing.assert_array_equal(np.diff(pocket["atoms"]) > 0, True)
+    filled = eses.Surface(centers, np.full(100, 3.0), fill_cavities=True)
+    difference = filled.measure(3.5).ses_volume - filled.measure(1.4).ses_volume
+    assert 0 < pocket["probe_center_volume"] < pocket["volume"] < difference
+    # The two spherical caps with which probes touch the ring have this area together.
+    height = math.sqrt(6.5**2 - 5.2**2)
+    cap = 3 / 6.5 * height - (height - 3.5)
+    assert 0 < pocket["mouth_area"] < 4 * math.pi * 3.5 * cap
+    assert surface.pockets(2) == []
+    assert surface.pockets(3.5, min_volume=difference) == []
+    assert surface.pockets(3.5, probe_radius=2.3) == []
+
+
 def test_arguments_are_checked():
     surface = eses.Surface(octahedron(2), np.ones(7))
     with pytest.raises(ValueError, match="probe radius"):
         surface.cavities(-1)
     with pytest.raises(ValueError, match="threads"):
         surface.cavities(threads=-1)
+    with pytest.raises(ValueError, match="large probe"):
+        surface.pockets(1.4)
+    with pytest.raises(ValueError, match="spacing"):
+        surface.pockets(spacing=2)
+    with pytest.raises(ValueError, match="minimum volume"):
+        surface.pockets(min_volume=-1)

@@ -46,6 +46,7 @@ constexpr std::array tables{
     Table{".derivatives.csv", &TableChoice::derivatives, write_derivatives},
     Table{".cavities.csv", &TableChoice::cavities, write_cavities},
     Table{".pieces.csv", &TableChoice::pieces, write_pieces},
+    Table{".pockets.csv", &TableChoice::pockets, write_pockets},
 };
 
 /// Returns the name of the table of an input file: its name without the suffix of its format.

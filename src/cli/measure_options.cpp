@@ -2,13 +2,16 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <limits>
 #include <optional>
 #include <set>
+#include <stdexcept>
 #include <string_view>
 #include <utility>
 
 #include "cli/arguments.hpp"
 #include "cli/shared_options.hpp"
+#include "run/pocket_sweep.hpp"
 #include "system/formatted.hpp"
 
 namespace eses::detail::cli {
@@ -16,6 +19,7 @@ namespace {
 
 constexpr char footer[] =
     R"(Nothing is sampled: areas and volumes have rounding errors only. Units are angstrom.
+Only pockets come from a grid.
 Atoms share the areas of saddle and concave patches by the power diagram of the spheres.
 
 One file gives a report, several give a line each. Files that cannot be measured are named
@@ -28,6 +32,7 @@ Tables (--write), in the output directory, named after the input file NAME:
   NAME.derivatives.csv        derivatives of areas and volumes by centres and radii
   NAME.cavities.csv           cavities that hold a probe: volumes, areas, largest probe, atoms
   NAME.pieces.csv             pieces of the molecule: volumes, areas, atoms
+  NAME.pockets.csv            pockets: volumes, areas and numbers of mouths, atoms
 
 Examples:
   eses-blocks measure 1crn.pdb                       areas and volumes of a protein
@@ -35,6 +40,7 @@ Examples:
   eses-blocks measure 1crn.pdb --write residues      areas of residues
   eses-blocks measure 1brs.pdb --parts 'A|D'         area buried between two chains
   eses-blocks measure 1crn.pdb --cavities            cavities and their volumes
+  eses-blocks measure 1crn.pdb --pockets             pockets that a probe of 3 does not reach
   eses-blocks measure 1crn.pdb --probe-radius 0      van der Waals surface
   To compute the surface of a file called measure: eses-blocks ./measure
 
@@ -57,7 +63,8 @@ std::optional<TableChoice> tables_in(const std::string& list) {
                                  {"chains", &TableChoice::chains},
                                  {"derivatives", &TableChoice::derivatives},
                                  {"cavities", &TableChoice::cavities},
-                                 {"pieces", &TableChoice::pieces}});
+                                 {"pieces", &TableChoice::pieces},
+                                 {"pockets", &TableChoice::pockets}});
 }
 
 std::optional<PartChoice> parts_in(const std::string& text) {
@@ -72,7 +79,55 @@ std::optional<PartChoice> parts_in(const std::string& text) {
   return choice.parts.size() < 2 ? std::nullopt : std::optional(choice);
 }
 
-void add_options(CLI::App& app, MeasureCommandOptions& options) {
+/// The options of pockets as far as they are given.
+struct PocketValues {
+  std::optional<double> large_probe, spacing, min_volume;
+};
+
+void add_pocket_options(CLI::App& app, PocketValues& values, bool& reports_pockets) {
+  const PocketOptions defaults;
+  begin_group(app, "Pockets (on a grid)");
+  add_flag(app, "--pockets", "report what the probe reaches and a large one does not",
+           reports_pockets);
+  const auto length = number_between(
+      0, max_probe_radius, formatted("a number from 0 to {}, in angstrom", max_probe_radius));
+  add_value(app, "--large-probe", "ANGSTROM",
+            formatted("radius of the large probe, more than that of the\nprobe [{}]",
+                      defaults.large_probe_radius),
+            values.large_probe, length);
+  add_value(app, "--spacing", "ANGSTROM",
+            formatted("distance between grid points, at most the radius of\nthe probe [{}]",
+                      defaults.spacing),
+            values.spacing, length);
+  add_value(
+      app, "--min-pocket-volume", "VOLUME",
+      "leave out pockets with less volume, in cubic angstrom\n[twice the volume of the probe]",
+      values.min_volume,
+      number_between(0, std::numeric_limits<double>::max(),
+                     "a finite number of at least 0, in cubic angstrom"));
+}
+
+/// Sets the options of pockets. Throws UsageError if they are not needed, or out of their range.
+void set_pocket_options(const PocketValues& values, MeasureCommandOptions& options) {
+  for (const auto& [name, value] :
+       {std::pair("--large-probe", values.large_probe), std::pair("--spacing", values.spacing),
+        std::pair("--min-pocket-volume", values.min_volume)})
+    if (value && !options.need_pockets())
+      throw UsageError(formatted("{} needs --pockets or --write pockets", name));
+  PocketOptions& pockets = options.pocket_options;
+  pockets.probe_radius = options.probe_radius;
+  pockets.large_probe_radius = values.large_probe.value_or(pockets.large_probe_radius);
+  pockets.spacing = values.spacing.value_or(pockets.spacing);
+  pockets.min_volume = values.min_volume;
+  if (!options.need_pockets()) return;
+  try {
+    require_valid(pockets, options.probe_radius);
+  } catch (const std::invalid_argument& error) {
+    throw UsageError(error.what());
+  }
+}
+
+void add_options(CLI::App& app, PocketValues& pockets, MeasureCommandOptions& options) {
   set_up(app, "eses-blocks measure [OPTIONS] FILE...", footer);
   begin_group(app, "Surface");
   app.add_option("FILE")
@@ -101,14 +156,15 @@ void add_options(CLI::App& app, MeasureCommandOptions& options) {
   add_fill_cavities(app, options.max_filled_void);
   add_flag(app, "--cavities", "report the cavities, and the pieces of the molecule",
            options.cavities);
+  add_pocket_options(app, pockets, options.pockets);
   begin_group(app, "Input and output");
   add_format(app, options.format);
-  add_value(
-      app, "--write", "LIST",
-      "tables to write: some of atoms,residues,chains,\n"
-      "derivatives,cavities,pieces",
-      options.tables,
-      Format<TableChoice>{tables_in, "some of atoms,residues,chains,derivatives,cavities,pieces"});
+  add_value(app, "--write", "LIST",
+            "tables to write: some of atoms,residues,chains,\n"
+            "derivatives,cavities,pieces,pockets",
+            options.tables,
+            Format<TableChoice>{
+                tables_in, "some of atoms,residues,chains,derivatives,cavities,pieces,pockets"});
   add_value(app, "-o,--output-dir", "DIR", "directory of the tables, created if missing [.]",
             options.output_directory, path_to("a directory"));
   add_value(app, "--csv", "FILE", "write the results of all files as a table", options.csv,
@@ -154,8 +210,10 @@ MeasureCommandOptions parse_measure_arguments(std::vector<std::string> arguments
   CLI::App app("Areas and volumes of molecular surfaces in closed form, without a grid.",
                "eses-blocks measure");
   MeasureCommandOptions options;
-  add_options(app, options);
+  PocketValues pockets;
+  add_options(app, pockets, options);
   parse(app, std::move(arguments), "FILE...");
+  set_pocket_options(pockets, options);
   check(app, options);
   return options;
 }

@@ -2,9 +2,11 @@
 /// The command line of `eses-blocks measure` as plain data.
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "eses/pockets.hpp"
 #include "eses/read_atoms.hpp"
 #include "eses/surface.hpp"
 #include "output/measure_tables.hpp"
@@ -27,6 +29,8 @@ struct MeasureCommandOptions {
   PartChoice parts;
   std::optional<double> max_filled_void;  ///< see SurfaceOptions
   bool cavities = false;                  ///< whether cavities and pieces are reported
+  bool pockets = false;                   ///< whether pockets are reported
+  PocketOptions pocket_options;           ///< of the search for pockets
   TableChoice tables;
   std::filesystem::path output_directory;  ///< of the tables; empty if it is not given
   std::filesystem::path csv;               ///< empty if it is not given
@@ -34,6 +38,8 @@ struct MeasureCommandOptions {
   bool json = false;
   bool quiet = false;
   bool strict = false;  ///< whether warnings are errors
+
+  bool need_pockets() const { return pockets || tables.pockets; }
 };
 
 /// Parses the arguments of the command. Throws UsageError and Notice.

@@ -82,8 +82,7 @@ json::Value cavity_json(const MeasuredAtoms& atoms, const Cavity& cavity) {
   item["inner_pieces"] = json::Value::array();
   for (const std::size_t piece : cavity.inner) item["inner_pieces"].push_back(piece + 1);
   item["overlaps"] = overlaps_of(cavity);
-  item["atoms"] = json::Value::array();
-  for (const AtomIndex i : cavity.atoms) item["atoms"].push_back(serial_number(atoms, i));
+  item["atoms"] = serial_numbers(atoms, cavity.atoms);
   if (!atoms.labels.empty()) item["residues"] = residues_of(atoms, cavity.atoms);
   return item;
 }
@@ -107,6 +106,46 @@ void add_cavities(json::Value& object, const MeasuredFile& file) {
   for (const Cavity& cavity : atoms.cavities)
     object["cavities"].push_back(cavity_json(atoms, cavity));
   for (const Piece& piece : atoms.pieces) object["pieces"].push_back(piece_json(atoms, piece));
+}
+
+std::string pockets_text(const MeasureCommandOptions& options, const Pockets& pockets) {
+  const PocketOptions& search = options.pocket_options;
+  std::string text = formatted(
+      "{} for a large probe of {} angstrom on a grid of {} angstrom\n"
+      "reached by the small probe only: {:.2f} A^3, of these {:.2f} A^3 in no pocket\n",
+      counted(static_cast<std::int64_t>(pockets.pockets.size()), "pocket"),
+      search.large_probe_radius, search.spacing, pockets.difference_volume, pockets.shallow_volume);
+  if (pockets.pockets.empty()) return text;
+  text += "pocket  volume (A^3)  centers (A^3)  mouth area (A^2)  mouths  atoms\n";
+  for (std::size_t k = 0; k < pockets.pockets.size(); ++k) {
+    const Pocket& pocket = pockets.pockets[k];
+    text += formatted("{:>6} {:>13.2f} {:>14.2f} {:>17.2f} {:>7} {:>6}\n", k + 1, pocket.volume,
+                      pocket.probe_center_volume, pocket.mouth_area, pocket.mouth_count,
+                      pocket.atoms.size());
+  }
+  return text;
+}
+
+json::Value pocket_json(const MeasuredAtoms& atoms, const Pocket& pocket) {
+  json::Value item{{"volume", pocket.volume},
+                   {"probe_center_volume", pocket.probe_center_volume},
+                   {"mouth_area", pocket.mouth_area},
+                   {"mouths", pocket.mouth_count},
+                   {"centroid", point_json(pocket.centroid)},
+                   {"atoms", serial_numbers(atoms, pocket.atoms)}};
+  if (!atoms.labels.empty()) item["residues"] = residues_of(atoms, pocket.atoms);
+  return item;
+}
+
+void add_pockets(json::Value& object, const PocketOptions& search, const MeasuredFile& file) {
+  const MeasuredAtoms atoms = file.table();
+  object["pockets"] = json::Value::array();
+  for (const Pocket& pocket : atoms.pockets)
+    object["pockets"].push_back(pocket_json(atoms, pocket));
+  object["pocket_search"] = {{"large_probe_radius", search.large_probe_radius},
+                             {"spacing", search.spacing},
+                             {"difference_volume", file.pockets.difference_volume},
+                             {"shallow_volume", file.pockets.shallow_volume}};
 }
 
 /// A value, and its name in tables and JSON.
@@ -163,6 +202,7 @@ std::string measure_text(const MeasureCommandOptions& options, const MeasuredFil
   text += formatted("Euler number of the SAS: {}\n", measures.euler_number);
   if (file.surface.max_filled_void()) text += filling_text(measures.filled_cavities);
   if (options.cavities) text += cavities_text(file);
+  if (options.pockets) text += pockets_text(options, file.pockets);
   return text + parts_text(file);
 }
 
@@ -171,6 +211,7 @@ std::string measure_heading(const MeasureCommandOptions& options) {
   for (const auto& [name, member] : areas_and_volumes) text += formatted("{:>14} ", name);
   text += formatted("{:>12} ", "euler_number");
   if (options.cavities) text += formatted("{:>8} {:>8} ", "cavities", "pieces");
+  if (options.pockets) text += formatted("{:>7} ", "pockets");
   if (options.parts.is_chosen())
     for (const auto& [name, area] : buried_areas) text += formatted("{:>15} ", name);
   return text + "file\n";
@@ -183,6 +224,7 @@ std::string measure_line(const MeasureCommandOptions& options, const MeasuredFil
   text += formatted("{:>12} ", file.measures.euler_number);
   if (options.cavities)
     text += formatted("{:>8} {:>8} ", file.measures.cavities.size(), file.measures.pieces.size());
+  if (options.pockets) text += formatted("{:>7} ", file.pockets.pockets.size());
   if (!file.parts.empty())
     for (const auto& [name, area] : buried_areas)
       text += formatted("{:>15.4f} ", file.buried(area));
@@ -196,6 +238,7 @@ std::string measure_json(const MeasureCommandOptions& options, const MeasuredFil
   add_measures(object, file.measures);
   add_derivatives(object, file.measures.gradients);
   if (options.cavities) add_cavities(object, file);
+  if (options.pockets) add_pockets(object, options.pocket_options, file);
   if (file.surface.max_filled_void())
     object["filled_cavities"] =
         filled_json(file.surface.max_filled_void(), file.measures.filled_cavities);
@@ -219,6 +262,7 @@ std::string measure_csv_heading(const MeasureCommandOptions& options) {
   for (const auto& [name, member] : areas_and_volumes) text += formatted(",{}", name);
   text += ",euler_number,convex_area,saddle_area,concave_area";
   if (options.cavities) text += ",cavities,pieces";
+  if (options.pockets) text += ",pockets";
   if (options.parts.is_chosen())
     for (const auto& [name, area] : buried_areas) text += formatted(",{}", name);
   return text + "\n";
@@ -234,6 +278,7 @@ std::string measure_csv_line(const MeasureCommandOptions& options, const Measure
                     kinds.saddle, kinds.concave);
   if (options.cavities)
     text += formatted(",{},{}", file.measures.cavities.size(), file.measures.pieces.size());
+  if (options.pockets) text += formatted(",{}", file.pockets.pockets.size());
   if (!file.parts.empty())
     for (const auto& [name, area] : buried_areas) text += formatted(",{:.6f}", file.buried(area));
   return text + "\n";

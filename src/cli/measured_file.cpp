@@ -146,8 +146,8 @@ double MeasuredFile::buried(double Measures::*area) const {
 }
 
 MeasuredAtoms MeasuredFile::table() const {
-  MeasuredAtoms atoms{surface.atoms(),    surface.labels(),  file_indices,   measures.by_atom,
-                      measures.gradients, measures.cavities, measures.pieces};
+  MeasuredAtoms atoms{surface.atoms(),    surface.labels(),  file_indices,    measures.by_atom,
+                      measures.gradients, measures.cavities, measures.pieces, pockets.pockets};
   if (parts.empty()) return atoms;
   atoms.areas_alone = &areas_alone;
   atoms.parts = part_of_atom;
@@ -157,11 +157,12 @@ MeasuredAtoms MeasuredFile::table() const {
 
 MeasuredFile measure_file(const MeasureCommandOptions& options, const std::filesystem::path& path,
                           int threads, const CheckCallback& check) {
-  AtomFile file = read_atoms(
-      path, {.format = options.format,
-             .with_labels = options.tables.any() || options.parts.is_chosen() || options.cavities,
-             .structure = options.structure,
-             .check = check});
+  AtomFile file =
+      read_atoms(path, {.format = options.format,
+                        .with_labels = options.tables.any() || options.parts.is_chosen() ||
+                                       options.cavities || options.pockets,
+                        .structure = options.structure,
+                        .check = check});
   const SurfaceOptions indexing{
       .max_filled_void = options.max_filled_void, .threads = threads, .check = check};
   const Surface surface(std::move(file.atoms), std::move(file.labels), indexing);
@@ -181,6 +182,12 @@ MeasuredFile measure_file(const MeasureCommandOptions& options, const std::files
                            .threads = threads,
                            .check = check};
   result.measures = measure(result.surface, measuring);
+  if (options.need_pockets()) {
+    PocketOptions searching = options.pocket_options;
+    searching.threads = threads;
+    searching.check = check;
+    result.pockets = find_pockets(result.surface, searching);
+  }
   measuring.gradients = measuring.cavities = false;
   measuring.van_der_waals = options.json;  // no other output shows it for a part
   for (std::uint32_t part = 0; part < result.part_names.size(); ++part)

@@ -10,6 +10,7 @@
 #include "cli/diagnostics.hpp"
 #include "cli/measure_options.hpp"
 #include "eses/measure.hpp"
+#include "eses/pockets.hpp"
 #include "eses/read_atoms.hpp"
 #include "eses/surface.hpp"
 #include "output/measure_tables.hpp"
@@ -28,6 +29,7 @@ struct MeasuredFile {
   Surface surface;                ///< of all parts together, or of all atoms
   std::uint64_t other_atoms = 0;  ///< number of atoms of the file that belong to no part
   Measures measures = {};
+  Pockets pockets = {};                  ///< empty unless they were chosen
   std::vector<MeasuredPart> parts = {};  ///< empty if no parts were chosen
   std::vector<DiagnosticText> diagnostics = {};
   std::optional<StructureReport> structure = {};  ///< only for PDB and mmCIF files

@@ -75,6 +75,12 @@ std::vector<std::size_t> numbers_of(const std::vector<std::size_t>& indices) {
   return numbers;
 }
 
+// Returns the fields of the atoms around a cavity or pocket, and of their residues.
+std::string neighbor_fields(const MeasuredAtoms& atoms, std::span<const AtomIndex> of) {
+  return formatted("{},{}", fmt::join(serial_numbers(atoms, of), " "),
+                   csv_field(formatted("{}", fmt::join(residues_of(atoms, of), "; "))));
+}
+
 std::string xyz_fields(Vec3 point) {
   return formatted("{:.6f},{:.6f},{:.6f}", point.x, point.y, point.z);
 }
@@ -83,6 +89,13 @@ std::string xyz_fields(Vec3 point) {
 
 std::uint64_t serial_number(const MeasuredAtoms& atoms, AtomIndex i) {
   return (atoms.file_indices.empty() ? std::uint64_t{i} : atoms.file_indices[i]) + 1;
+}
+
+std::vector<std::uint64_t> serial_numbers(const MeasuredAtoms& atoms,
+                                          std::span<const AtomIndex> of) {
+  std::vector<std::uint64_t> serials;
+  for (const AtomIndex i : of) serials.push_back(serial_number(atoms, i));
+  return serials;
 }
 
 std::vector<std::size_t> overlaps_of(const Cavity& cavity) {
@@ -202,15 +215,12 @@ void write_cavities(const MeasuredAtoms& atoms, const TextSink& sink) {
       "overlaps,atoms,residues\n");
   for (std::size_t k = 0; k < atoms.cavities.size(); ++k) {
     const Cavity& cavity = atoms.cavities[k];
-    std::vector<std::uint64_t> serials;
-    for (const AtomIndex i : cavity.atoms) serials.push_back(serial_number(atoms, i));
-    text.append("{},{:.6f},{:.6f},{:.6f},{:.6f},{},{},{},{},{:.9f},{},{},{},{},{},{}\n", k + 1,
+    text.append("{},{:.6f},{:.6f},{:.6f},{:.6f},{},{},{},{},{:.9f},{},{},{},{},{}\n", k + 1,
                 cavity.void_volume, cavity.probe_center_volume, cavity.ses_area, cavity.sas_area,
                 cavity.euler_number, xyz_fields(cavity.centroid), xyz_fields(cavity.low),
                 xyz_fields(cavity.high), cavity.largest_probe, cavity.wall_count, cavity.piece + 1,
                 fmt::join(numbers_of(cavity.inner), " "), fmt::join(overlaps_of(cavity), " "),
-                fmt::join(serials, " "),
-                csv_field(formatted("{}", fmt::join(residues_of(atoms, cavity.atoms), "; "))));
+                neighbor_fields(atoms, cavity.atoms));
   }
   text.flush();
 }
@@ -232,6 +242,20 @@ void write_pieces(const MeasuredAtoms& atoms, const TextSink& sink) {
                 piece.cavity_count, piece.cavity ? *piece.cavity + 1 : 0, piece.atoms.size(),
                 serial_number(atoms, piece.atoms.front()),
                 csv_field(formatted("{}", fmt::join(chains, " "))));
+  }
+  text.flush();
+}
+
+void write_pockets(const MeasuredAtoms& atoms, const TextSink& sink) {
+  BufferedText text(sink);
+  text.append(
+      "pocket,volume,probe_center_volume,mouth_area,mouths,centroid_x,centroid_y,centroid_z,atoms,"
+      "residues\n");
+  for (std::size_t k = 0; k < atoms.pockets.size(); ++k) {
+    const Pocket& pocket = atoms.pockets[k];
+    text.append("{},{:.6f},{:.6f},{:.6f},{},{},{}\n", k + 1, pocket.volume,
+                pocket.probe_center_volume, pocket.mouth_area, pocket.mouth_count,
+                xyz_fields(pocket.centroid), neighbor_fields(atoms, pocket.atoms));
   }
   text.flush();
 }

@@ -1,6 +1,6 @@
 #pragma once
-/// Tables of measured areas by atom, residue and chain, of derivatives by atom, and of cavities and
-/// pieces, as CSV (RFC 4180, but with LF as line end).
+/// Tables of measured areas by atom, residue and chain, of derivatives by atom, and of cavities,
+/// pieces and pockets, as CSV (RFC 4180, but with LF as line end).
 ///
 /// The tables of areas have the columns `sas_area,ses_area,convex_area,saddle_area,concave_area`.
 /// The last three are the parts of `ses_area`. If parts of a complex were measured, the columns
@@ -20,8 +20,8 @@
 /// derivatives by the coordinates and the radius of the atom, such as
 /// `ses_area_x,ses_area_y,ses_area_z,ses_area_radius`.
 ///
-/// Cavities and pieces: a line for each, with the members of Cavity and Piece. Indices are counted
-/// from 1. Lists have blanks between their items.
+/// Cavities, pieces and pockets: a line for each, with the members of Cavity, Piece and Pocket.
+/// Indices are counted from 1. Lists have blanks between their items.
 
 #include <cstddef>
 #include <cstdint>
@@ -34,6 +34,7 @@
 #include "eses/atoms.hpp"
 #include "eses/cavities.hpp"
 #include "eses/measure.hpp"
+#include "eses/pockets.hpp"
 #include "output/buffered_text.hpp"
 
 namespace eses::detail {
@@ -41,11 +42,11 @@ namespace eses::detail {
 /// The tables to write.
 struct TableChoice {
   bool atoms = false, residues = false, chains = false, derivatives = false;
-  bool cavities = false, pieces = false;
+  bool cavities = false, pieces = false, pockets = false;
 
   bool need_areas() const { return atoms || residues || chains; }
   bool need_cavities() const { return cavities || pieces; }
-  bool any() const { return need_areas() || derivatives || need_cavities(); }
+  bool any() const { return need_areas() || derivatives || need_cavities() || pockets; }
 };
 
 /// The atoms of a table, their areas and derivatives. All spans by atom have the same length, if
@@ -58,6 +59,7 @@ struct MeasuredAtoms {
   const Gradients& gradients;
   std::span<const Cavity> cavities;
   std::span<const Piece> pieces;
+  std::span<const Pocket> pockets;
   /// The areas of the parts of a complex; null if there are no parts.
   const eses::AtomAreas* areas_alone = nullptr;
   std::span<const std::uint32_t> parts = {};  ///< index of the part of each atom
@@ -77,9 +79,14 @@ void write_measured_chains(const MeasuredAtoms& atoms, const TextSink& sink);
 void write_derivatives(const MeasuredAtoms& atoms, const TextSink& sink);
 void write_cavities(const MeasuredAtoms& atoms, const TextSink& sink);
 void write_pieces(const MeasuredAtoms& atoms, const TextSink& sink);
+void write_pockets(const MeasuredAtoms& atoms, const TextSink& sink);
 
 /// Returns the number of an atom in its file, from 1.
 std::uint64_t serial_number(const MeasuredAtoms& atoms, AtomIndex i);
+
+/// Returns the numbers of atoms in their file.
+std::vector<std::uint64_t> serial_numbers(const MeasuredAtoms& atoms,
+                                          std::span<const AtomIndex> of);
 
 /// Returns the numbers of the cavities whose voids overlap that of a cavity, from 1. The outside is
 /// 0.

@@ -1,0 +1,324 @@
+#include "run/pocket_finder.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <tuple>
+
+#include "grid/point_bits.hpp"
+#include "solve/region_totals.hpp"
+#include "system/parallel.hpp"
+
+namespace eses::detail {
+namespace {
+
+// Centers are connected if they are at most this many spacings apart.
+constexpr std::int64_t connected = 2;
+
+// Farthest center of a point in a pocket, in spacings. Half a spacing makes up for the centers
+// between the points of the grid.
+double reach_of(const Grid& grid, double probe_radius) { return probe_radius / grid.spacing + 0.5; }
+
+std::int64_t planes_in(double reach) { return static_cast<std::int64_t>(std::floor(reach)); }
+
+// Number of planes that are kept: those within reach of a plane, and the next one.
+std::int64_t window_of(double reach) { return 2 * planes_in(reach) + 2; }
+
+std::size_t points_of_plane(const Grid& grid) {
+  return static_cast<std::size_t>(grid.size[0] * grid.size[1]);
+}
+
+// Sets the bits of `row` within `half` points of a set bit of `centers`.
+void add_dilated(std::span<const std::uint64_t> centers, std::int64_t half,
+                 std::span<std::uint64_t> row) {
+  for (std::size_t w = 0; w < centers.size(); ++w) {
+    const std::uint64_t bits = centers[w];
+    if (bits == 0) continue;
+    row[w] |= bits;
+    for (std::int64_t shift = 1; shift <= half; ++shift) {
+      row[w] |= bits << shift | bits >> shift;
+      if (w > 0) row[w - 1] |= bits << (64 - shift);
+      if (w + 1 < row.size()) row[w + 1] |= bits >> (64 - shift);
+    }
+  }
+}
+
+}  // namespace
+
+PocketFinder::PocketFinder(const Grid& grid, double probe_radius, int threads)
+    : grid_(grid),
+      threads_(threads),
+      words_(static_cast<std::size_t>((grid.size[0] + 63) / 64)),
+      planes_within_reach_(planes_in(reach_of(grid, probe_radius))) {
+  const double reach = reach_of(grid, probe_radius);
+  const std::int64_t far = std::max(planes_within_reach_, connected);
+  const auto square = [](std::int64_t x) { return static_cast<double>(x * x); };
+  const auto squared_length = [&](const Offset& offset) {
+    return square(offset.x) + square(offset.y) + square(offset.z);
+  };
+  for (std::int64_t z = -far; z <= far; ++z)
+    for (std::int64_t y = -far; y <= far; ++y) {
+      const double rest = reach * reach - square(y) - square(z);
+      if (rest >= 0)
+        rows_within_reach_.push_back({y, z, static_cast<std::int64_t>(std::sqrt(rest))});
+      for (std::int64_t x = -far; x <= far; ++x) {
+        const Offset offset{x, y, z};
+        const double squared = squared_length(offset);
+        if (squared <= reach * reach) within_reach_.push_back(offset);
+        if (squared <= square(connected) && std::tuple(z, y, x) < std::tuple(0, 0, 0))
+          before_.push_back(offset);
+      }
+    }
+  std::stable_sort(
+      within_reach_.begin(), within_reach_.end(),
+      [&](const Offset& a, const Offset& b) { return squared_length(a) < squared_length(b); });
+  const std::int64_t window = window_of(reach);
+  first_z_ = -window;
+  Plane blank{empty_plane(), {}, {}, {}, {}, {}};
+  blank.centers = blank.large;
+  blank.has_centers.resize(static_cast<std::size_t>(grid.size[1]));
+  planes_.assign(static_cast<std::size_t>(window), blank);
+}
+
+PocketPlane PocketFinder::empty_plane() const {
+  PocketPlane plane;
+  plane.small.resize(words_ * static_cast<std::size_t>(grid_.size[1]));
+  plane.large = plane.covered = plane.small;
+  return plane;
+}
+
+double PocketFinder::memory_bytes(const Grid& grid, double probe_radius) {
+  constexpr double bytes_per_point = sizeof(Element) + 4.0 / 8;  // labels, and four bits
+  constexpr double other_labels = 5;                             // planes of mouths and owners
+  return (static_cast<double>(window_of(reach_of(grid, probe_radius))) + other_labels) *
+         bytes_per_point * static_cast<double>(points_of_plane(grid));
+}
+
+template <class Action>
+void PocketFinder::for_each_point(const std::vector<std::uint64_t>& bits, Action&& action) const {
+  for (std::int64_t y = 0; y < grid_.size[1]; ++y)
+    for (std::size_t w = 0; w < words_; ++w)
+      for_each_bit(bits[row_begin(y) + w],
+                   [&](int bit) { action(static_cast<std::int64_t>(w) * 64 + bit, y); });
+}
+
+PocketFinder::Element PocketFinder::element_at(const std::vector<Element>& elements, std::int64_t x,
+                                               std::int64_t y) const {
+  if (elements.empty() || x < 0 || x >= grid_.size[0] || !is_row(y)) return none;
+  return elements[static_cast<std::size_t>(y * grid_.size[0] + x)];
+}
+
+void PocketFinder::add(PocketPlane next) {
+  const std::int64_t z = first_z_ + static_cast<std::int64_t>(planes_.size());
+  planes_.pop_front();
+  ++first_z_;
+  planes_.push_back({std::move(next), {}, {}, {}, {}, {}});
+  find_centers(z);
+  find_mouths(z - 1);
+  plane(z - 3).mouth = {};
+  const std::int64_t complete = z - planes_within_reach_;
+  find_owners(complete);
+  add_points(complete);
+  add_crossings(complete - 1);
+  plane(complete - 1).owner = {};
+}
+
+// Unites the sets of the connected points before a point. Returns one of their elements, or `none`.
+PocketFinder::Element PocketFinder::united(DisjointSets& sets,
+                                           std::vector<Element> Plane::*elements,
+                                           const GridIndex& at) {
+  Element found = none;
+  for (const auto& [x, y, z] : before_) {
+    const Element element = element_at(plane(at[2] + z).*elements, at[0] + x, at[1] + y);
+    if (element == none) continue;
+    if (found != none && found != element) sets.unite(found, element);
+    found = element;
+  }
+  return found;
+}
+
+void PocketFinder::find_centers(std::int64_t z) {
+  Plane& here = plane(z);
+  here.centers.resize(here.small.size());
+  here.has_centers.assign(static_cast<std::size_t>(grid_.size[1]), 0);
+  for (std::size_t w = 0; w < here.centers.size(); ++w)
+    here.centers[w] = here.large[w] & ~here.small[w] & ~here.covered[w];
+  for_each_point(here.centers, [&](std::int64_t x, std::int64_t y) {
+    here.has_centers[static_cast<std::size_t>(y)] = 1;
+    if (here.center.empty()) here.center.assign(points_of_plane(grid_), none);
+    Element element = united(centers_, &Plane::center, {x, y, z});
+    if (element == none) {
+      element = centers_.add();
+      sums_.emplace_back();
+    }
+    here.center[static_cast<std::size_t>(y * grid_.size[0] + x)] = element;
+    ++sums_[element].centers;
+  });
+}
+
+// Returns the centers of a word that have a neighbour outside of the large probe's surface.
+std::uint64_t PocketFinder::at_mouth(std::int64_t y, std::int64_t z, std::size_t word) {
+  const std::size_t at = row_begin(y) + word;
+  const std::uint64_t centers = plane(z).centers[at];
+  if (centers == 0) return 0;
+  const std::vector<std::uint64_t>& large = plane(z).large;
+  const auto row_at = [&](std::int64_t row) {
+    return is_row(row) ? large[row_begin(row) + word] : std::uint64_t{0};
+  };
+  const std::uint64_t left = word > 0 ? large[at - 1] >> 63 : 0;
+  const std::uint64_t right = word + 1 < words_ ? large[at + 1] << 63 : 0;
+  const std::uint64_t surrounded = (large[at] << 1 | left) & (large[at] >> 1 | right) &
+                                   row_at(y - 1) & row_at(y + 1) & plane(z - 1).large[at] &
+                                   plane(z + 1).large[at];
+  return centers & ~surrounded;
+}
+
+void PocketFinder::find_mouths(std::int64_t z) {
+  Plane& here = plane(z);
+  if (here.center.empty()) return;
+  for (std::int64_t y = 0; y < grid_.size[1]; ++y) {
+    if (here.has_centers[static_cast<std::size_t>(y)] == 0) continue;
+    for (std::size_t w = 0; w < words_; ++w)
+      for_each_bit(at_mouth(y, z, w), [&](int bit) {
+        const std::int64_t x = static_cast<std::int64_t>(w) * 64 + bit;
+        if (here.mouth.empty()) here.mouth.assign(points_of_plane(grid_), none);
+        Element element = united(mouths_, &Plane::mouth, {x, y, z});
+        if (element == none) {
+          element = mouths_.add();
+          center_of_mouth_.push_back(element_at(here.center, x, y));
+        }
+        here.mouth[static_cast<std::size_t>(y * grid_.size[0] + x)] = element;
+      });
+  }
+}
+
+PocketFinder::Element PocketFinder::nearest_center(const GridIndex& at) {
+  for (const auto& [x, y, z] : within_reach_)
+    if (const Element element = element_at(plane(at[2] + z).center, at[0] + x, at[1] + y);
+        element != none)
+      return element;
+  return none;
+}
+
+// Finds the owners of the points of a row.
+void PocketFinder::find_owners(std::int64_t y, std::int64_t z) {
+  Plane& here = plane(z);
+  std::vector<std::uint64_t> row(words_);
+  for (const auto& [dy, dz, half] : rows_within_reach_) {
+    const Plane& other = plane(z + dz);
+    if (is_row(y + dy) && other.has_centers[static_cast<std::size_t>(y + dy)] != 0)
+      add_dilated(std::span(other.centers).subspan(row_begin(y + dy), words_), half, row);
+  }
+  for (std::size_t w = 0; w < words_; ++w) {
+    const std::size_t at = row_begin(y) + w;
+    for_each_bit(row[w] & here.large[at] & ~here.small[at], [&](int bit) {
+      const std::int64_t x = static_cast<std::int64_t>(w) * 64 + bit;
+      here.owner[static_cast<std::size_t>(y * grid_.size[0] + x)] = nearest_center({x, y, z});
+    });
+  }
+}
+
+void PocketFinder::find_owners(std::int64_t z) {
+  bool has_centers = false;
+  for (std::int64_t dz = -planes_within_reach_; dz <= planes_within_reach_; ++dz)
+    has_centers = has_centers || !plane(z + dz).center.empty();
+  if (!has_centers) return;
+  plane(z).owner.assign(points_of_plane(grid_), none);
+  parallel_for(grid_.size[1], threads_, [&](std::int64_t y, int) { find_owners(y, z); });
+}
+
+void PocketFinder::add_points(std::int64_t z) {
+  const Plane& here = plane(z);
+  for (std::size_t w = 0; w < here.large.size(); ++w)
+    difference_points_ += std::popcount(here.large[w] & ~here.small[w]);
+  for (std::size_t k = 0; k < here.owner.size(); ++k) {
+    if (here.owner[k] == none) continue;
+    Sums& sums = sums_[here.owner[k]];
+    const auto point = static_cast<std::int64_t>(k);
+    const GridIndex index{point % grid_.size[0], point / grid_.size[0], z};
+    ++sums.points;
+    for (std::size_t axis = 0; axis < 3; ++axis) sums.indices[axis] += index[axis];
+  }
+}
+
+// Returns the owner of the inside or the outside end of an edge from a plane.
+PocketFinder::Element PocketFinder::owner_of_end(const PocketPlane::Edge& edge, std::int64_t z,
+                                                 bool is_inside) {
+  GridIndex end{edge.x, edge.y, z};
+  if (edge.lower_is_inside != is_inside) ++end[edge.axis];
+  return element_at(plane(end[2]).owner, end[0], end[1]);
+}
+
+// Adds the crossings of the edges from a plane. The owners of the next plane are known.
+void PocketFinder::add_crossings(std::int64_t z) {
+  Plane& here = plane(z);
+  for (const PocketPlane::Wall& wall : here.walls) {
+    const Element owner = owner_of_end(wall, z, false);
+    if (owner == none) continue;
+    for (std::size_t k = 0; k < wall.atom_count; ++k) contacts_.emplace_back(owner, wall.atoms[k]);
+  }
+  for (const PocketPlane::Mouth& mouth : here.mouths) {
+    const Element owner = owner_of_end(mouth, z, true);
+    if (owner != none) sums_[owner].mouth += mouth.share;
+  }
+  here.walls = {};
+  here.mouths = {};
+  remove_repeated_contacts();
+}
+
+// Keeps the number of contacts within twice the number of different ones.
+void PocketFinder::remove_repeated_contacts() {
+  constexpr std::size_t few = 100000;
+  if (contacts_.size() < few + 2 * contacts_to_keep_) return;
+  std::sort(contacts_.begin(), contacts_.end());
+  contacts_.erase(std::unique(contacts_.begin(), contacts_.end()), contacts_.end());
+  contacts_to_keep_ = contacts_.size();
+}
+
+Pockets PocketFinder::finish(double min_volume) {
+  for (std::size_t k = 0; k < planes_.size(); ++k) add(empty_plane());
+  const std::vector<Element> label = centers_.labels();
+  const double point_volume = grid_.spacing * grid_.spacing * grid_.spacing;
+  struct Found : Sums {
+    std::size_t mouth_count = 0;
+    std::vector<AtomIndex> atoms;
+  };
+  std::vector<Found> found(label.empty() ? 0 : *std::max_element(label.begin(), label.end()) + 1);
+  for (Element k = 0; k < label.size(); ++k) {
+    Found& sum = found[label[k]];
+    sum.points += sums_[k].points;
+    sum.centers += sums_[k].centers;
+    sum.mouth += sums_[k].mouth;
+    for (std::size_t axis = 0; axis < 3; ++axis) sum.indices[axis] += sums_[k].indices[axis];
+  }
+  for (Element k = 0; k < mouths_.count(); ++k)
+    if (mouths_.root(k) == k) ++found[label[center_of_mouth_[k]]].mouth_count;
+  for (const auto& [owner, atom] : contacts_) found[label[owner]].atoms.push_back(atom);
+  // Labels ascend in the order of the first centers.
+  std::stable_sort(found.begin(), found.end(),
+                   [](const Found& a, const Found& b) { return a.points > b.points; });
+  Pockets result;
+  std::int64_t points = 0;
+  for (Found& pocket : found) {
+    points += pocket.points;
+    const double volume = point_volume * static_cast<double>(pocket.points);
+    if (volume < min_volume) continue;
+    std::sort(pocket.atoms.begin(), pocket.atoms.end());
+    pocket.atoms.erase(std::unique(pocket.atoms.begin(), pocket.atoms.end()), pocket.atoms.end());
+    Vec3 mean;
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      mean[axis] = static_cast<double>(pocket.indices[axis]) / static_cast<double>(pocket.points);
+    result.pockets.push_back(
+        {.volume = volume,
+         .probe_center_volume = point_volume * static_cast<double>(pocket.centers),
+         .mouth_area = atom_area(pocket.mouth, grid_.spacing),
+         .mouth_count = pocket.mouth_count,
+         .centroid = grid_.origin + grid_.spacing * mean,
+         .atoms = std::move(pocket.atoms)});
+  }
+  result.difference_volume = point_volume * static_cast<double>(difference_points_);
+  result.shallow_volume = point_volume * static_cast<double>(difference_points_ - points);
+  return result;
+}
+
+}  // namespace eses::detail

@@ -1,0 +1,204 @@
+#include "run/pocket_sweep.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <memory>
+#include <numbers>
+#include <span>
+#include <stdexcept>
+#include <utility>
+#include <vector>
+
+#include "grid/make_grid.hpp"
+#include "run/pipeline.hpp"
+#include "run/pocket_finder.hpp"
+#include "run/run_plan.hpp"
+#include "surface/patch_schedule.hpp"
+#include "system/formatted.hpp"
+#include "system/parallel.hpp"
+
+namespace eses::detail {
+namespace {
+
+// Maximum ratio of the radius of the small probe to the spacing.
+constexpr double max_probe_spacings = 32;
+
+// Margin of the grid in spacings. The difference of the surfaces lies in the convex hull of the van
+// der Waals spheres, so all points of the outermost planes are outside of both.
+constexpr double margin_spacings = 2;
+
+// The smallest volume of a pocket, in volumes of the small probe, unless it is chosen.
+constexpr double min_probe_volumes = 2;
+
+void require(bool holds, const std::string& message) {
+  if (!holds) throw std::invalid_argument(message);
+}
+
+// The sweep over the surface of a probe, without its cavities.
+class ProbeSweep {
+ public:
+  // `caller` is what the search for pockets needs besides. The points that the centre of the probe
+  // cannot reach are found if `finds_covered` is set.
+  ProbeSweep(const Molecule& molecule, const Grid& grid, double probe_radius, bool finds_covered,
+             const PocketOptions& options, const CallerMemory& caller) {
+    RunTask task{.atoms = molecule,
+                 .parameters = {.probe_radius = probe_radius,
+                                .grid = grid,
+                                .block_size = options.block_size,
+                                .threads = options.threads,
+                                .max_filled_void = std::numeric_limits<double>::infinity()},
+                 .outputs = Outputs::none(),
+                 .caller_memory = caller};
+    if (finds_covered) task.outputs.ion_access = IonAccessMap{"covered.dx", probe_radius};
+    extras_ = extras_of(task.outputs);
+    plan_ = plan_run(task, Processes());
+    patches_ = std::move(plan_.patches);
+    if (patches_) return;
+    SurfaceModel surface(molecule, probe_radius);
+    surface.cavities = plan_.cavities;
+    patches_ = std::make_shared<ScheduledSurface>(std::move(surface),
+                                                  HeightRange{grid.origin.z, grid.upper().z});
+  }
+
+  // Planes of a layer of blocks.
+  std::int64_t layer_planes() const { return plan_.slab_plan.tiling.block_size[2] - 1; }
+  int threads() const { return plan_.slab_plan.threads; }
+
+  // Sweeps over the next planes.
+  void sweep(const PlaneRange& planes, std::vector<MapSink> maps, SolvedBlockCallback block,
+             ProgressReport& report) {
+    Sinks sinks;
+    sinks.maps = std::move(maps);
+    sinks.extras = extras_;
+    sinks.block = std::move(block);
+    Plan plan = plan_.slab_plan;
+    plan.region = with_planes(plan.region, planes);
+    plan.tiling = make_tiling(plan.grid, plan.tiling.block_size, plan.region);
+    Pipeline pipeline(patches_->schedule, plan, std::move(sinks), report);
+    pipeline.solve_plane_below();
+    pipeline.run();
+  }
+
+ private:
+  BlockExtras extras_;
+  RunPlan plan_;
+  std::shared_ptr<ScheduledSurface> patches_;
+};
+
+// Planes that are swept together, and the receivers of their points and crossings.
+class PocketPlanes {
+ public:
+  PocketPlanes(const PlaneRange& planes, const PocketFinder& finder)
+      : begin_(planes.begin),
+        planes_(static_cast<std::size_t>(planes.count()), finder.empty_plane()) {}
+
+  std::vector<PocketPlane>& planes() { return planes_; }
+
+  // Returns a receiver of the rows of a map.
+  MapSink receiver(MapQuantity quantity, std::vector<std::uint64_t> PocketPlane::*bits,
+                   const Grid& grid) {
+    const auto rows = static_cast<std::size_t>(grid.size[1]);
+    return {quantity, [this, bits, rows](std::int64_t first_row,
+                                         std::span<const std::uint64_t> words, GridMap::Scratch&) {
+              const std::size_t row_words = (planes_.front().*bits).size() / rows;
+              for (auto row = static_cast<std::size_t>(first_row); !words.empty();
+                   ++row, words = words.subspan(row_words))
+                std::copy_n(words.begin(), row_words,
+                            (planes_[row / rows].*bits).begin() +
+                                static_cast<std::ptrdiff_t>(row % rows * row_words));
+            }};
+  }
+
+  void add_wall(const PocketPlane::Edge& edge, const BlockCrossing& crossing, std::int64_t z) {
+    at(z).walls.push_back({edge, crossing.atoms, crossing.atom_count});
+  }
+  void add_mouth(const PocketPlane::Edge& edge, const BlockCrossing& crossing, std::int64_t z) {
+    const double share = std::fabs(crossing.normal[crossing.axis]) / area_share_unit;
+    at(z).mouths.push_back({edge, std::llround(share)});
+  }
+
+ private:
+  PocketPlane& at(std::int64_t z) { return planes_[static_cast<std::size_t>(z - begin_)]; }
+
+  std::int64_t begin_;
+  std::vector<PocketPlane> planes_;
+};
+
+// Calls `add(edge, crossing, z)` for the crossings of the edges that a block owns.
+template <class Add>
+void for_each_edge(const BlockResult& result, Add&& add) {
+  if (result.crossings.empty()) return;
+  const auto& [first, points, owned] = result.block;
+  for (std::int64_t row = 0; row < owned[1] * owned[2]; ++row)
+    for (const BlockCrossing& crossing : row_crossings(result.crossings, result.row_begin, row))
+      add(PocketPlane::Edge{first[0] + crossing.x, first[1] + row % owned[1], crossing.axis,
+                            crossing.lower_is_inside != 0},
+          crossing, first[2] + row / owned[1]);
+}
+
+}  // namespace
+
+void require_valid(const PocketOptions& options, double probe_radius) {
+  require(probe_radius >= min_probe_radius && probe_radius <= max_probe_radius,
+          formatted("the probe radius must be between {} and {} angstrom for pockets, and is {}",
+                    min_probe_radius, max_probe_radius, probe_radius));
+  const double large = options.large_probe_radius;
+  require(large > probe_radius && large <= max_probe_radius,
+          formatted("the radius of the large probe must be more than that of the probe, {}, and at "
+                    "most {} angstrom, and is {}",
+                    probe_radius, max_probe_radius, large));
+  const double min_spacing = probe_radius / max_probe_spacings;
+  require(options.spacing >= min_spacing && options.spacing <= probe_radius,
+          formatted("the spacing must be between {:.4g} and {} angstrom for pockets with a probe "
+                    "radius of {}, and is {}",
+                    min_spacing, probe_radius, probe_radius, options.spacing));
+  require(!options.min_volume || (*options.min_volume >= 0 && std::isfinite(*options.min_volume)),
+          formatted("the minimum volume of a pocket must be a number of at least 0, and is {}",
+                    options.min_volume.value_or(0)));
+  require(options.threads >= 0,
+          formatted("the number of threads must not be negative, and is {}", options.threads));
+}
+
+Pockets sweep_pockets(const Molecule& molecule, double probe_radius, const PocketOptions& options) {
+  const Grid grid = make_grid(molecule.atoms(), options.spacing, margin_spacings * options.spacing);
+  // Each sweep expects half of the memory of the finder.
+  const CallerMemory caller{.per_point = PocketFinder::memory_bytes(grid, probe_radius) / 2 /
+                                         static_cast<double>(grid.point_count())};
+  ProbeSweep small(molecule, grid, probe_radius, true, options, caller);
+  ProbeSweep large(molecule, grid, options.large_probe_radius, false, options, caller);
+  PocketFinder finder(grid, probe_radius, small.threads());
+  start_threads(std::max(small.threads(), large.threads()));
+  const ProgressCallback check = [&](std::int64_t, std::int64_t) {
+    if (options.check) options.check();
+  };
+  ProgressReport report(check, 0);
+  report.check();
+  for (std::int64_t z = 0; z < grid.size[2]; z += small.layer_planes()) {
+    const PlaneRange planes{z, std::min(z + small.layer_planes(), grid.size[2])};
+    PocketPlanes buffer(planes, finder);
+    small.sweep(
+        planes,
+        {buffer.receiver(MapQuantity::inside, &PocketPlane::small, grid),
+         buffer.receiver(MapQuantity::ion_access, &PocketPlane::covered, grid)},
+        [&](const BlockResult& result) {
+          for_each_edge(result, [&](auto&&... edge) { buffer.add_wall(edge...); });
+        },
+        report);
+    large.sweep(
+        planes, {buffer.receiver(MapQuantity::inside, &PocketPlane::large, grid)},
+        [&](const BlockResult& result) {
+          for_each_edge(result, [&](auto&&... edge) { buffer.add_mouth(edge...); });
+        },
+        report);
+    for (PocketPlane& plane : buffer.planes()) {
+      finder.add(std::move(plane));
+      report.check();
+    }
+  }
+  const double probe_volume = 4 * std::numbers::pi / 3 * std::pow(probe_radius, 3);
+  return finder.finish(options.min_volume.value_or(min_probe_volumes * probe_volume));
+}
+
+}  // namespace eses::detail

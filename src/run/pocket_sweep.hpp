@@ -1,0 +1,16 @@
+#pragma once
+/// The search for pockets: sweeps over the surfaces of two probes on the same grid, layer by layer.
+
+#include "eses/pockets.hpp"
+#include "surface/molecule.hpp"
+
+namespace eses::detail {
+
+/// Throws std::invalid_argument if an option is out of its range. `probe_radius` is that of the
+/// small probe.
+void require_valid(const PocketOptions& options, double probe_radius);
+
+/// Finds the pockets of a molecule for valid options.
+Pockets sweep_pockets(const Molecule& molecule, double probe_radius, const PocketOptions& options);
+
+}  // namespace eses::detail
