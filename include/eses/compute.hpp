@@ -49,12 +49,16 @@ struct ResultParts {
 
 /// A triangle mesh of the surface. It has one vertex for each crossing, in the same order. A vertex
 /// is at the position of its crossing. If the crossing coincides with a grid point, the vertex is
-/// 1e-4 of the spacing away from that point. All lists of vertices have the same length.
+/// 1e-4 of the spacing away from that point. All lists of vertices have the same length, except
+/// that `components` may be empty.
 struct Mesh {
   std::vector<Vec3> vertices;         ///< Positions of the vertices, in angstrom.
   std::vector<Vec3> normals;          ///< Outward unit normals of the vertices.
   std::vector<AtomIndex> atoms;       ///< First adjacent atom of each vertex.
   std::vector<std::uint8_t> patches;  ///< Patch of each vertex: 1 convex, 2 saddle, 3 concave.
+  /// Component of each vertex: 0 for the outside, otherwise the number of the cavity, from 1 in the
+  /// order of Measures::cavities. Empty unless make_mesh was given the surface.
+  std::vector<std::uint32_t> components;
   /// Indices of the vertices of each triangle, from 0, counterclockwise seen from outside.
   std::vector<std::array<std::uint64_t, 3>> faces;
 };
@@ -145,6 +149,12 @@ Mesh make_mesh(const Result& result, const CheckCallback& check = {});
 /// some of the crossings, in the same order; one whose crossing coincides with a grid point is 1e-6
 /// of the spacing away from that point.
 Mesh make_quality_mesh(const Result& result, const CheckCallback& check = {});
+
+/// These functions set Mesh::components, too. `surface` must be the one that the result was
+/// computed from. All its cavities are found.
+Mesh make_mesh(const Result& result, const Surface& surface, const CheckCallback& check = {});
+Mesh make_quality_mesh(const Result& result, const Surface& surface,
+                       const CheckCallback& check = {});
 
 /// A solved block of the grid. The object is a view, which is valid during the callback.
 class Block {

@@ -2,6 +2,7 @@
 /// @file
 /// Selection of output files.
 
+#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -15,6 +16,7 @@ enum class MeshColor {
   atom,       ///< A colour for the first adjacent atom.
   chain,      ///< A colour for the chain of the first adjacent atom; needs labels.
   potential,  ///< Red, white and blue for a potential; needs MeshOptions::potential.
+  component,  ///< A colour for each cavity, and grey for the outer surface; see doc/cavities.md.
 };
 
 /// A map of an electrostatic potential, from which the vertices of a mesh get values and colours.
@@ -44,6 +46,11 @@ struct MeshOptions {
   bool quality = false;
   /// A potential, only with MeshColor::potential. PLY and VTP files have its values, too.
   std::optional<MeshPotential> potential = {};
+  /// Makes the mesh of one component alone: the void of a cavity, by its number from 1 in
+  /// Measures::cavities, or with 0 the outer surface. Such a mesh is closed. The totals of the
+  /// summary are those of the void, or of the outer surface. Needs a surface without filled
+  /// cavities, and no other outputs.
+  std::optional<std::uint32_t> component = {};
 };
 
 /// Maps of the dielectric for finite-difference Poisson-Boltzmann solvers, such as APBS with

@@ -48,7 +48,8 @@ struct MeshQuality {
   std::uint64_t below_5_at_cusps = 0;  ///< Number of triangles at cusps among `below_5`.
 };
 
-/// Totals of the points and edges that were computed.
+/// Totals of the points and edges that were computed. With MeshOptions::component, the inside
+/// points are those in the void of the cavity.
 ///
 /// With the spacing h, the outward unit normal n of a crossing on an edge along `axis`, and sums
 /// over all crossings and points, the estimates follow Liu et al. (J. Comput. Chem. 38, 446,

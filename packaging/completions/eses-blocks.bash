@@ -41,7 +41,8 @@ _eses_blocks() {
       ;;
     --parts) COMPREPLY=($(compgen -W chains -- "$cur")) && return ;;
     --csv) _filedir csv && return ;;
-    --color) COMPREPLY=($(compgen -W 'patch atom chain potential' -- "$cur")) && return ;;
+    --color) COMPREPLY=($(compgen -W 'patch atom chain potential component' -- "$cur")) && return ;;
+    --component) COMPREPLY=($(compgen -W outside -- "$cur")) && return ;;
     --mesh) _filedir '@(ply|obj|off|vtp|stl|glb|vert|face)' && return ;;
     --inside) _filedir '@(dx|dx.gz|vti)' && return ;;
     --kappa | --potential) _filedir 'dx?(.gz)' && return ;;

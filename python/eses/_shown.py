@@ -62,12 +62,14 @@ def _make_page(mesh, atoms, color, style, title, height):
             raise ValueError(f"{name} must be one of {', '.join(known)}")
     if len(mesh.faces) == 0:
         raise ValueError("the mesh has no triangles")
+    if color == "component" and mesh.component is None:
+        raise ValueError("the mesh has no components; make it with component=True")
     indices = mesh.atoms.astype(np.int64)
     if atoms is None:
         found, indices = np.unique(indices, return_inverse=True)
         atoms = _page.Atoms(serial=found + 1)
     molecule = _page.Molecule(title, mesh.vertices, mesh.normals, mesh.faces, patch=mesh.kind,
-                              atom=indices, atoms=atoms)
+                              component=mesh.component, atom=indices, atoms=atoms)
     return Page(_page.make_page([molecule], title, color, style), height)
 
 
@@ -116,7 +118,8 @@ def mesh_show(self, color=None, *, backend="page", title="surface", height=560):
     Parameters
     ----------
     color : str, optional
-        The first colours: ``patch`` (the default), ``atom`` or ``plain``.
+        The first colours: ``patch`` (the default), ``atom``, ``plain``, or ``component`` if the
+        mesh has components.
     {page}
     ValueError
         If the mesh has no triangles, or an argument is unknown.
@@ -136,7 +139,7 @@ def surface_show(self, spacing=0.4, atoms=None, *, color=None, style="none", bac
         The atoms of the surface, in the same order, for their names.
     color : str, optional
         The first colours: ``patch`` (the default), ``atom``, ``element``, ``chain``, ``residue``,
-        ``area`` or ``plain``.
+        ``area``, ``component`` or ``plain``.
     style : str
         How atoms are drawn at first: ``none``, ``sticks``, ``balls`` or ``spheres``.
     {page}
@@ -145,10 +148,16 @@ def surface_show(self, spacing=0.4, atoms=None, *, color=None, style="none", bac
     """
     result = self.compute(self.grid(spacing, 2 * spacing))  # does not cut the surface
     shown = _page_atoms(self.centers, self.radii, result.atom_areas, atoms)
-    return _show(result.mesh(), shown, color, style, backend, title, height)
+    return _show(result.mesh(component=True), shown, color, style, backend, title, height)
 
 
 # ------------------------------------------------------------------------- other packages' types
+
+
+def _attributes(mesh):
+    """Returns the values of the vertices by their names in mesh files."""
+    values = {"atom": mesh.atoms, "patch": mesh.kind}
+    return values if mesh.component is None else values | {"component": mesh.component}
 
 
 def mesh_to_trimesh(self):
@@ -157,7 +166,8 @@ def mesh_to_trimesh(self):
     Returns
     -------
     trimesh.Trimesh
-        Copies of vertices, normals and faces, with the vertex attributes ``atom`` and ``patch``.
+        Copies of vertices, normals and faces, with the vertex attributes ``atom``, ``patch`` and,
+        if the mesh has components, ``component``.
 
     Raises
     ------
@@ -167,7 +177,8 @@ def mesh_to_trimesh(self):
     trimesh = _require("trimesh", "to_trimesh")
     return trimesh.Trimesh(self.vertices.copy(), self.faces.copy(),
                            vertex_normals=self.normals.copy(), process=False,
-                           vertex_attributes={"atom": self.atoms.copy(), "patch": self.kind.copy()})
+                           vertex_attributes={name: values.copy()
+                                              for name, values in _attributes(self).items()})
 
 
 def mesh_to_pyvista(self):
@@ -176,7 +187,8 @@ def mesh_to_pyvista(self):
     Returns
     -------
     pyvista.PolyData
-        Copies of vertices and faces, with the point data ``Normals``, ``atom`` and ``patch``.
+        Copies of vertices and faces, with the point data ``Normals``, ``atom``, ``patch`` and, if
+        the mesh has components, ``component``.
 
     Raises
     ------
@@ -187,8 +199,7 @@ def mesh_to_pyvista(self):
     faces = np.column_stack([np.full(len(self.faces), 3), self.faces])
     mesh = pyvista.PolyData(self.vertices.copy(), faces.ravel())
     mesh.point_data["Normals"] = self.normals
-    mesh.point_data["atom"] = self.atoms
-    mesh.point_data["patch"] = self.kind
+    mesh.point_data.update(_attributes(self))
     return mesh
 
 

@@ -49,7 +49,7 @@ constexpr const char* crossings_text = R"(Crossings: crossings of grid edges wit
 With a region, the crossings are those of the edges whose lower ends are in it. Raises ValueError if
 the surface was computed with ``crossings=False``.)";
 
-constexpr const char* mesh_text = R"(mesh(self, *, quality=False)
+constexpr const char* mesh_text = R"(mesh(self, *, quality=False, component=False)
 --
 
 Make a triangle mesh of the surface.
@@ -63,6 +63,8 @@ Parameters
 quality : bool, default False
     Improve the triangles, as ``eses-blocks --mesh-quality`` does. The vertices are then some of the
     crossings, in the same order.
+component : bool, default False
+    Find the components of the vertices, ``Mesh.component``.
 
 Returns
 -------
@@ -84,7 +86,7 @@ memory with the mesh.)";
 
 using InsideArray = py::array_t<bool, py::array::f_style | py::array::forcecast>;
 
-std::shared_ptr<Mesh> mesh_of(const ComputedResult& result, bool quality) {
+std::shared_ptr<Mesh> mesh_of(const ComputedResult& result, bool quality, bool component) {
   if (!result.parts().inside || !result.parts().crossings)
     throw py::value_error(
         "a mesh needs the inside points and the crossings, which were not both chosen; compute "
@@ -92,8 +94,11 @@ std::shared_ptr<Mesh> mesh_of(const ComputedResult& result, bool quality) {
   const py::gil_scoped_release unlocked;
   Interrupts interrupts;
   const auto check = [&interrupts] { interrupts.check(); };
-  return std::make_shared<Mesh>(quality ? make_quality_mesh(result, check)
-                                        : make_mesh(result, check));
+  const auto make = [&](const auto&... arguments) {
+    return std::make_shared<Mesh>(quality ? make_quality_mesh(result, arguments...)
+                                          : make_mesh(result, arguments...));
+  };
+  return component ? make(result.surface, check) : make(check);
 }
 
 py::array inside_of(const py::object& self) {
@@ -171,7 +176,7 @@ std::shared_ptr<ComputedResult> result_of_state(const py::tuple& state) {
 
 py::tuple mesh_state(const py::object& mesh) {
   return py::make_tuple(mesh.attr("vertices"), mesh.attr("normals"), mesh.attr("atoms"),
-                        mesh.attr("kind"), mesh.attr("faces"));
+                        mesh.attr("kind"), mesh.attr("faces"), mesh.attr("component"));
 }
 
 std::vector<Vec3> vectors_of_state(const StateArray<double>& values, std::size_t count) {
@@ -185,19 +190,22 @@ std::vector<Vec3> vectors_of_state(const StateArray<double>& values, std::size_t
 }
 
 std::shared_ptr<Mesh> mesh_of_state(const py::tuple& state) {
-  const auto [vertices, normals, atoms, kind, faces] =
+  const auto [vertices, normals, atoms, kind, faces, component] =
       unpack_state<std::tuple<StateArray<double>, StateArray<double>, StateArray<AtomIndex>,
-                              StateArray<std::uint8_t>, StateArray<std::uint64_t>>>(state);
+                              StateArray<std::uint8_t>, StateArray<std::uint64_t>,
+                              std::optional<StateArray<std::uint32_t>>>>(state);
   const auto count = static_cast<std::size_t>(atoms.size());
   const auto face_count = static_cast<std::size_t>(faces.size() / 3);
   require_shape(atoms, count);
   require_shape(kind, count);
   require_shape(faces, face_count, 3);
+  if (component) require_shape(*component, count);
   auto mesh = std::make_shared<Mesh>();
   mesh->vertices = vectors_of_state(vertices, count);
   mesh->normals = vectors_of_state(normals, count);
   mesh->atoms.assign(atoms.data(), atoms.data() + count);
   mesh->patches.assign(kind.data(), kind.data() + count);
+  if (component) mesh->components.assign(component->data(), component->data() + count);
   mesh->faces.resize(face_count);
   for (std::size_t i = 0; i < 3 * face_count; ++i) {
     if (faces.data()[i] >= count)
@@ -250,6 +258,15 @@ void bind_mesh(py::module_& module) {
             return field_view(patches.data(), patches.size(), 1, self);
           },
           "(V,) uint8: kinds of the patches, 1 convex, 2 saddle, 3 concave.")
+      .def_property_readonly(
+          "component",
+          [](const py::object& self) -> py::object {
+            const auto& components = self.cast<const Mesh&>().components;
+            if (components.empty()) return py::none();
+            return field_view(components.data(), components.size(), sizeof(std::uint32_t), self);
+          },
+          "(V,) uint32, or None: component of each vertex, 0 outside, otherwise the number of the "
+          "cavity from 1; see ``Result.mesh``.")
       .def("__repr__",
            [](const Mesh& self) {
              return "<eses.Mesh: " + std::to_string(self.vertices.size()) + " vertices, " +
@@ -295,7 +312,8 @@ void bind_result(py::module_& module) {
           "axis.")
       .def_property_readonly("inside", &inside_of, inside_text)
       .def_property_readonly("crossings", &crossings_of, crossings_text)
-      .def("mesh", &mesh_of, py::kw_only(), py::arg("quality") = false, mesh_text)
+      .def("mesh", &mesh_of, py::kw_only(), py::arg("quality") = false,
+           py::arg("component") = false, mesh_text)
       .def("__repr__", &text_of)
       .def(py::pickle(&result_state, &result_of_state));
   protect_instances(type);

@@ -1,6 +1,7 @@
 """Tests of the cavities and pockets of a surface. Expected values are closed forms."""
 
 import math
+import pickle
 
 import numpy as np
 import pytest
@@ -81,3 +82,28 @@ def test_arguments_are_checked():
         surface.pockets(spacing=2)
     with pytest.raises(ValueError, match="minimum volume"):
         surface.pockets(min_volume=-1)
+
+
+def test_mesh_has_the_components_of_its_vertices():
+    probe = 0.7
+    # The second cavity is larger.
+    centers = np.vstack([octahedron(1 + probe)[1:], octahedron(1.02 + probe)[1:] + [9, 0.1, 0.2]])
+    surface = eses.Surface(centers, np.ones(12), probe_radius=probe)
+    cavities = surface.cavities()
+    assert [round(cavity["centroid"][0]) for cavity in cavities] == [9, 0]
+    result = surface.compute(surface.grid(0.25, 1))
+    assert result.mesh().component is None
+    for quality in (False, True):
+        mesh = result.mesh(quality=quality, component=True)
+        assert mesh.component.dtype == np.uint32 and len(mesh.component) == len(mesh.vertices)
+        assert not mesh.component.flags.writeable
+        for k, cavity in enumerate(cavities):
+            # Probes outside are farther from the centre than 1.2.
+            near = np.linalg.norm(mesh.vertices - cavity["centroid"], axis=1) < 1.2
+            assert near.any() and np.array_equal(near, mesh.component == k + 1)
+        again = pickle.loads(pickle.dumps(mesh))
+        assert np.array_equal(again.component, mesh.component)
+    assert pickle.loads(pickle.dumps(result.mesh())).component is None
+    with pytest.raises(ValueError, match="component=True"):
+        result.mesh().show("component")
+    assert '"color": "component"' in str(mesh.show("component"))

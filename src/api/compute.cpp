@@ -17,7 +17,9 @@
 #include "run/engine.hpp"
 #include "run/run_plan.hpp"
 #include "run/solved_block.hpp"
+#include "surface/measure_patches.hpp"
 #include "system/formatted.hpp"
+#include "system/parallel.hpp"
 
 namespace eses {
 namespace {
@@ -335,13 +337,31 @@ Result compute(const Surface& surface, const Grid& grid, const RunOptions& optio
 
 namespace {
 
-Mesh mesh_of(const Result& result, const CheckCallback& check, bool quality) {
+// Returns a function for the components of the crossings of a surface.
+detail::ComponentOfVertex components_of(const Surface& surface, const CheckCallback& check) {
+  const detail::Molecule& molecule = molecule_of(surface);
+  const auto cavities = detail::find_cavities(molecule,
+                                              {.probe_radius = surface.probe_radius(),
+                                               .threads = detail::available_threads(),
+                                               .check = check,
+                                               .max_filled_void = surface.max_filled_void()},
+                                              false)
+                            .map;
+  return [=, atoms = molecule.atoms(), probe = surface.probe_radius()](const Crossing& crossing) {
+    return cavities->number_at(atoms, crossing.adjacent_atoms(),
+                               crossing.position + probe * crossing.normal);
+  };
+}
+
+Mesh mesh_of(const Result& result, const CheckCallback& check, bool quality,
+             const Surface* surface = nullptr) {
   if (!result.parts().inside || !result.parts().crossings)
     throw std::invalid_argument(
         "a mesh needs ResultParts::inside and ResultParts::crossings, which were not both chosen");
   require_values(result.inside());
-  return detail::make_mesh(result.grid(), result.region(), result.inside(), result.crossings(),
-                           check, quality);
+  return detail::make_mesh(
+      result.grid(), result.region(), result.inside(), result.crossings(), check, quality,
+      surface != nullptr ? components_of(*surface, check) : detail::ComponentOfVertex());
 }
 
 }  // namespace
@@ -352,6 +372,14 @@ Mesh make_mesh(const Result& result, const CheckCallback& check) {
 
 Mesh make_quality_mesh(const Result& result, const CheckCallback& check) {
   return mesh_of(result, check, true);
+}
+
+Mesh make_mesh(const Result& result, const Surface& surface, const CheckCallback& check) {
+  return mesh_of(result, check, false, &surface);
+}
+
+Mesh make_quality_mesh(const Result& result, const Surface& surface, const CheckCallback& check) {
+  return mesh_of(result, check, true, &surface);
 }
 
 Summary for_each_block(const Surface& surface, const Grid& grid, const BlockCallback& callback,

@@ -38,12 +38,14 @@ void add_vertex(const eses::Grid& grid, const eses::Crossing& crossing, double c
 class RowMaker {
  public:
   RowMaker(const eses::Grid& grid, const GridRegion& region, std::span<const std::uint8_t> inside,
-           std::span<const eses::Crossing> crossings, double clearance, Mesh& mesh)
+           std::span<const eses::Crossing> crossings, double clearance,
+           const ComponentOfVertex& component_of, Mesh& mesh)
       : grid_(grid),
         region_(region),
         inside_(inside),
         crossings_(crossings),
         clearance_(clearance),
+        component_of_(component_of),
         mesh_(mesh) {}
 
   // Makes the next row, which has these indices in the grid.
@@ -61,6 +63,7 @@ class RowMaker {
       row.edges.push_back(mesh::edge_key(
           static_cast<std::uint64_t>(crossing.lower[0] - region_.begin[0]), crossing.axis));
       add_vertex(grid_, crossing, clearance_, mesh_);
+      if (component_of_) mesh_.components.push_back(component_of_(crossing));
     }
   }
 
@@ -74,6 +77,7 @@ class RowMaker {
   std::span<const std::uint8_t> inside_;
   std::span<const eses::Crossing> crossings_;
   double clearance_;
+  const ComponentOfVertex& component_of_;
   Mesh& mesh_;
   std::size_t point_ = 0, next_ = 0;
 };
@@ -87,20 +91,22 @@ struct RowBegin {
 Mesh improve(const Mesh& plain, std::span<const RowBegin> rows, double spacing,
              const CheckCallback& check) {
   Mesh mesh;
-  mesh::QualityMesh quality_mesh(spacing, {.vertex =
-                                               [&](std::uint64_t vertex) {
-                                                 mesh.vertices.push_back(plain.vertices[vertex]);
-                                                 mesh.normals.push_back(plain.normals[vertex]);
-                                                 mesh.atoms.push_back(plain.atoms[vertex]);
-                                                 mesh.patches.push_back(plain.patches[vertex]);
-                                               },
-                                           .triangle =
-                                               [&](const mesh::Triangle& triangle) {
-                                                 mesh::Triangle& numbers =
-                                                     mesh.faces.emplace_back(triangle);
-                                                 for (std::uint64_t& vertex : numbers)
-                                                   vertex = quality_mesh.new_number(vertex);
-                                               }});
+  mesh::QualityMesh quality_mesh(spacing,
+                                 {.vertex =
+                                      [&](std::uint64_t vertex) {
+                                        mesh.vertices.push_back(plain.vertices[vertex]);
+                                        mesh.normals.push_back(plain.normals[vertex]);
+                                        mesh.atoms.push_back(plain.atoms[vertex]);
+                                        mesh.patches.push_back(plain.patches[vertex]);
+                                        if (!plain.components.empty())
+                                          mesh.components.push_back(plain.components[vertex]);
+                                      },
+                                  .triangle =
+                                      [&](const mesh::Triangle& triangle) {
+                                        mesh::Triangle& numbers = mesh.faces.emplace_back(triangle);
+                                        for (std::uint64_t& vertex : numbers)
+                                          vertex = quality_mesh.new_number(vertex);
+                                      }});
   std::uint64_t next = 0;
   auto row = rows.begin();
   for (const mesh::Triangle& triangle : plain.faces) {
@@ -123,10 +129,10 @@ Mesh improve(const Mesh& plain, std::span<const RowBegin> rows, double spacing,
 
 Mesh make_mesh(const eses::Grid& grid, const GridRegion& region,
                std::span<const std::uint8_t> inside, std::span<const eses::Crossing> crossings,
-               const CheckCallback& check, bool quality) {
+               const CheckCallback& check, bool quality, const ComponentOfVertex& component_of) {
   Mesh mesh;
   RowMaker rows(grid, region, inside, crossings, quality ? mesh::coincidence : mesh::clearance,
-                mesh);
+                component_of, mesh);
   std::vector<RowBegin> row_begins;
   const auto rows_of_plane = static_cast<std::size_t>(region.size()[1]);
   std::vector<mesh::Row> below(rows_of_plane), plane(rows_of_plane);

@@ -27,6 +27,7 @@
 #include "input/radii_set.hpp"
 #include "output/map_writer.hpp"
 #include "output/mesh_format.hpp"
+#include "output/output_files.hpp"
 #include "system/dispatch.hpp"
 #include "system/formatted.hpp"
 
@@ -92,7 +93,7 @@ struct Length {
 struct CommandLine {
   Options options;
   Length probe_radius, spacing, margin;
-  Outputs text_files;
+  std::optional<Outputs> text_files;
   bool gzip = false;
   std::filesystem::path inside_map, ion_map, dielectric_prefix, mesh;  ///< empty: not given
   std::optional<double> solute, solvent, ion_radius;
@@ -103,6 +104,7 @@ struct CommandLine {
   std::optional<double> potential_offset, potential_limit;
   bool is_ascii = false;
   bool mesh_quality = false;
+  std::optional<std::uint32_t> component;
 };
 
 // --- formats of values --------------------------------------------------------------------------
@@ -210,6 +212,10 @@ std::optional<std::filesystem::path> prefix_in(const std::string& text) {
   const std::filesystem::path path = text;
   const std::string name = path.filename();
   return name.empty() || name.starts_with('.') ? std::nullopt : std::optional(path);
+}
+
+std::optional<std::uint32_t> component_in(const std::string& text) {
+  return text == "outside" ? std::optional<std::uint32_t>(0) : whole_text<std::uint32_t>(text);
 }
 
 std::optional<std::filesystem::path> mesh_in(const std::string& text) {
@@ -342,12 +348,18 @@ void add_file_options(CLI::App& app, CommandLine& line) {
                                           formatted("a file with the suffix {}", mesh_suffixes)});
   add_value(app, "--color", "NAME",
             "colour the vertices of a .ply, .obj, .vtp or .glb mesh\n"
-            "by patch, atom, chain or potential [none]",
+            "by patch, atom, chain, potential or component [none]",
             line.color,
             one_of<MeshColor>({{"patch", MeshColor::patch},
                                {"atom", MeshColor::atom},
                                {"chain", MeshColor::chain},
-                               {"potential", MeshColor::potential}}));
+                               {"potential", MeshColor::potential},
+                               {"component", MeshColor::component}}));
+  add_value(app, "--component", "K",
+            "make the mesh of one component alone: cavity K of\n"
+            "measure --cavities, or the outer surface (outside or 0);\n"
+            "no other files are written",
+            line.component, Format{component_in, "outside, or a whole number of at least 0"});
   add_value(app, "--potential", "FILE",
             "map of the potential in kT/e for --color potential:\n"
             ".dx or .dx.gz (OpenDX); is held in memory",
@@ -517,9 +529,26 @@ std::optional<MeshPotential> potential_of(const CommandLine& line) {
   return potential;
 }
 
+// The mesh of one component belongs to another surface than the other outputs.
+void check_component(const CommandLine& line) {
+  if (!line.component) return;
+  if (line.mesh.empty()) throw UsageError("--component needs --mesh");
+  for (const auto& [option, is_given] :
+       {std::pair{"--fill-cavities", bool{line.options.parameters.max_filled_void}},
+        {"--exact", line.options.parameters.exact},
+        {"--inside", !line.inside_map.empty()},
+        {"--dielectric", !line.dielectric_prefix.empty()},
+        {"--kappa", !line.ion_map.empty()},
+        {"--write", line.text_files && !file_names(*line.text_files).empty()}})
+    if (is_given)
+      throw UsageError(
+          formatted("--component cannot be combined with {}; it makes only a mesh", option));
+}
+
 std::optional<MeshOptions> mesh_of(const CommandLine& line) {
-  const MeshOptions mesh{line.mesh, line.color, line.is_ascii, line.mesh_quality,
-                         potential_of(line)};
+  check_component(line);
+  const MeshOptions mesh{line.mesh,         line.color,         line.is_ascii,
+                         line.mesh_quality, potential_of(line), line.component};
   const std::optional<MeshFormat> format = mesh_format(mesh.file);
   if (mesh.color != MeshColor::none && !can_have_colors(format))
     throw UsageError("--color needs --mesh with a .ply, .obj, .vtp or .glb file");
@@ -541,7 +570,7 @@ Options options_of(const CommandLine& line) {
   if (line.blocks) options.parameters.part = *line.blocks;
   check_grid_choice(line);
   options.grid.has_spacing = line.spacing.positional || line.spacing.option;
-  options.outputs = line.text_files;
+  options.outputs = line.text_files.value_or(line.component ? Outputs::none() : Outputs());
   if (options.outputs.residues) refuse_xyzr(options.input(), "--write residues", "residues");
   options.outputs.gzip = line.gzip;
   add_maps(line, options.output_directory, options.outputs);

@@ -62,6 +62,10 @@ std::string mesh_text(const Report& report) {
   if (!counts) return "";
   std::string text =
       formatted("mesh: {} vertices, {} triangles\n", counts->vertices, counts->triangles);
+  if (const auto component = report.options.outputs.mesh->component)
+    text += *component == 0
+                ? "component: the outer surface; its area and volume\n"
+                : formatted("component: cavity {}; area and volume of its void\n", *component);
   if (const auto& potential = report.options.outputs.mesh->potential)
     text += formatted("potential: colours from {} (red) to {} kT/e (blue), {} angstrom outside\n",
                       -potential->limit, potential->limit, potential->offset);
@@ -344,6 +348,7 @@ json::Value mesh_json(const Report& report) {
   return {{"file", choice.file.string()},
           {"vertices", mesh->vertices},
           {"triangles", mesh->triangles},
+          {"component", choice.component ? json::Value(*choice.component) : json::Value()},
           {"potential", potential_json(choice.potential)},
           {"quality", quality_json(report.summary.mesh_quality)}};
 }

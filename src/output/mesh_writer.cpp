@@ -34,10 +34,10 @@ void append_off_counts(BufferedText& text, const MeshCounts& counts) {
 }
 
 // Upper bounds of the length of a line or record: a vertex has two vectors, in OBJ files a colour
-// as a third one, and in PLY files a colour, patch, atom, chain, residue and potential.
+// as a third one, and in PLY files a colour, patch, atom, chain, residue, potential and component.
 constexpr std::size_t max_field_length = max_number_length + 1, max_index_length = 11, channel = 4;
 constexpr std::size_t max_vertex_bytes =
-    10 * max_field_length + 3 * channel + 2 + 3 * max_index_length + 8;
+    10 * max_field_length + 3 * channel + 2 + 4 * max_index_length + 8;
 constexpr std::size_t max_triangle_bytes = 6 * (max_number_length + 2) + 4;
 static_assert(max_msms_vertex_bytes <= max_vertex_bytes);
 static_assert(max_msms_triangle_bytes <= max_triangle_bytes);
@@ -101,7 +101,8 @@ MeshText::MeshText(MeshFormat format, MeshColor color, MeshSource source)
 VtpFields MeshText::vtp_fields() const {
   return {.has_colors = has_colors(),
           .has_groups = source_.groups.are_known,
-          .has_potential = source_.potential.map != nullptr};
+          .has_potential = source_.potential.map != nullptr,
+          .has_components = has_components()};
 }
 
 void MeshText::write_header_begin(const TextSink& sink) const {
@@ -115,7 +116,7 @@ void MeshText::write_header_begin(const TextSink& sink) const {
         format_ == MeshFormat::ascii_ply ? "ascii"
         : is_little                      ? "binary_little_endian"
                                          : "binary_big_endian",
-        source_.potential.map != nullptr ? "; potential: kT/e" : "");
+        comment_of(vtp_fields()));
   if (format_ == MeshFormat::vtp) append_vtp_begin(text, vtp_fields(), source_.groups.chain_count);
   text.flush();
 }
@@ -198,6 +199,7 @@ void MeshText::append_ply_end(BufferedText& text, const MeshCounts& counts) cons
   text.append("property uchar patch\nproperty uint atom\n");
   if (source_.groups.are_known) text.append("property uint chain\nproperty uint residue\n");
   if (source_.potential.map != nullptr) text.append("property float potential\n");
+  if (has_components()) text.append("property uint component\n");
   text.append("element face {}\nproperty list uchar int vertex_indices\nend_header\n", triangles);
 }
 
@@ -209,6 +211,7 @@ double MeshText::potential_of(const Vertex& vertex) const {
 
 Color MeshText::color_of(const Vertex& vertex, double potential) const {
   if (color_ == MeshColor::potential) return potential_color(potential, source_.potential.limit);
+  if (has_components()) return component_color(vertex.component);
   if (color_ == MeshColor::atom)
     return distinct_color(as_number(source_.file_indices[vertex.first_atom()]));
   if (color_ == MeshColor::chain)
@@ -248,6 +251,7 @@ char* MeshText::put_fields(char* out, const Vertex& vertex, PutPosition put_posi
     out = put_integer(out, residue);
   }
   if (source_.potential.map != nullptr) out = put_potential(out, potential);
+  if (has_components()) out = put_integer(out, vertex.component);
   return out;
 }
 
@@ -361,9 +365,11 @@ MeshBytes typical_mesh_bytes(const MeshOptions& choice, bool has_labels) {
   const std::uint64_t vectors = 3 * sizeof(double) + 3 * sizeof(float);
   const bool has_color = choice.color != MeshColor::none;
   const bool has_potential = choice.color == MeshColor::potential;
+  const bool has_component = choice.color == MeshColor::component;
   const std::uint64_t record =
       vectors + sizeof(std::uint8_t) + sizeof(AtomIndex) + (has_color ? sizeof(Color) : 0) +
-      (has_labels ? 2 * sizeof(std::uint32_t) : 0) + (has_potential ? sizeof(float) : 0);
+      (has_labels ? 2 * sizeof(std::uint32_t) : 0) + (has_potential ? sizeof(float) : 0) +
+      (has_component ? sizeof(std::uint32_t) : 0);
   MeshBytes bytes;
   switch (required_mesh_format(choice)) {
     case MeshFormat::ply:
@@ -378,7 +384,8 @@ MeshBytes typical_mesh_bytes(const MeshOptions& choice, bool has_labels) {
       break;
     case MeshFormat::ascii_ply:
       bytes = {.vertex = 2 * vector_line + 2 + (has_color ? 12 : 0) +
-                         index_text * (has_labels ? 2 : 1) + (has_potential ? vector_line / 3 : 0),
+                         index_text * (has_labels ? 2 : 1) + (has_potential ? vector_line / 3 : 0) +
+                         (has_component ? 2 : 0),
                .triangle = 2 + 3 * index_text};
       break;
     case MeshFormat::msms:

@@ -103,6 +103,7 @@ class MeshText {
 
  private:
   bool has_colors() const { return color_ != MeshColor::none; }
+  bool has_components() const { return color_ == MeshColor::component; }
   VtpFields vtp_fields() const;
   void append_ply_end(BufferedText& text, const MeshCounts& counts) const;
   template <class PutPosition, class PutNormal, class PutInteger, class PutPotential>

@@ -36,6 +36,12 @@ Color distinct_color(std::uint64_t number) {
   }
 }
 
+// The colours are those of scripts/lib/viewer/data.js.
+Color component_color(std::uint32_t component) {
+  constexpr Color outside{200, 200, 200};
+  return component == 0 ? outside : distinct_color(component - 1);
+}
+
 // The colours are those of scripts/lib/page.py.
 Color potential_color(double potential, double limit) {
   constexpr std::array<std::array<double, 3>, 5> stops{

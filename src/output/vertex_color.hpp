@@ -15,6 +15,9 @@ Color patch_color(std::uint8_t patch);
 /// Colour of a number, which differs clearly from the colours of the next numbers.
 Color distinct_color(std::uint64_t number);
 
+/// Colour of a component: grey for 0, the outside, and the colour of a number for each cavity.
+Color component_color(std::uint32_t component);
+
 /// Colour of a potential on a scale from -`limit` (red) over 0 (white) to `limit` (blue).
 Color potential_color(double potential, double limit);
 

@@ -28,6 +28,7 @@ std::vector<Array> vertex_arrays(const VtpFields& fields) {
     arrays.push_back({"residue", "UInt32", 1, sizeof(std::uint32_t)});
   }
   if (fields.has_potential) arrays.push_back({"potential", "Float32", 1, sizeof(float)});
+  if (fields.has_components) arrays.push_back({"component", "UInt32", 1, sizeof(std::uint32_t)});
   return arrays;
 }
 
@@ -64,6 +65,11 @@ void append_array(BufferedText& text, const Array& array, const Column& column) 
 
 }  // namespace
 
+std::string_view comment_of(const VtpFields& fields) {
+  if (fields.has_potential) return "; potential: kT/e";
+  return fields.has_components ? "; component: 0 outside, cavities from 1" : "";
+}
+
 VtpData vtp_data(const MeshCounts& counts, const VtpFields& fields) {
   VtpData data;
   data.vertices = table_of(vertex_arrays(fields), counts.vertices, data.bytes);
@@ -78,7 +84,7 @@ void append_vtp_begin(BufferedText& text, const VtpFields& fields, std::uint64_t
       "<VTKFile type=\"PolyData\" version=\"1.0\" byte_order=\"{}Endian\" header_type=\"UInt64\">\n"
       "<!-- solvent excluded surface, eses-blocks; angstrom; patch: 1 convex, 2 saddle, 3 concave; "
       "atom: first adjacent one, 0-based{} -->\n<PolyData>\n",
-      is_little ? "Little" : "Big", fields.has_potential ? "; potential: kT/e" : "");
+      is_little ? "Little" : "Big", comment_of(fields));
   if (fields.has_groups)
     text.append(
         "<FieldData>\n<DataArray type=\"String\" Name=\"chain_name\" NumberOfTuples=\"{}\" "

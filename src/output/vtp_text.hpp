@@ -24,7 +24,11 @@ struct VtpFields {
   bool has_colors = false;
   bool has_groups = false;  ///< chain and residue
   bool has_potential = false;
+  bool has_components = false;
 };
+
+/// Returns what the comment of a file says about optional values, with a semicolon before it.
+std::string_view comment_of(const VtpFields& fields);
 
 /// A column: the same field of all records.
 struct Column {

@@ -134,7 +134,7 @@ ExactMeasures measure_surface(const RunTask& task, const RunPlan& plan,
   const ExactMeasures exact =
       measure_exactly(molecule, probe_radius, threads, check, task.parameters.max_filled_void);
   const Plan& whole = plan.whole_plan;
-  if (!summary.verification || plan.cavities || whole.cut_depth > 0 ||
+  if (!summary.verification || plan.filled() || whole.cut_depth > 0 ||
       whole.tiling.region != whole.grid.whole())
     return exact;
   const Stopwatch watch;
@@ -247,7 +247,7 @@ RunResult execute(const RunTask& task, const RunPlan& plan, const RunPaths& path
 
   RunResult result;
   Summary& summary = result.summary;
-  if (plan.cavities) summary.filled_cavities = plan.cavities->filled();
+  if (task.parameters.max_filled_void) summary.filled_cavities = plan.cavities->filled();
   if (task.parameters.verify > 0) summary.verification.emplace();
   const std::optional<mesh::MeshText> mesh = mesh_text(task, plan, processes);
   SlabSweep sweep(task, plan, ranges, sweep_files(plan, mesh, files.get(), processes), callbacks,
@@ -260,7 +260,10 @@ RunResult execute(const RunTask& task, const RunPlan& plan, const RunPaths& path
   if (summary.verification) combine_verifications(*summary.verification, processes);
 
   Merge merge(task, plan, processes, std::move(swept.chunks), check);
-  fill_totals(merge.totals(), plan.whole_plan.grid.spacing, summary);
+  const bool is_void = task.outputs.mesh && task.outputs.mesh->component.value_or(0) > 0;
+  fill_totals(is_void ? complement(merge.totals(), plan.whole_plan.tiling.region.point_count())
+                      : merge.totals(),
+              plan.whole_plan.grid.spacing, summary);
   AtomAreas areas = add_up_areas(std::move(shares), plan, processes);
   summary.area = total_area(areas, processes);
   if (task.parameters.exact) result.exact = measure_surface(task, plan, check, summary);

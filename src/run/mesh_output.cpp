@@ -23,7 +23,7 @@ struct MeshOutput::LayerView {
 };
 
 MeshOutput::MeshOutput(const Plan& plan, const GridRegion& region, const mesh::MeshText& text,
-                       MeshSinks sinks)
+                       MeshSinks sinks, ComponentOfCrossing component_of)
     : plan_(plan),
       region_(region),
       rows_y_(region_.size()[1]),
@@ -31,6 +31,7 @@ MeshOutput::MeshOutput(const Plan& plan, const GridRegion& region, const mesh::M
       text_(text),
       has_local_triangles_(sinks.has_local_triangles || sinks.is_stream),
       is_stream_(sinks.is_stream),
+      component_of_(std::move(component_of)),
       vertex_output_(std::move(sinks.vertices)),
       triangle_output_(std::move(sinks.triangles)) {}
 
@@ -73,8 +74,15 @@ void MeshOutput::number_rows(const Layer& layer) {
 // Returns the vertex of a crossing. `x` is the index of its lower point in the grid.
 mesh::Vertex MeshOutput::vertex_of(const LayerView& view, std::int64_t x, std::int64_t y,
                                    std::int64_t z, const BlockCrossing& crossing) const {
-  return mesh::make_vertex(plan_.grid, {x, region_.begin[1] + y, view.first_z + z}, crossing,
-                           is_stream_ ? mesh::coincidence : mesh::clearance);
+  const GridIndex lower{x, region_.begin[1] + y, view.first_z + z};
+  mesh::Vertex vertex = mesh::make_vertex(plan_.grid, lower, crossing,
+                                          is_stream_ ? mesh::coincidence : mesh::clearance);
+  if (component_of_) {
+    Vec3 position = plan_.grid.point(lower);
+    position[crossing.axis] = crossing.coordinate;
+    vertex.component = component_of_(crossing, position);
+  }
+  return vertex;
 }
 
 void MeshOutput::make_row(const LayerView& view, std::int64_t y, std::int64_t z,

@@ -2,6 +2,7 @@
 /// Output of the mesh from layers of blocks.
 
 #include <cstdint>
+#include <functional>
 #include <mutex>
 #include <span>
 #include <vector>
@@ -28,6 +29,10 @@ struct MeshScratch {
   std::uint64_t triangle_count = 0;  ///< total number of triangles of this thread
 };
 
+/// Returns the component of a crossing at a position. See mesh::Vertex.
+using ComponentOfCrossing =
+    std::function<std::uint32_t(const BlockCrossing& crossing, Vec3 position)>;
+
 /// The receivers of the mesh.
 struct MeshSinks {
   OrderedOutput::WriteAt vertices;   ///< as text of the mesh's format
@@ -44,9 +49,10 @@ struct MeshSinks {
 class MeshOutput {
  public:
   /// Makes the output of the cells that have all their corners in `region`, as far as they belong
-  /// to `plan.tiling`. Keeps references to all arguments except `sinks`.
+  /// to `plan.tiling`. Keeps references to all arguments except `sinks` and `component_of`, which
+  /// is empty if components are not needed.
   MeshOutput(const Plan& plan, const GridRegion& region, const mesh::MeshText& text,
-             MeshSinks sinks);
+             MeshSinks sinks, ComponentOfCrossing component_of);
 
   /// Returns the estimated memory in bytes of the vertex numbers of a layer's rows, and of the
   /// plane that is kept. `plane_crossings` is the expected number of crossings of a plane.
@@ -97,6 +103,7 @@ class MeshOutput {
   bool has_cells_;
   const mesh::MeshText& text_;
   bool has_local_triangles_, is_stream_;
+  ComponentOfCrossing component_of_;
   OrderedOutput vertex_output_, triangle_output_;
   std::mutex mutex_;
   bool is_numbered_ = false;       // whether the rows of the current layer are numbered

@@ -60,6 +60,11 @@ void require_valid(const MeshOptions& mesh, const Molecule& molecule) {
   require_valid_potential(mesh);
 }
 
+bool has_files_beside_mesh(const Outputs& outputs) {
+  return outputs.box || outputs.grid || outputs.edges || outputs.areas || outputs.residues ||
+         outputs.atoms || !chosen_maps(outputs).empty();
+}
+
 void require_enclosing_margin(double depth, const GridOptions& grid) {
   if (depth < 0 || grid.margin >= 0.5 * grid.spacing) return;
   throw std::invalid_argument(
@@ -281,6 +286,8 @@ void require_valid(const Parameters& p) {
 
 void require_valid(const Outputs& outputs, const Molecule& molecule) {
   if (outputs.mesh) require_valid(*outputs.mesh, molecule);
+  if (outputs.mesh && outputs.mesh->component && has_files_beside_mesh(outputs))
+    throw std::invalid_argument("the mesh of one component excludes all other outputs");
   require_valid_maps(outputs);
   if (outputs.residues && molecule.labels().empty())
     throw std::invalid_argument("areas by residue need atoms with labels; xyzr files have none");

@@ -7,6 +7,7 @@
 #include <array>
 #include <bit>
 #include <span>
+#include <stdexcept>
 #include <string>
 #include <tuple>
 #include <utility>
@@ -76,6 +77,7 @@ std::string mesh_identity(const std::optional<MeshOptions>& mesh,
   if (!mesh) return "none";
   std::string identity = formatted("{} {} {}", static_cast<int>(required_mesh_format(*mesh)),
                                    static_cast<int>(mesh->color), mesh->quality);
+  if (mesh->component) identity += formatted(" component {}", *mesh->component);
   if (map)
     identity += formatted(" potential {} offset {:a} limit {:a}", map->identity(),
                           mesh->potential->offset, mesh->potential->limit);
@@ -283,27 +285,43 @@ void expect_chunks(const RunTask& task, const GridRegion& region, FileSizes& fil
   if (task.resume) files.text_scratch += mesh;
 }
 
-FoundCavities find_cavities_of(const Molecule& molecule, const Parameters& parameters, int threads,
+// Whether cavities are filled, or the mesh has components.
+bool needs_cavities(const RunTask& task) {
+  const std::optional<MeshOptions>& mesh = task.outputs.mesh;
+  return task.parameters.max_filled_void ||
+         (mesh && (mesh->component || mesh->color == MeshColor::component));
+}
+
+// Throws Error, with the path of the input file, if the component of the mesh does not exist.
+FoundCavities find_cavities_of(const Molecule& molecule, const RunTask& task, int threads,
                                bool keeps_patches) {
-  return find_cavities(molecule,
-                       {.probe_radius = parameters.probe_radius,
-                        .threads = threads > 0 ? threads : available_threads(),
-                        .max_filled_void = parameters.max_filled_void},
-                       keeps_patches);
+  const std::optional<MeshOptions>& mesh = task.outputs.mesh;
+  try {
+    return find_cavities(molecule,
+                         {.probe_radius = task.parameters.probe_radius,
+                          .threads = threads > 0 ? threads : available_threads(),
+                          .max_filled_void = task.parameters.max_filled_void,
+                          .kept_component = mesh ? mesh->component : std::nullopt},
+                         keeps_patches);
+  } catch (const Error& error) {
+    const auto* const file = std::get_if<InputFile>(&task.atoms);
+    if (file == nullptr) throw;
+    throw Error(formatted("{}: {}", file->path.string(), error.what()));
+  }
 }
 
 // Finds the cavities of a molecule that a single process has. The run needs all patches again, so
 // they are kept unless there are many.
-void find_all_cavities(const Molecule& molecule, int threads, RunPlan& run) {
+void find_all_cavities(const Molecule& molecule, const RunTask& task, int threads, RunPlan& run) {
   const Plan& plan = run.whole_plan;
   const Parameters& parameters = plan.parameters;
-  if (!parameters.max_filled_void) return;
+  if (!needs_cavities(task)) return;
   const double bytes = kept_patch_bytes * static_cast<double>(molecule.atoms().size());
   const bool fits =
       bytes <= max_kept_bytes &&
       (parameters.max_memory == 0 || 8 * bytes <= static_cast<double>(parameters.max_memory));
   const bool is_whole = plan.cut_depth <= 0 && plan.region == plan.grid.whole();
-  FoundCavities found = find_cavities_of(molecule, parameters, threads, fits && is_whole);
+  FoundCavities found = find_cavities_of(molecule, task, threads, fits && is_whole);
   run.cavities = std::move(found.map);
   run.patches = std::move(found.patches);
 }
@@ -351,12 +369,11 @@ LabelTotals take_file(const InputFile& file, const RunTask& task, const Processe
   processes.all_or_throw([&] { run.whole_plan = {plan_grid(bounds, task.parameters), {}}; });
   open_checkpoint(task, part, processes, run);
   const int threads = threads_of(task, machine, processes);
-  if (task.parameters.max_filled_void && processes.count() > 1) {
+  if (needs_cavities(task) && processes.count() > 1) {
     std::vector<Atom> atoms = processes.gather<Atom>(part.atoms);
     processes.all_or_throw([&] {
       run.cavities =
-          find_cavities_of(Molecule(std::move(atoms), {}, threads), task.parameters, threads, false)
-              .map;
+          find_cavities_of(Molecule(std::move(atoms), {}, threads), task, threads, false).map;
     });
   }
   std::tie(run.slab, run.diagnostics) =
@@ -364,7 +381,7 @@ LabelTotals take_file(const InputFile& file, const RunTask& task, const Processe
   if (run.cavities) {
     run.cavities = with_slab_indices(std::move(run.cavities), run.slab);
   } else {
-    find_all_cavities(run.slab.molecule, threads, run);
+    processes.all_or_throw([&] { find_all_cavities(run.slab.molecule, task, threads, run); });
   }
   run.diagnostics.add(of_names);
   if (has_names) name_examples(run.names, run.diagnostics);
@@ -382,7 +399,7 @@ LabelTotals take_molecule(const Molecule& molecule, const RunTask& task, const P
   run.whole_plan = {plan_grid(sphere_bounds(molecule.atoms()), task.parameters), {}};
   run.slab.planes = region_planes(run.whole_plan);
   run.slab.molecule = molecule;
-  find_all_cavities(molecule, task.parameters.threads, run);
+  find_all_cavities(molecule, task, task.parameters.threads, run);
   if (task.outputs.residues || needs_groups(task.outputs))
     for (const AtomLabel& label : molecule.labels()) run.names.add_residue(label);
   LabelTotals labels = take_groups(task.outputs, processes, run, run.slab.groups);
@@ -397,7 +414,12 @@ RunPlan plan_run(const RunTask& task, const Processes& processes) {
   RunPlan run;
   const Processes::Machine machine = processes.machine(available_threads());
   const auto* const molecule = std::get_if<Molecule>(&task.atoms);
-  if (molecule != nullptr) require_valid(task.outputs, *molecule);
+  if (molecule != nullptr) {
+    require_valid(task.outputs, *molecule);
+    if (task.outputs.mesh && task.outputs.mesh->component && task.parameters.max_filled_void)
+      throw std::invalid_argument(
+          "the mesh of one component needs a surface without filled cavities");
+  }
   take_potential(task, processes, run);
   const LabelTotals labels = molecule != nullptr ? take_molecule(*molecule, task, processes, run)
                                                  : take_file(std::get<InputFile>(task.atoms), task,

@@ -41,11 +41,16 @@ struct RunPlan {
   std::optional<StructureReport> structure;
   /// Checkpoint of a run that can be resumed, else null. The first process locks it.
   std::unique_ptr<Checkpoint> checkpoint;
-  /// The cavities, with the atoms of the slab; null if none are filled.
+  /// The cavities, with the atoms of the slab; null if the run does not need them.
   std::shared_ptr<const CavityMap> cavities;
   /// The surface with all patches, if they are known from the search for cavities; else null.
   std::shared_ptr<ScheduledSurface> patches;
   std::vector<PlaneRange> finished_planes;  ///< planes of the chunks of an earlier run
+
+  /// Returns the cavities if some component is filled, else null.
+  std::shared_ptr<const CavityMap> filled() const {
+    return cavities && cavities->has_filled() ? cavities : nullptr;
+  }
 };
 
 /// Makes the plan of a run: reads the file of the task, or takes its molecule. All processes must

@@ -136,12 +136,22 @@ SweepResult SlabSweep::run(Summary& summary) {
 
 SurfaceModel SlabSweep::make_surface() const {
   SurfaceModel surface(plan_.slab.molecule, task_.parameters.probe_radius);
-  surface.cavities = plan_.cavities;
+  surface.cavities = plan_.filled();
   const GridRegion all = plan_.whole_plan.grid.whole();
   if (plan_.whole_plan.cut_depth > 0 || plan_.whole_plan.tiling.region != all ||
       plan_.slab.planes != PlaneRange{0, all.end[2]})
     surface.confine_to(slab_box(plan_.whole_plan, plan_.slab.planes));
   return surface;
+}
+
+// Returns a function without a target if the mesh has no components.
+ComponentOfCrossing SlabSweep::component_of_crossing() const {
+  if (task_.outputs.mesh->color != MeshColor::component) return {};
+  return [&cavities = *plan_.cavities, atoms = plan_.slab.molecule.atoms(),
+          probe = task_.parameters.probe_radius](const BlockCrossing& crossing, Vec3 position) {
+    return cavities.number_at(atoms, std::span(crossing.atoms).first(crossing.atom_count),
+                              position + probe * crossing.normal);
+  };
 }
 
 // Returns the number of checks in a range, in proportion to its planes.
@@ -271,11 +281,12 @@ PlaneChunk SlabSweep::sweep(PatchSchedule& patches, const PlaneRange& planes, Sw
                            .triangles = into(ChunkText::triangles),
                            .has_local_triangles = (!is_in_place_ || text->has_columns()) &&
                                                   !text->has_corner_positions(),
-                           .is_stream = task_.outputs.mesh->quality});
+                           .is_stream = task_.outputs.mesh->quality},
+                 component_of_crossing());
   std::optional<Verifier> verifier;
   if (plan.parameters.verify > 0) {
     const Stopwatch drawing;
-    verifier.emplace(plan_.slab.molecule.atoms(), plan, plan_.cavities.get());
+    verifier.emplace(plan_.slab.molecule.atoms(), plan, plan_.filled().get());
     summary.seconds.verify += drawing.seconds();
   }
   Pipeline pipeline(patches, plan,

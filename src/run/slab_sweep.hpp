@@ -11,6 +11,7 @@
 #include "distributed/processes.hpp"
 #include "output/mesh_writer.hpp"
 #include "output/output_files.hpp"
+#include "run/mesh_output.hpp"
 #include "run/pipeline.hpp"
 #include "run/progress_report.hpp"
 #include "run/run_plan.hpp"
@@ -59,6 +60,7 @@ class SlabSweep {
   Plan plan_of(const PlaneRange& planes) const;
   std::int64_t check_count_of(const PlaneRange& planes) const;
   SurfaceModel make_surface() const;
+  ComponentOfCrossing component_of_crossing() const;
   PlaneChunk new_chunk(const PlaneRange& planes) const;
   bool is_written_in_place(ChunkText text) const;
   OrderedOutput::WriteAt sink_of_text(ChunkText text, PlaneChunk& chunk,

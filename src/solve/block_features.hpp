@@ -54,7 +54,7 @@ struct FaceFeature {
   Box shell_box;    ///< box of the face, the convex patch and the points between the two
   Box surface_box;  ///< box of the convex patch
   std::uint32_t cone_begin = 0, cone_end = 0;  ///< range of indices into BlockFeatures::cones
-  /// The faces of the atom, if some of them belong to filled cavities; else null.
+  /// The faces of the atom, if some of them belong to filled components; else null.
   const WallAtom* divided = nullptr;
 };
 
@@ -92,8 +92,8 @@ struct BlockFeatures {
   std::vector<CapCone> cones;
   std::vector<ArcFeature> arcs;
   std::vector<PlacementFeature> placements;
-  /// The cavities, if the block may contain probe centres of filled ones, or faces of atoms whose
-  /// other faces belong to filled ones; else null.
+  /// The cavities, if the block may contain probe centres of filled components, or faces of atoms
+  /// whose other faces belong to filled components; else null.
   const CavityMap* cavities = nullptr;
 
   // Scratch memory.
@@ -108,7 +108,7 @@ struct BlockFeatures {
   std::span<const CapCone> cones_of(const FaceFeature& face) const {
     return std::span(cones).subspan(face.cone_begin, face.cone_end - face.cone_begin);
   }
-  /// Returns whether a direction is in a face of the atom that belongs to a filled cavity. The
+  /// Returns whether a direction is in a face of the atom that belongs to a filled component. The
   /// direction is in none of the cones.
   bool is_filled(const FaceFeature& face, Vec3 direction) const {
     return face.divided != nullptr && cavities->is_filled(face.divided->component_at(direction));

@@ -1,5 +1,7 @@
 #include "solve/block_solver.hpp"
 
+#include <algorithm>
+#include <cstddef>
 #include <utility>
 
 #include "system/stopwatch.hpp"
@@ -40,7 +42,16 @@ void cover_points(const SurfaceModel& surface, double ion_radius, BlockWorkspace
     fill_balls(workspace.grid, surface.atoms, nearby, ion_radius, covered);
 }
 
-// Adds the points of filled cavities to the inside points, and to those without ion access.
+// Sets the bits of all points.
+void fill_all(const BlockGrid& grid, PointBits& bits) {
+  bits.reset(grid.block.points);
+  const std::int64_t rows = bits.size[1] * bits.size[2];
+  for (std::int64_t column = 0; column < bits.columns; ++column)
+    std::fill_n(bits.words.begin() + static_cast<std::ptrdiff_t>(bits.word_index(column, 0, 0)),
+                rows, low_bits(bits.size[0] - column * PointBits::column_step));
+}
+
+// Adds the points of filled components to the inside points, and to those without ion access.
 void fill_cavities(const SurfaceModel& surface, BlockWorkspace& workspace, BlockResult& result) {
   if (!surface.cavities->may_be_filled(workspace.grid.box)) return;
   PointBits filled;
@@ -64,13 +75,19 @@ BlockResult find_crossings(const Patches& patches, const Grid& grid, const Block
   workspace.grid.reset(grid, block);
   if (workspace.extras.ion_radius)
     cover_points(patches.surface(), *workspace.extras.ion_radius, workspace, result.covered);
+  const SurfaceModel& surface = patches.surface();
+  if (surface.cavities &&
+      !surface.cavities->may_be_kept(grown(workspace.grid.box, surface.probe_radius))) {
+    fill_all(workspace.grid, result.inside);
+    return result;
+  }
   collect_features(patches, workspace.grid.box, workspace.features);
   if (workspace.features.balls.empty() && workspace.features.cavities == nullptr) {
     result.inside.reset_empty(block.points);
     return result;
   }
   classify_points(workspace.grid, workspace.features, workspace.classify, result.inside);
-  if (workspace.features.cavities != nullptr) fill_cavities(patches.surface(), workspace, result);
+  if (workspace.features.cavities != nullptr) fill_cavities(surface, workspace, result);
   workspace.classify_seconds += classifying.seconds();
   const Stopwatch intersecting;
   workspace.intersect.finds_doubtful = workspace.extras.inside_fractions;

@@ -35,31 +35,35 @@ Vec3 point_at(const BlockGrid& grid, const WordPosition& word, int bit) {
 
 }  // namespace
 
-// The points within the clearance of a point belong to its component. In a wide cavity, few points
-// decide for all others.
+// A free point beyond all boxes is outside. The points within the clearance of a point belong to
+// its component. In a wide cavity, few points decide for all others.
 void find_filled_points(const SurfaceModel& surface, const BlockGrid& grid,
                         const BlockFeatures& features, FilledScratch& scratch, PointBits& filled) {
   const CavityMap& cavities = *features.cavities;
   PointBits& left = scratch.left;
   find_free_points(surface, grid, scratch.found, left);
-  filled.reset(grid.block.points);
+  const bool is_outside_filled = cavities.is_filled(ComponentNumber{0});
+  if (is_outside_filled)
+    filled = left;
+  else
+    filled.reset(grid.block.points);
   const auto decide = [&](const WordPosition& word, int bit) {
     const std::uint64_t mask = std::uint64_t{1} << bit;
     if ((left.words[word.word] & mask) == 0) return;
     const Vec3 point = point_at(grid, word, bit);
     const CavityMap::Location location = cavities.locate(point, scratch.found);
-    const bool is_filled = cavities.is_filled(location.component);
+    const bool is_unlike_outside = cavities.is_filled(location.component) != is_outside_filled;
     left.words[word.word] &= ~mask;
-    if (is_filled) filled.words[word.word] |= mask;
+    if (is_unlike_outside) filled.words[word.word] ^= mask;
     const double radius = location.clearance - look_up_slack;
     if (radius <= grid.grid.spacing) return;
-    if (is_filled) scratch.before = left.words;
+    if (is_unlike_outside) scratch.before = left.words;
     clear_ball(grid, point, radius, left);
-    if (!is_filled) return;
+    if (!is_unlike_outside) return;
     for (std::size_t w = 0; w < left.words.size(); ++w)
-      filled.words[w] |= scratch.before[w] & ~left.words[w];
+      filled.words[w] ^= scratch.before[w] & ~left.words[w];
   };
-  for (const Box& box : cavities.filled_boxes()) {
+  for (const Box& box : cavities.boxes_unlike_outside()) {
     if (!overlap(box, grid.box)) continue;
     std::array<IndexRange, 3> range;
     for (std::size_t axis = 0; axis < 3; ++axis)

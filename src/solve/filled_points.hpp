@@ -1,5 +1,5 @@
 #pragma once
-/// The points of a block in filled cavities.
+/// The points of a block in filled components.
 
 #include <vector>
 
@@ -16,8 +16,8 @@ struct FilledScratch {
   std::vector<std::uint64_t> before;
 };
 
-/// Sets the bits of the points that are probe centres of filled cavities, and that no probe covers
-/// which can stand in another component. `features.cavities` must not be null.
+/// Sets the bits of the points that are probe centres of filled components, and that no probe
+/// covers which can stand in another component. `features.cavities` must not be null.
 void find_filled_points(const SurfaceModel& surface, const BlockGrid& grid,
                         const BlockFeatures& features, FilledScratch& scratch, PointBits& filled);
 

@@ -25,6 +25,14 @@ void RegionTotals::add(const Tally& tally) {
   inside_lengths += tally.inside_lengths;
 }
 
+RegionTotals complement(RegionTotals totals, std::int64_t points) {
+  PointCounts& counts = totals.points;
+  counts.inside_regular = points - counts.irregular - counts.inside_regular;
+  counts.inside = points - counts.inside;
+  totals.inside_lengths = -totals.inside_lengths;
+  return totals;
+}
+
 double atom_area(AreaShare share, double spacing) {
   return static_cast<double>(share) * area_share_unit * spacing * spacing;
 }

@@ -29,6 +29,9 @@ struct RegionTotals {
   void add(const Tally& tally);
 };
 
+/// Returns the totals of a region with this number of points if inside and outside are exchanged.
+RegionTotals complement(RegionTotals totals, std::int64_t points);
+
 /// Returns the area of an atom in square angstrom.
 double atom_area(AreaShare share, double spacing);
 

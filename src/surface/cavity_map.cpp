@@ -3,6 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
+
+#include "eses/error.hpp"
+#include "system/formatted.hpp"
 
 namespace eses::detail {
 namespace {
@@ -29,9 +33,11 @@ ComponentNumber WallAtom::component_at(Vec3 direction) const {
 CavityMap::CavityMap(const SurfaceModel& surface, const Components& components,
                      std::span<const ComponentNumber> number_of, std::vector<double> void_volumes)
     : void_volumes_(std::move(void_volumes)),
-      is_filled_(void_volumes_.size()),
+      is_filled_(void_volumes_.size() + 1),
+      numbers_(void_volumes_.size() + 1),
       boxes_(void_volumes_.size(), empty_box()),
       balls_(std::vector<Atom>()) {
+  std::iota(numbers_.begin(), numbers_.end(), ComponentNumber{0});
   add_atoms(surface, components, number_of);
   add_placements(surface, components, number_of);
   add_surroundings(surface);
@@ -130,17 +136,37 @@ void CavityMap::add_surroundings(const SurfaceModel& surface) {
 }
 
 void CavityMap::fill(double max_void_volume) {
-  filled_boxes_.clear();
+  ComponentNumber kept = 0;
   for (std::size_t k = 0; k < void_volumes_.size(); ++k) {
-    is_filled_[k] = void_volumes_[k] <= max_void_volume ? 1 : 0;
-    if (is_filled_[k] != 0) filled_boxes_.push_back(grown(boxes_[k], same));
+    is_filled_[k + 1] = void_volumes_[k] <= max_void_volume ? 1 : 0;
+    numbers_[k + 1] = is_filled_[k + 1] != 0 ? 0 : ++kept;
   }
+  choose_boxes();
+}
+
+void CavityMap::keep_only(ComponentNumber component) {
+  if (component >= is_filled_.size())
+    throw Error(formatted("there is no cavity {}; the molecule has {} {} for this probe", component,
+                          void_volumes_.size(), void_volumes_.size() == 1 ? "cavity" : "cavities"));
+  std::fill(is_filled_.begin(), is_filled_.end(), std::uint8_t{1});
+  is_filled_[component] = 0;
+  choose_boxes();
+}
+
+void CavityMap::choose_boxes() {
+  boxes_unlike_outside_.clear();
+  for (std::size_t k = 0; k < boxes_.size(); ++k)
+    if (is_filled_[k + 1] != is_filled_[0]) boxes_unlike_outside_.push_back(grown(boxes_[k], same));
+}
+
+bool CavityMap::has_filled() const {
+  return std::find(is_filled_.begin(), is_filled_.end(), std::uint8_t{1}) != is_filled_.end();
 }
 
 std::vector<FilledCavity> CavityMap::filled() const {
   std::vector<FilledCavity> list;
   for (std::size_t k = 0; k < void_volumes_.size(); ++k)
-    if (is_filled_[k] != 0) list.push_back({k + 1, void_volumes_[k]});
+    if (is_filled_[k + 1] != 0) list.push_back({k + 1, void_volumes_[k]});
   return list;
 }
 
@@ -158,9 +184,10 @@ const WallAtom* CavityMap::find(AtomIndex atom) const {
   return found != index_.end() && found->first == atom ? &atoms_[found->second] : nullptr;
 }
 
-bool CavityMap::is_filled(const WallAtom& atom) const {
-  if (atom.arcs.empty()) return is_filled(atom.component);
-  return std::all_of(atom.arcs.begin(), atom.arcs.end(),
+bool CavityMap::is_filled(const WallAtom* atom) const {
+  if (atom == nullptr) return is_filled(ComponentNumber{0});
+  if (atom->arcs.empty()) return is_filled(atom->component);
+  return std::all_of(atom->arcs.begin(), atom->arcs.end(),
                      [&](const SphereArc& arc) { return is_filled(arc.node); });
 }
 
@@ -184,9 +211,33 @@ ComponentNumber CavityMap::component_of_placement(Vec3 center) const {
   return 0;
 }
 
+// All faces of an atom without arcs here are in one component. A placement may touch an atom at a
+// point of another component, but placements in cavities are known by their centres.
+ComponentNumber CavityMap::number_at(std::span<const Atom> atoms,
+                                     std::span<const AtomIndex> touched, Vec3 center) const {
+  if (touched.size() > 2) return numbers_[component_of_placement(center)];
+  const WallAtom* first = nullptr;
+  for (const AtomIndex i : touched) {
+    const WallAtom* const atom = find(i);
+    if (atom == nullptr) return 0;
+    if (atom->arcs.empty()) return numbers_[atom->component];
+    if (first == nullptr) first = atom;
+  }
+  const Vec3 direction = normalized(center - atoms[touched.front()].center);
+  return numbers_[node_of_nearest_arc(first->arcs, direction)];
+}
+
+bool CavityMap::meets_box_unlike_outside(const Box& box) const {
+  return std::any_of(boxes_unlike_outside_.begin(), boxes_unlike_outside_.end(),
+                     [&](const Box& other) { return overlap(other, box); });
+}
+
 bool CavityMap::may_be_filled(const Box& box) const {
-  return std::any_of(filled_boxes_.begin(), filled_boxes_.end(),
-                     [&](const Box& filled) { return overlap(filled, box); });
+  return is_filled(ComponentNumber{0}) || meets_box_unlike_outside(box);
+}
+
+bool CavityMap::may_be_kept(const Box& box) const {
+  return !is_filled(ComponentNumber{0}) || meets_box_unlike_outside(box);
 }
 
 CavityMap::Location CavityMap::locate(Vec3 center, std::vector<AtomIndex>& found) const {

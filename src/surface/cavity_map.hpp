@@ -1,5 +1,5 @@
 #pragma once
-/// The cavities to which probe centres belong, and the cavities that are filled.
+/// The components to which probe centres belong, and the components that are filled.
 ///
 /// Every point of a cavity has its nearest SAS sphere among those of the atoms with a face on a
 /// wall of the cavity. A segment from the face that is nearest among these atoms to a point meets
@@ -54,10 +54,13 @@ class CavityMap {
 
   /// Fills all cavities whose voids are at most this large (cubic angstrom).
   void fill(double max_void_volume);
+  /// Fills all components except one: the other cavities, and the outside unless it is the
+  /// component. Throws Error if there is no such component.
+  void keep_only(ComponentNumber component);
 
-  bool is_filled(ComponentNumber component) const {
-    return component != 0 && is_filled_[component - 1] != 0;
-  }
+  /// Returns whether any component is filled.
+  bool has_filled() const;
+  bool is_filled(ComponentNumber component) const { return is_filled_[component] != 0; }
   /// The filled cavities.
   std::vector<FilledCavity> filled() const;
 
@@ -67,18 +70,28 @@ class CavityMap {
 
   /// Returns the atom if it touches probes in a cavity, else null.
   const WallAtom* find(AtomIndex atom) const;
-  /// Returns whether the atom has faces in filled cavities, and in no other component.
-  bool is_filled(const WallAtom& atom) const;
+  /// Returns whether the atom has faces in filled components, and in no other one. Null is an atom
+  /// with faces outside only.
+  bool is_filled(const WallAtom* atom) const;
 
   /// Returns the component of an arc of a surface with the same probe.
   ComponentNumber component_of(const SurfaceModel& surface, const Arc& arc) const;
   /// Returns the component of a placement by its centre.
   ComponentNumber component_of_placement(Vec3 center) const;
 
-  /// Returns whether the box may contain probe centres of filled cavities.
+  /// Returns the component of a probe that touches a point of the surface, after `fill` by its
+  /// number among the cavities that are left. The probe touches the atoms `touched`, which are
+  /// three if it is at a placement. `atoms` are those of the molecule.
+  ComponentNumber number_at(std::span<const Atom> atoms, std::span<const AtomIndex> touched,
+                            Vec3 center) const;
+
+  /// Returns whether the box may contain probe centres of filled components.
   bool may_be_filled(const Box& box) const;
-  /// Boxes around the probe centres of the filled cavities.
-  std::span<const Box> filled_boxes() const { return filled_boxes_; }
+  /// Returns whether the box may contain probe centres of other components.
+  bool may_be_kept(const Box& box) const;
+  /// Boxes around the probe centres of the cavities that are filled while the outside is not, or
+  /// the other way round.
+  std::span<const Box> boxes_unlike_outside() const { return boxes_unlike_outside_; }
 
   /// The component of an accessible probe centre.
   struct Location {
@@ -103,10 +116,13 @@ class CavityMap {
                       std::span<const ComponentNumber> number_of);
   void add_contacts(std::vector<std::pair<AtomIndex, WallAtom::Contact>> contacts);
   void add_surroundings(const SurfaceModel& surface);
+  void choose_boxes();
+  bool meets_box_unlike_outside(const Box& box) const;
 
-  std::vector<double> void_volumes_;       // by cavity
-  std::vector<std::uint8_t> is_filled_;    // by cavity
-  std::vector<Box> boxes_, filled_boxes_;  // around probe centres; `boxes_` by cavity
+  std::vector<double> void_volumes_;               // by cavity
+  std::vector<std::uint8_t> is_filled_;            // by component
+  std::vector<ComponentNumber> numbers_;           // by component: see number_at
+  std::vector<Box> boxes_, boxes_unlike_outside_;  // around probe centres; `boxes_` by cavity
   std::vector<WallAtom> atoms_;
   std::vector<std::pair<AtomIndex, std::uint32_t>> index_;  // indices into `atoms_`, by atom
   std::vector<Placement> placements_;                       // of the cavities, in the order of x

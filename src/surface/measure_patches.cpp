@@ -1109,6 +1109,7 @@ std::shared_ptr<const CavityMap> find_cavities(const std::shared_ptr<ScheduledSu
   }
   const auto map = std::make_shared<CavityMap>(model, components, number_of, std::move(volumes));
   if (settings.max_filled_void) map->fill(*settings.max_filled_void);
+  if (settings.kept_component) map->keep_only(*settings.kept_component);
   return map;
 }
 
@@ -1167,11 +1168,13 @@ FoundCavities find_cavities(const Molecule& molecule, const MeasureSettings& set
   FoundCavities found{find_cavities(surface, settings), nullptr};
   if (!keeps_patches) return found;
   surface->schedule.rewind();
-  surface->surface.cavities = found.map;
-  Patches& patches = surface->schedule.patches();
-  for_each_index(patches.clusters().count(), settings.threads, [&](std::size_t cluster) {
-    patches.drop_filled(static_cast<ClusterIndex>(cluster));
-  });
+  if (found.map->has_filled()) {
+    surface->surface.cavities = found.map;
+    Patches& patches = surface->schedule.patches();
+    for_each_index(patches.clusters().count(), settings.threads, [&](std::size_t cluster) {
+      patches.drop_filled(static_cast<ClusterIndex>(cluster));
+    });
+  }
   found.patches = std::move(surface);
   return found;
 }

@@ -25,6 +25,8 @@ struct MeasureSettings {
   /// Maximum void of the cavities that are filled (cubic angstrom); none are filled without a
   /// value.
   std::optional<double> max_filled_void = {};
+  /// The only component that is not filled, by its number; only for find_cavities.
+  std::optional<ComponentNumber> kept_component = {};
   bool largest_probes = true;  ///< whether to find the largest probe of each cavity
 };
 
@@ -34,12 +36,13 @@ Measures measure_patches(const Molecule& molecule, const MeasureSettings& settin
 /// The cavities of a molecule.
 struct FoundCavities {
   std::shared_ptr<const CavityMap> map;
-  /// The surface without filled cavities, and all its patches if they are kept; else null.
+  /// The surface without filled components, and all its patches if they are kept; else null.
   std::shared_ptr<ScheduledSurface> patches;
 };
 
-/// Finds the cavities of a molecule, and fills those up to `max_filled_void`. Uses the probe
-/// radius, the threads and the callback of the settings. The patches pass in a sweep. With
+/// Finds the cavities of a molecule, and fills those up to `max_filled_void`, or all components
+/// except `kept_component`. Throws Error if there is no such component. Uses the probe radius, the
+/// threads and the callback of the settings. The patches pass in a sweep. With
 /// `keeps_patches`, they are kept, and the schedule is at its start.
 FoundCavities find_cavities(const Molecule& molecule, const MeasureSettings& settings,
                             bool keeps_patches);

@@ -301,14 +301,12 @@ void Patches::place_probes(ClusterPatches& patches) {
   keys = std::vector<PlacementKey>();  // unlike {}, this frees the memory
 }
 
-// Atoms whose faces are all filled count as buried.
+// An atom whose faces are all filled counts as buried.
 void Patches::drop_filled_patches(std::span<const AtomIndex> members,
                                   ClusterPatches& patches) const {
   const CavityMap& cavities = *surface_.cavities;
   for (std::size_t m = 0; m < members.size(); ++m)
-    if (const WallAtom* const atom = cavities.find(members[m]);
-        atom != nullptr && cavities.is_filled(*atom))
-      patches.exposure[m] = AtomExposure::buried;
+    if (cavities.is_filled(cavities.find(members[m]))) patches.exposure[m] = AtomExposure::buried;
   drop_items(patches.arcs, patches.arc_begin, [&](const Arc& arc) {
     return cavities.is_filled(cavities.component_of(surface_, arc));
   });

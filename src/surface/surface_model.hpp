@@ -27,8 +27,8 @@ struct SurfaceModel {
   /// Without slack, decisions on the three contact circles at a placement agree unless rounding
   /// decides, and a probe that just fits may be rejected.
   bool has_slack = true;
-  /// The cavities of the molecule, if some of them are filled; else null. Patches of filled
-  /// cavities are left out.
+  /// The cavities of the molecule, if some component is filled; else null. Patches of filled
+  /// components are left out.
   std::shared_ptr<const CavityMap> cavities;
 
   SurfaceModel(Molecule of, double probe)

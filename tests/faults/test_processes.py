@@ -190,6 +190,16 @@ class Identity(Processes):
             self.assertSame(3, DATA / "1ubq.xyzr", "--spacing", "0.6", "--color", "atom", "--write",
                             "none", *more, mesh=mesh)
 
+    def test_meshes_of_components_are_the_same(self):
+        """Each process finds the cavities of all atoms."""
+        for count in (2, 3):
+            for mesh, more in (("mesh.ply", ("--color", "component", "--write", "none")),
+                               ("mesh.vtp", ("--color", "component", "--component", "1")),
+                               ("mesh.ply", ("--component", "outside", "--mesh-quality"))):
+                with self.subTest(count=count, mesh=mesh, more=more):
+                    self.assertSame(count, DATA / "1ubq.xyzr", "--spacing", "0.6", *more,
+                                    mesh=mesh)
+
     def test_quality_meshes_are_the_same(self):
         for count in (2, 3, 5):
             for mesh in ("mesh.ply", "mesh.vert", "mesh.vtp", "mesh.stl"):

@@ -276,7 +276,10 @@ class Resume(FaultTest):
                                  ("fas2.pqr", "mesh.ply", (*self.potential(5), "--write", "none")),
                                  ("fas2.pqr", "mesh.stl", ("--write", "none")),
                                  ("fas2.pqr", "mesh.ply", ("--mesh-quality", "--write", "none")),
-                                 ("c60.xyzr", "mesh.vtp", ("--mesh-quality",))):
+                                 ("c60.xyzr", "mesh.vtp", ("--mesh-quality",)),
+                                 ("1ubq.xyzr", "mesh.vtp", ("--color", "component", "--write",
+                                                            "none")),
+                                 ("1ubq.xyzr", "mesh.ply", ("--component", "1"))):
             arguments = (DATA / name, "-q", "--spacing", "0.7", "-b", "9", "-t", "2", *more,
                          "--mesh", self.output / mesh)
             self.put({})

@@ -109,6 +109,8 @@ void add_vertex(const std::map<std::string, double>& values, Mesh& mesh) {
     mesh.colors.push_back({static_cast<int>(values.at("red")), static_cast<int>(values.at("green")),
                            static_cast<int>(values.at("blue"))});
   if (values.contains("potential")) mesh.potentials.push_back(values.at("potential"));
+  if (values.contains("component"))
+    mesh.components.push_back(static_cast<std::uint32_t>(values.at("component")));
   if (!values.contains("chain")) return;
   mesh.chains.push_back(static_cast<std::uint32_t>(values.at("chain")));
   mesh.residues.push_back(static_cast<std::uint32_t>(values.at("residue")));
@@ -479,6 +481,7 @@ Mesh read_vtp(const std::string& text) {
     mesh.chain_names = file.names("chain_name");
     mesh.residue_names = file.names("residue_name");
   }
+  if (file.has("component")) mesh.components = file.values<std::uint32_t>("component", "UInt32");
   if (file.has("potential"))
     for (const float potential : file.values<float>("potential", "Float32"))
       mesh.potentials.push_back(potential);

@@ -19,7 +19,7 @@ using MeshTriangle = std::array<std::uint64_t, 3>;
 struct Mesh {
   std::vector<Vec3> positions, normals;
   std::vector<int> patches;
-  std::vector<std::uint32_t> atoms, chains, residues;
+  std::vector<std::uint32_t> atoms, chains, residues, components;
   std::vector<double> potentials;
   std::vector<std::array<int, 3>> colors;
   std::vector<MeshTriangle> triangles;

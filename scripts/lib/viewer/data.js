@@ -116,7 +116,7 @@ function describeAtom(molecule, atom) {
 function describeVertex(molecule, vertex) {
   const parts = molecule.atom ? [describeAtom(molecule, molecule.atom[vertex])] : ["surface"];
   if (molecule.patch) parts.push(PATCHES[molecule.patch[vertex]]);
-  if (molecule.component) parts.push(`component ${molecule.component[vertex]}`);
+  if (molecule.component) parts.push(componentName(molecule.component[vertex]));
   if (molecule.potential) {
     const value = potentialAt(molecule, vertex);
     parts.push(`${value < 0 ? "−" : "+"}${Math.abs(value).toPrecision(2)} kT/e`);
@@ -132,6 +132,15 @@ function distinctColor(number) {
   const up = Math.floor(60 + 175 * (hue % 1)), down = 295 - up;
   return [[235, up, 60], [down, 235, 60], [60, 235, up], [60, down, 235], [up, 60, 235],
     [235, 60, down]][Math.floor(hue)];
+}
+
+// Component 0 is the outside.
+function componentColor(number) {
+  return number === 0 ? [200, 200, 200] : distinctColor(number - 1);
+}
+
+function componentName(number) {
+  return number === 0 ? "outside" : `cavity ${number}`;
 }
 
 function elementColor(name) {
@@ -196,9 +205,9 @@ const SCHEMES = {
   },
   component: {
     label: "component", has: (one) => one.component,
-    paint: (one) => (vertex) => distinctColor(one.component[vertex]),
+    paint: (one) => (vertex) => componentColor(one.component[vertex]),
     entries: (one) => Array.from(new Set(one.component)).sort((a, b) => a - b)
-      .map((number) => [`component ${number}`, distinctColor(number)]),
+      .map((number) => [componentName(number), componentColor(number)]),
   },
   area: {
     label: "area of the atom", has: (one) => one.atom && one.area,
