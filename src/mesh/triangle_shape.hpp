@@ -10,6 +10,25 @@ namespace eses::detail::mesh {
 
 using TrianglePoints = std::array<Vec3, 3>;
 
+/// The smallest box around points.
+struct Bounds {
+  Vec3 low, high;
+
+  explicit Bounds(const Vec3& point) : low(point), high(point) {}
+  explicit Bounds(const TrianglePoints& t) : Bounds(t[0]) {
+    extend(t[1]);
+    extend(t[2]);
+  }
+  void extend(const Vec3& point) {
+    low = {std::min(low.x, point.x), std::min(low.y, point.y), std::min(low.z, point.z)};
+    high = {std::max(high.x, point.x), std::max(high.y, point.y), std::max(high.z, point.z)};
+  }
+  bool overlaps(const Bounds& other) const {
+    return low.x <= other.high.x && low.y <= other.high.y && low.z <= other.high.z &&
+           other.low.x <= high.x && other.low.y <= high.y && other.low.z <= high.z;
+  }
+};
+
 /// Returns a vector perpendicular to a triangle, whose length is twice the area. It points to the
 /// side from which the corners are counterclockwise.
 inline Vec3 area_vector(const TrianglePoints& t) { return cross(t[1] - t[0], t[2] - t[0]); }
