@@ -12,22 +12,22 @@
 
 namespace eses::detail::mesh {
 
-/// A set of the 26 directions (x, y, z) with components -1, 0 and 1.
-using Directions = std::uint32_t;
-inline constexpr Directions all_directions = (Directions{1} << 26U) - 1;
+/// A set of 14 directions: those of the axes and of the diagonals of a cube.
+using Directions = std::uint16_t;
+inline constexpr Directions all_directions = (1U << 14U) - 1;
 
 /// Returns the directions that a triangle does not face, as they form an angle of at least 90
 /// degrees with its normal. `area` is the area vector of the triangle.
 inline Directions directions_not_faced(const Vec3& area) {
   const auto [x, y, z] = area;
-  const std::array<double, 13> along{x,     y,     z,         x + y,     x - y,     x + z,    x - z,
-                                     y + z, y - z, x + y + z, x + y - z, x - y + z, x - y - z};
-  Directions result = 0;
+  const double sum = x + y, difference = x - y;
+  const std::array<double, 7> along{x, y, z, sum + z, sum - z, difference + z, difference - z};
+  unsigned result = 0;
   for (std::size_t i = 0; i < along.size(); ++i) {
-    result |= static_cast<Directions>(along[i] <= 0) << i;
-    result |= static_cast<Directions>(along[i] >= 0) << (i + along.size());
+    result |= static_cast<unsigned>(along[i] <= 0) << i;
+    result |= static_cast<unsigned>(along[i] >= 0) << (i + along.size());
   }
-  return result;
+  return static_cast<Directions>(result);
 }
 
 /// The directions that triangles do not face, by cubic cells of two spacings. Cells that are far
@@ -49,43 +49,49 @@ class FacingCells {
            static_cast<double>(cells_along(region.size()[1])) * ring_size * sizeof(Directions);
   }
 
-  /// Adds a triangle and the directions that it does not face.
-  void add(const TrianglePoints& t, Directions directions) {
-    // A box that overlaps the triangle comes within `inset_` of the reduced bounds along each axis.
-    Bounds bounds(t);
+  /// Adds triangles in a box and the directions that some of them do not face.
+  void add(Bounds box, Directions directions) {
+    // Another box that overlaps this one comes within `inset_` of the reduced box along each axis.
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      double &low = bounds.low[axis], &high = bounds.high[axis];
+      double &low = box.low[axis], &high = box.high[axis];
       const double middle = (low + high) / 2;
       low = std::min(low + inset_, middle);
       high = std::max(high - inset_, middle);
     }
-    const CellBox box = cells_in(bounds);
-    while (top_ < box.high[2]) {
-      ++top_;
-      std::fill_n(cells_.begin() + cell_at(0, 0, top_), size_[0] * size_[1], 0);
-    }
-    for_each_row(box, [&](std::int64_t begin, std::int64_t end) {
+    const CellBox cells = cells_in(box);
+    clear_up_to(cells.high[2]);
+    for_each_row(cells, [&](std::int64_t begin, std::int64_t end) {
       for (std::int64_t i = begin; i < end; ++i) cells_[static_cast<std::size_t>(i)] |= directions;
     });
   }
 
+  /// Adds a triangle in a cell of the grid. See `add`.
+  void add_small(const TrianglePoints& t, Directions directions) {
+    const Bounds bounds(t);
+    const Vec3 middle = 0.5 * (bounds.low + bounds.high);
+    const std::int64_t z = cell_of(middle, 2);
+    clear_up_to(z);
+    cells_[static_cast<std::size_t>(cell_at(cell_of(middle, 0), cell_of(middle, 1), z))] |=
+        directions;
+  }
+
   /// Returns the directions that some triangle does not face, among all triangles that overlap a
   /// box and some triangles nearby.
-  Directions within(Bounds bounds) const {
+  Directions within(Bounds box) const {
     const Vec3 inset{inset_, inset_, inset_};
-    bounds.low = bounds.low - inset;
-    bounds.high = bounds.high + inset;
+    box.low = box.low - inset;
+    box.high = box.high + inset;
     Directions result = 0;
-    CellBox box = cells_in(bounds);
-    box.high[2] = std::min(box.high[2], top_);
-    for_each_row(box, [&](std::int64_t begin, std::int64_t end) {
+    CellBox cells = cells_in(box);
+    cells.high[2] = std::min(cells.high[2], top_);
+    for_each_row(cells, [&](std::int64_t begin, std::int64_t end) {
       for (std::int64_t i = begin; i < end; ++i) result |= cells_[static_cast<std::size_t>(i)];
     });
     return result;
   }
 
  private:
-  static constexpr std::int64_t ring_size = 16;  // planes of cells
+  static constexpr std::int64_t ring_size = 16;  // planes of cells, a power of two
   static_assert(2 * (ring_size - 2) >= kept_planes);
 
   struct CellBox {
@@ -94,22 +100,29 @@ class FacingCells {
 
   static std::int64_t cells_along(std::int64_t points) { return points / 2 + 1; }
   std::int64_t cell_at(std::int64_t x, std::int64_t y, std::int64_t z) const {
-    return (z % ring_size * size_[1] + y) * size_[0] + x;
+    return ((z & (ring_size - 1)) * size_[1] + y) * size_[0] + x;
   }
 
   // Points beyond the region belong to the cells at its border.
-  CellBox cells_in(const Bounds& bounds) const {
-    const auto cell = [&](double coordinate, std::size_t axis) {
-      const auto i = static_cast<std::int64_t>(
-          std::max(0.0, (coordinate - origin_[axis]) * scale_));
-      return axis < 2 ? std::min(i, size_[axis] - 1) : i;
-    };
-    CellBox box;
+  std::int64_t cell_of(const Vec3& point, std::size_t axis) const {
+    const double cells = std::max(0.0, (point[axis] - origin_[axis]) * scale_);
+    const auto cell = static_cast<std::int64_t>(cells);
+    return axis < 2 ? std::min(cell, size_[axis] - 1) : cell;
+  }
+  CellBox cells_in(const Bounds& box) const {
+    CellBox cells;
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      box.low[axis] = cell(bounds.low[axis], axis);
-      box.high[axis] = cell(bounds.high[axis], axis);
+      cells.low[axis] = cell_of(box.low, axis);
+      cells.high[axis] = cell_of(box.high, axis);
     }
-    return box;
+    return cells;
+  }
+
+  void clear_up_to(std::int64_t z) {
+    while (top_ < z) {
+      ++top_;
+      std::fill_n(cells_.begin() + cell_at(0, 0, top_), size_[0] * size_[1], Directions{0});
+    }
   }
 
   // Calls f(begin, end) for the indices of each row of cells.

@@ -29,7 +29,7 @@ struct Stage {
 };
 constexpr std::array<Stage, 3> stages{{{30, 1.75}, {22, 2.25}, {22, 2.25}}};
 // Edges below this length are collapsed if possible, in units of the spacing.
-constexpr double short_edge = 0.5, max_edge_of_short = 1.75;
+constexpr double short_edge = 0.6, max_edge_of_short = 1.75;
 // Longest edge of any triangle, in units of the spacing. The edges of the plain mesh have at most
 // the length of the diagonal of a cell.
 constexpr double max_edge = 2.25;
@@ -94,7 +94,7 @@ void QualityMesh::add_triangle(const Triangle& triangle) {
   faces_.push_back(face);
   for (Index corner = first; corner < first + 3; ++corner) link(corner);
   const TrianglePoints t = points(face.vertices);
-  cells_.add(t, directions_not_faced(area_vector(t)));
+  cells_.add_small(t, directions_not_faced(area_vector(t)));
 }
 
 void QualityMesh::finish() {
@@ -102,23 +102,23 @@ void QualityMesh::finish() {
 }
 
 void QualityMesh::link(Index corner) {
-  Vertex& vertex = vertices_[corner_vertex(corner, 0)];
+  Vertex& vertex = vertices_[vertex_at(corner)];
   faces_[corner >> 2].next[corner & 3] = vertex.first_corner;
   vertex.first_corner = corner;
   ++vertex.valence;
 }
 
 void QualityMesh::unlink(Index corner) {
-  Vertex& vertex = vertices_[corner_vertex(corner, 0)];
+  Vertex& vertex = vertices_[vertex_at(corner)];
   --vertex.valence;
   const Index next = next_corner(corner);
   if (vertex.first_corner == corner) {
     vertex.first_corner = next;
     return;
   }
-  Index before = vertex.first_corner;
-  while (next_corner(before) != corner) before = next_corner(before);
-  faces_[before >> 2].next[before & 3] = next;
+  Index last = vertex.first_corner;
+  while (next_corner(last) != corner) last = next_corner(last);
+  faces_[last >> 2].next[last & 3] = next;
 }
 
 // Returns the squared sine of the smallest angle.
@@ -158,20 +158,22 @@ bool QualityMesh::can_have(const Face& face, Index vertex) const {
 
 // Returns the corner opposite to the same edge in the other triangle at the edge, or `none`.
 QualityMesh::Index QualityMesh::corner_across(Index corner) const {
-  const Index from = corner_vertex(corner, 1), to = corner_vertex(corner, 2);
+  const Index from = vertex_at(after(corner)), to = vertex_at(before(corner));
   for (Index other = vertices_[from].first_corner; other != none; other = next_corner(other))
-    if (corner_vertex(other, 2) == to) return (other & ~Index{3}) | ((other & 3) + 1) % 3;
+    if (vertex_at(before(other)) == to) return after(other);
   return none;
 }
 
 // Marks the neighbours of a vertex, and lists its corners. The list is empty if the vertex must not
 // be removed, as it is at the border of the mesh.
 void QualityMesh::list_ring(Index vertex) {
+  if (ring_center_ == vertex) return;
+  ring_center_ = vertex;
   ++mark_;
   ring_.clear();
   for (Index corner = vertices_[vertex].first_corner; corner != none;
        corner = next_corner(corner)) {
-    ring_.push_back({corner, corner_vertex(corner, 1), corner_vertex(corner, 2)});
+    ring_.push_back({corner, vertex_at(after(corner)), vertex_at(before(corner))});
     vertices_[ring_.back().left].mark = mark_;
   }
   for (const RingCorner& at : ring_)
@@ -185,19 +187,6 @@ void QualityMesh::list_ring(Index vertex) {
 void QualityMesh::consider_collapse(Index from, Index to) {
   if (ring_.size() < 3 || !can_change(to)) return;
   if (vertices_[from].valence + vertices_[to].valence - 4 > max_valence) return;
-  // The two vertices opposite to the edge are the only common neighbours.
-  std::array<Index, 2> opposite{none, none};
-  for (const RingCorner& at : ring_) {
-    if (at.left == to) opposite[0] = at.right;
-    if (at.right == to) opposite[1] = at.left;
-  }
-  for (const Index vertex : opposite)
-    if (vertex == none || vertices_[vertex].valence < 4) return;
-  for (Index corner = vertices_[to].first_corner; corner != none; corner = next_corner(corner))
-    for (const Index step : {1U, 2U}) {
-      const Index vertex = corner_vertex(corner, step);
-      if (vertices_[vertex].mark == mark_ && vertex != opposite[0] && vertex != opposite[1]) return;
-    }
   float quality = 1;
   bool is_turned = false;
   for (const auto& [corner, left, right] : ring_) {
@@ -221,12 +210,25 @@ void QualityMesh::consider_collapse(Index from, Index to) {
   operations_.push_back({quality, false, from, to});
 }
 
+// Considers the two collapses of the edge opposite to a corner that improve the worst triangle.
+void QualityMesh::consider_collapses(Index corner) {
+  const std::array<Index, 2> ends{vertex_at(after(corner)), vertex_at(before(corner))};
+  for (std::size_t i = 0; i < 2; ++i) {
+    if (!can_change(ends[i])) continue;
+    list_ring(ends[i]);
+    limits_.min_quality = 1;
+    for (const RingCorner& at : ring_)
+      limits_.min_quality = std::min(limits_.min_quality, quality_of(at.corner >> 2));
+    consider_collapse(ends[i], ends[1 - i]);
+  }
+}
+
 // Considers the flip of the edge opposite to a corner.
 void QualityMesh::consider_flip(Index corner) {
   const Index other = corner_across(corner);
   if (other == none) return;
-  const Index a = corner_vertex(corner, 1), b = corner_vertex(corner, 2),
-              from = corner_vertex(corner, 0), to = corner_vertex(other, 0);
+  const Index a = vertex_at(after(corner)), b = vertex_at(before(corner)),
+              from = vertex_at(corner), to = vertex_at(other);
   const Face &one = faces_[corner >> 2], &two = faces_[other >> 2];
   if (from == to || !can_change(a) || !can_change(b) || !can_change(from) || !can_change(to) ||
       !can_have(one, to) || !can_have(two, from))
@@ -242,12 +244,10 @@ void QualityMesh::consider_flip(Index corner) {
   if (new_facing < min_facing &&
       new_facing < std::min(facing(one.vertices), facing(two.vertices)))
     return;
-  for (Index at = vertices_[from].first_corner; at != none; at = next_corner(at))
-    if (corner_vertex(at, 1) == to || corner_vertex(at, 2) == to) return;
   operations_.push_back({quality, true, corner, other});
 }
 
-// Performs the best operation that causes no intersection. Returns false if there is none.
+// Performs the best operation that is possible. Returns false if there is none.
 bool QualityMesh::perform_best() {
   while (!operations_.empty()) {
     const auto best = std::max_element(
@@ -259,30 +259,62 @@ bool QualityMesh::perform_best() {
   return false;
 }
 
-// Performs an operation if it causes no intersection.
+// Returns whether the mesh stays a manifold if an edge at `from` is collapsed. The ring of `from` is
+// listed. The two vertices opposite to the edge must be the only common neighbours.
+bool QualityMesh::is_collapsible(Index to) const {
+  std::array<Index, 2> opposite{none, none};
+  for (const RingCorner& at : ring_) {
+    if (at.left == to) opposite[0] = at.right;
+    if (at.right == to) opposite[1] = at.left;
+  }
+  for (const Index vertex : opposite)
+    if (vertex == none || vertices_[vertex].valence < 4) return false;
+  for (Index corner = vertices_[to].first_corner; corner != none; corner = next_corner(corner))
+    for (const Index vertex : {vertex_at(after(corner)), vertex_at(before(corner))})
+      if (vertices_[vertex].mark == mark_ && vertex != opposite[0] && vertex != opposite[1])
+        return false;
+  return true;
+}
+
+// Returns whether an edge connects two vertices.
+bool QualityMesh::are_neighbors(Index one, Index other) const {
+  for (Index corner = vertices_[one].first_corner; corner != none; corner = next_corner(corner))
+    if (vertex_at(after(corner)) == other || vertex_at(before(corner)) == other) return true;
+  return false;
+}
+
+// Performs an operation if the mesh stays a manifold without intersections.
+//
+// If all triangles in the box of the old triangles face one direction, the surface in the box has a
+// single sheet, which is a graph over a plane: two sheets of a closed surface that face the same
+// direction have a third one between them that does not. New triangles that face this direction,
+// too, are then part of a graph. Otherwise all pairs are compared.
 bool QualityMesh::perform(const Operation& operation) {
   const auto [quality, is_flip, from, to] = operation;
   old_faces_.clear();
   new_triangles_.clear();
-  Bounds bounds(position(is_flip ? corner_vertex(from, 0) : from));
+  Bounds bounds(position(is_flip ? vertex_at(from) : from));
   if (is_flip) {
-    const Index a = corner_vertex(from, 1), b = corner_vertex(from, 2), p = corner_vertex(from, 0),
-                q = corner_vertex(to, 0);
+    const Index a = vertex_at(after(from)), b = vertex_at(before(from)), p = vertex_at(from),
+                q = vertex_at(to);
+    if (are_neighbors(p, q)) return false;
     old_faces_ = {from >> 2, to >> 2};
     new_triangles_ = {{p, a, q}, {p, q, b}};
     for (const Index vertex : {a, b, q}) bounds.extend(position(vertex));
   } else {
-    for (Index corner = vertices_[from].first_corner; corner != none;
-         corner = next_corner(corner)) {
+    list_ring(from);
+    if (!is_collapsible(to)) return false;
+    for (const auto& [corner, left, right] : ring_) {
       old_faces_.push_back(corner >> 2);
-      const Index a = corner_vertex(corner, 1), b = corner_vertex(corner, 2);
-      bounds.extend(position(a));
-      if (a != to && b != to) new_triangles_.push_back({to, a, b});
+      bounds.extend(position(left));
+      if (left != to && right != to) new_triangles_.push_back({to, left, right});
     }
   }
-  if (!is_free(bounds)) return false;
-  for (std::size_t i = 0; i < new_triangles_.size(); ++i)
-    cells_.add(points(new_triangles_[i]), new_directions_[i]);
+  Directions not_faced = 0;
+  for (const Corners& triangle : new_triangles_)
+    not_faced |= directions_not_faced(area_vector(points(triangle)));
+  if ((not_faced | cells_.within(bounds)) == all_directions && do_intersect(bounds)) return false;
+  cells_.add(bounds, not_faced);
   if (is_flip) {
     flip(from, to);
   } else {
@@ -295,8 +327,9 @@ void QualityMesh::collapse(Index from, Index to) {
   for (Index corner = vertices_[from].first_corner, next = none; corner != none; corner = next) {
     next = next_corner(corner);
     Face& face = faces_[corner >> 2];
-    if (corner_vertex(corner, 1) == to || corner_vertex(corner, 2) == to) {
-      for (const Index step : {1U, 2U}) unlink((corner & ~Index{3}) | ((corner & 3) + step) % 3);
+    if (vertex_at(after(corner)) == to || vertex_at(before(corner)) == to) {
+      unlink(after(corner));
+      unlink(before(corner));
       face.vertices[0] = none;
     } else {
       face.vertices[corner & 3] = to;
@@ -308,13 +341,14 @@ void QualityMesh::collapse(Index from, Index to) {
   removed.first_corner = none;
   removed.valence = 0;
   removed.is_removed = true;
+  ring_center_ = none;
 }
 
 // Flips the edge opposite to both corners.
 void QualityMesh::flip(Index corner, Index other) {
-  const Index from = corner_vertex(corner, 0), to = corner_vertex(other, 0);
-  const Index one = corner & ~Index{3}, two = other & ~Index{3};
-  const Index at_b = one | ((corner & 3) + 2) % 3, at_a = two | ((other & 3) + 2) % 3;
+  const Index from = vertex_at(corner), to = vertex_at(other);
+  const Index at_b = before(corner), at_a = before(other);
+  ring_center_ = none;
   unlink(at_b);
   unlink(at_a);
   faces_[at_b >> 2].vertices[at_b & 3] = to;
@@ -324,29 +358,30 @@ void QualityMesh::flip(Index corner, Index other) {
   faces_[at_b >> 2].quality = faces_[at_a >> 2].quality = unknown;
 }
 
-// Returns whether `new_triangles_` that replace `old_faces_` intersect no other triangle. `bounds`
-// are those of the old triangles.
-//
-// If all triangles in the box face one direction, the surface in the box has a single sheet, which
-// is a graph over a plane: two sheets of a closed surface that face the same direction have a third
-// one between them that does not. New triangles that face this direction, too, are then part of a
-// graph. Otherwise all pairs are compared.
-bool QualityMesh::is_free(const Bounds& bounds) {
-  Directions not_faced = cells_.within(bounds);
-  new_directions_.clear();
-  for (const Corners& triangle : new_triangles_) {
-    new_directions_.push_back(directions_not_faced(area_vector(points(triangle))));
-    not_faced |= new_directions_.back();
-  }
-  if (not_faced != all_directions) return true;
+// Returns whether one of `new_triangles_`, which replace `old_faces_` within `bounds`, intersects
+// another triangle.
+bool QualityMesh::do_intersect(const Bounds& bounds) {
   list_near_faces(bounds);
+  Vec3 direction;
+  for (const Corners& triangle : new_triangles_)
+    direction = direction + area_vector(points(triangle));
+  const auto faces_direction = [&](const Corners& triangle) {
+    return dot(direction, area_vector(points(triangle))) > 0;
+  };
+  const auto is_of_graph = [&](Index face) { return faces_direction(faces_[face].vertices); };
+  if (std::ranges::all_of(new_triangles_, faces_direction) &&
+      std::ranges::all_of(old_faces_, is_of_graph) &&
+      std::ranges::all_of(near_faces_, is_of_graph, &NearFace::face))
+    return false;
   for (std::size_t i = 0; i < new_triangles_.size(); ++i) {
+    const Bounds box(points(new_triangles_[i]));
     for (std::size_t j = 0; j < i; ++j)
-      if (intersect(new_triangles_[i], new_triangles_[j])) return false;
-    for (const Index face : near_faces_)
-      if (intersect(new_triangles_[i], faces_[face].vertices)) return false;
+      if (intersect(new_triangles_[i], new_triangles_[j])) return true;
+    for (const auto& [face, face_box] : near_faces_)
+      if (box.overlaps(face_box) && intersect(new_triangles_[i], faces_[face].vertices))
+        return true;
   }
-  return true;
+  return false;
 }
 
 // Lists the triangles that overlap a box, except `old_faces_`.
@@ -354,22 +389,26 @@ void QualityMesh::list_near_faces(const Bounds& bounds) {
   near_faces_.clear();
   // A point of a triangle is at most 1 / sqrt(3) of the longest side away from the nearest corner.
   const double reach = max_edge * grid_.spacing / std::numbers::sqrt3;
+  Bounds wide_bounds = bounds;
+  wide_bounds.extend(bounds.low - Vec3{reach, reach, reach});
+  wide_bounds.extend(bounds.high + Vec3{reach, reach, reach});
   // Rounding may move a vertex beyond its row or plane.
   const auto index = [&](double coordinate, std::size_t axis, std::int64_t begin, int offset) {
     return static_cast<std::int64_t>(
                std::floor((coordinate - grid_.origin[axis]) / grid_.spacing)) -
            begin + offset;
   };
-  const std::int64_t low_z = index(bounds.low.z - reach, 2, 0, -1),
-                     high_z = index(bounds.high.z + reach, 2, 0, 1),
-                     low_y = index(bounds.low.y - reach, 1, region_.begin[1], -1),
-                     high_y = index(bounds.high.y + reach, 1, region_.begin[1], 1);
+  const std::int64_t low_z = index(wide_bounds.low.z, 2, 0, -1),
+                     high_z = index(wide_bounds.high.z, 2, 0, 1),
+                     low_y = index(wide_bounds.low.y, 1, region_.begin[1], -1),
+                     high_y = index(wide_bounds.high.y, 1, region_.begin[1], 1);
   // Within a row, the vertices are sorted by x up to a spacing.
-  const double low_x = bounds.low.x - reach - grid_.spacing,
-               high_x = bounds.high.x + reach + grid_.spacing;
-  for (const Plane& plane : planes_) {
+  const double low_x = wide_bounds.low.x - grid_.spacing,
+               high_x = wide_bounds.high.x + grid_.spacing;
+  for (std::size_t p = 0; p < planes_.size(); ++p) {
+    const Plane& plane = planes_[p];
     if (plane.z < low_z || plane.z > high_z) continue;
-    const Index plane_end = vertices_of(plane.z).second;
+    const Index plane_end = end_of(p);
     const auto begin_of = [&](std::int64_t y) {
       const auto row = static_cast<std::size_t>(y);
       return vertices_.begin() + (row < plane.rows.size() ? plane.rows[row] : plane_end);
@@ -379,16 +418,20 @@ void QualityMesh::list_near_faces(const Bounds& bounds) {
       auto next = std::partition_point(begin_of(y), end, [&](const Vertex& vertex) {
         return vertex.position.x < low_x;
       });
-      for (; next != end && next->position.x <= high_x; ++next)
-        for (Index corner = next->first_corner; corner != none; corner = next_corner(corner))
-          if (Bounds(points(faces_[corner >> 2].vertices)).overlaps(bounds))
-            near_faces_.push_back(corner >> 2);
+      for (; next != end && next->position.x <= high_x; ++next) {
+        if (!wide_bounds.overlaps(Bounds(next->position))) continue;
+        for (Index corner = next->first_corner; corner != none; corner = next_corner(corner)) {
+          const Bounds box(points(faces_[corner >> 2].vertices));
+          if (box.overlaps(bounds)) near_faces_.push_back({corner >> 2, box});
+        }
+      }
     }
   }
-  std::sort(near_faces_.begin(), near_faces_.end());
-  near_faces_.erase(std::unique(near_faces_.begin(), near_faces_.end()), near_faces_.end());
-  std::erase_if(near_faces_, [&](Index face) {
-    return std::find(old_faces_.begin(), old_faces_.end(), face) != old_faces_.end();
+  std::ranges::sort(near_faces_, {}, &NearFace::face);
+  const auto repeated = std::ranges::unique(near_faces_, {}, &NearFace::face);
+  near_faces_.erase(repeated.begin(), repeated.end());
+  std::erase_if(near_faces_, [&](const NearFace& near) {
+    return std::find(old_faces_.begin(), old_faces_.end(), near.face) != old_faces_.end();
   });
 }
 
@@ -408,7 +451,6 @@ bool QualityMesh::intersect(const Corners& one, const Corners& other) const {
     const Vec3 u = area_vector(a), v = area_vector(b);
     return dot(u, v) < fold * norm(u) * norm(v);
   }
-  if (!Bounds(a).overlaps(Bounds(b))) return false;
   if (common == 1)
     return segment_meets_triangle(a[(of_one + 1) % 3], a[(of_one + 2) % 3], b) ||
            segment_meets_triangle(b[(of_other + 1) % 3], b[(of_other + 2) % 3], a);
@@ -419,14 +461,17 @@ bool QualityMesh::intersect(const Corners& one, const Corners& other) const {
   return false;
 }
 
+// Returns the index after the last vertex of a plane of `planes_`.
+QualityMesh::Index QualityMesh::end_of(std::size_t plane) const {
+  return plane + 1 < planes_.size() ? planes_[plane + 1].first_vertex
+                                    : static_cast<Index>(vertices_.size());
+}
+
 // Returns the range of the vertices of a plane.
-std::pair<QualityMesh::Index, QualityMesh::Index> QualityMesh::vertices_of(
-    std::int32_t plane) const {
-  const auto at =
-      std::find_if(planes_.begin(), planes_.end(), [&](const Plane& p) { return p.z == plane; });
-  if (at == planes_.end()) return {0, 0};
-  return {at->first_vertex, at + 1 != planes_.end() ? (at + 1)->first_vertex
-                                                    : static_cast<Index>(vertices_.size())};
+std::pair<QualityMesh::Index, QualityMesh::Index> QualityMesh::vertices_of(std::int32_t z) const {
+  for (std::size_t p = 0; p < planes_.size(); ++p)
+    if (planes_[p].z == z) return {planes_[p].first_vertex, end_of(p)};
+  return {0, 0};
 }
 
 void QualityMesh::advance_to(std::int32_t plane) {
@@ -459,7 +504,7 @@ void QualityMesh::collapse_short_edges(std::int32_t plane) {
     bool has_short = false;
     for (Index corner = vertices_[vertex].first_corner; corner != none && !has_short;
          corner = next_corner(corner))
-      has_short = is_short(corner_vertex(corner, 1));
+      has_short = is_short(vertex_at(after(corner)));
     if (!has_short) continue;
     operations_.clear();
     list_ring(vertex);
@@ -479,16 +524,18 @@ void QualityMesh::improve_faces(std::int32_t plane, float min_quality) {
     const Corners triangle = faces_[face].vertices;
     if (triangle[0] == none || quality_of(face) >= min_quality) continue;
     operations_.clear();
-    for (const Index from : triangle) {
-      if (!can_change(from)) continue;
-      list_ring(from);
-      limits_.min_quality = 1;
-      for (const RingCorner& ring : ring_)
-        limits_.min_quality = std::min(limits_.min_quality, quality_of(ring.corner >> 2));
-      for (const Index to : triangle)
-        if (to != from) consider_collapse(from, to);
-    }
-    for (Index corner = 4 * face; corner < 4 * face + 3; ++corner) consider_flip(corner);
+    std::array<std::pair<double, Index>, 3> edges;  // squared length, corner opposite to the edge
+    const TrianglePoints t = points(triangle);
+    for (Index i = 0; i < 3; ++i)
+      edges[i] = {squared_norm(t[(i + 2) % 3] - t[(i + 1) % 3]), 4 * face + i};
+    std::sort(edges.begin(), edges.end());
+    consider_flip(edges[2].second);
+    consider_collapses(edges[0].second);
+    if (perform_best()) continue;
+    consider_flip(edges[1].second);
+    consider_flip(edges[0].second);
+    consider_collapses(edges[1].second);
+    consider_collapses(edges[2].second);
     perform_best();
   }
 }
@@ -512,7 +559,7 @@ void QualityMesh::deliver(std::int32_t plane) {
     for (; delivered_ < end; ++delivered_) {
       const Face& face = faces_[delivered_];
       if (face.vertices[0] == none) continue;
-      count(face);
+      count(delivered_);
       Triangle triangle{};
       for (std::size_t i = 0; i < 3; ++i) triangle[i] = first_number_ + face.vertices[i];
       sink_.triangle(triangle);
@@ -521,9 +568,14 @@ void QualityMesh::deliver(std::int32_t plane) {
   }
 }
 
-void QualityMesh::count(const Face& face) {
+void QualityMesh::count(Index index) {
   static const double below_20 = squared_sine(20), below_5 = squared_sine(5);
-  const double quality = squared_sine_of_smallest_angle(points(face.vertices));
+  constexpr float rounding = 1 - 1e-6F;
+  const Face& face = faces_[index];
+  double quality = quality_of(index);
+  // Rounding of the stored quality must not change the counts.
+  if (rounding * quality < std::max(below_20, smallest_quality_))
+    quality = squared_sine_of_smallest_angle(points(face.vertices));
   smallest_quality_ = std::min(smallest_quality_, quality);
   const auto normal = [&](std::size_t i) { return vertices_[face.vertices[i]].normal; };
   const bool is_at_cusp = std::min({dot(normal(0), normal(1)), dot(normal(1), normal(2)),
@@ -557,7 +609,7 @@ void QualityMesh::drop_delivered() {
   for (Index face = 0; face < delivered_; ++face) {
     if (faces_[face].vertices[0] == none) continue;
     for (Index corner = 4 * face; corner < 4 * face + 3; ++corner)
-      if (corner_vertex(corner, 0) >= vertices) unlink(corner);
+      if (vertex_at(corner) >= vertices) unlink(corner);
   }
   const auto shift = [](auto& list, Index n) { list.erase(list.begin(), list.begin() + n); };
   shift(vertices_, vertices);
@@ -579,6 +631,7 @@ void QualityMesh::drop_delivered() {
   }
   for (FacePlane& plane : face_planes_) plane.first_face -= delivered_;
   delivered_ = 0;
+  ring_center_ = none;
 }
 
 }  // namespace eses::detail::mesh

@@ -115,6 +115,10 @@ class QualityMesh {
   struct RingCorner {
     Index corner, left, right;  // the corner at the centre, and the other vertices of the triangle
   };
+  struct NearFace {
+    Index face = 0;
+    Bounds bounds;
+  };
   struct Operation {
     float quality = 0;
     bool is_flip = false;
@@ -127,9 +131,10 @@ class QualityMesh {
 
   const Vertex& at(std::uint64_t number) const { return vertices_[number - first_number_]; }
   const Vec3& position(Index vertex) const { return vertices_[vertex].position; }
-  Index corner_vertex(Index corner, Index step) const {
-    return faces_[corner >> 2].vertices[((corner & 3) + step) % 3];
-  }
+  // Returns the corner after a corner of a triangle.
+  static Index after(Index corner) { return (corner & ~Index{3}) | ((Index{1} << (corner & 3)) & 3); }
+  static Index before(Index corner) { return after(after(corner)); }
+  Index vertex_at(Index corner) const { return faces_[corner >> 2].vertices[corner & 3]; }
   Index next_corner(Index corner) const { return faces_[corner >> 2].next[corner & 3]; }
   TrianglePoints points(const Corners& triangle) const {
     return {position(triangle[0]), position(triangle[1]), position(triangle[2])};
@@ -146,22 +151,26 @@ class QualityMesh {
 
   void list_ring(Index vertex);
   void consider_collapse(Index from, Index to);
+  void consider_collapses(Index corner);
   void consider_flip(Index corner);
+  bool is_collapsible(Index to) const;
+  bool are_neighbors(Index one, Index other) const;
   bool perform_best();
   bool perform(const Operation& operation);
   void collapse(Index from, Index to);
   void flip(Index corner, Index other);
-  bool is_free(const Bounds& bounds);
+  bool do_intersect(const Bounds& bounds);
   void list_near_faces(const Bounds& bounds);
   bool intersect(const Corners& one, const Corners& other) const;
 
-  std::pair<Index, Index> vertices_of(std::int32_t plane) const;
+  Index end_of(std::size_t plane) const;
+  std::pair<Index, Index> vertices_of(std::int32_t z) const;
   void advance_to(std::int32_t plane);
   void collapse_short_edges(std::int32_t plane);
   void improve_faces(std::int32_t plane, float min_quality);
   void freeze(std::int32_t plane);
   void deliver(std::int32_t plane);
-  void count(const Face& face);
+  void count(Index index);
   void drop_delivered();
 
   Grid grid_;
@@ -180,15 +189,16 @@ class QualityMesh {
   Index delivered_ = 0;  // number of faces at the begin of the window that are delivered
   std::uint64_t next_number_ = 0;
   Index mark_ = 0;
+  Index ring_center_ = none;  // vertex whose ring is listed
   Limits limits_;
   MeshQuality quality_;
   double smallest_quality_ = 1;  // squared sine of the smallest angle
   // Scratch memory.
   std::vector<Operation> operations_;
   std::vector<RingCorner> ring_;
-  std::vector<Index> old_faces_, near_faces_;
+  std::vector<Index> old_faces_;
+  std::vector<NearFace> near_faces_;
   std::vector<Corners> new_triangles_;
-  std::vector<Directions> new_directions_;
 };
 
 }  // namespace eses::detail::mesh

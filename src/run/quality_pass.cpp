@@ -75,11 +75,12 @@ double QualityPass::memory_bytes(const MeshOptions& mesh, const GridRegion& regi
 }
 
 void QualityPass::add(std::span<const char> bytes) {
-  rest_.insert(rest_.end(), bytes.begin(), bytes.end());
-  std::size_t begin = 0;
-  while (const std::size_t length = add_batch(std::span<const char>(rest_).subspan(begin)))
-    begin += length;
-  rest_.erase(rest_.begin(), rest_.begin() + static_cast<std::ptrdiff_t>(begin));
+  if (!rest_.empty()) {
+    rest_.insert(rest_.end(), bytes.begin(), bytes.end());
+    bytes = rest_;
+  }
+  while (const std::size_t length = add_batch(bytes)) bytes = bytes.subspan(length);
+  std::vector<char>(bytes.begin(), bytes.end()).swap(rest_);
 }
 
 // Adds the first batch of `bytes`, and returns its length, or 0 if it is not complete.
