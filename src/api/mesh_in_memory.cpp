@@ -87,20 +87,20 @@ struct RowBegin {
 Mesh improve(const Mesh& plain, std::span<const RowBegin> rows, const eses::Grid& grid,
              const GridRegion& region, const CheckCallback& check) {
   Mesh mesh;
-  mesh::QualityMesh quality_mesh(grid, region, {.vertex =
-                                               [&](std::uint64_t vertex) {
-                                                 mesh.vertices.push_back(plain.vertices[vertex]);
-                                                 mesh.normals.push_back(plain.normals[vertex]);
-                                                 mesh.atoms.push_back(plain.atoms[vertex]);
-                                                 mesh.patches.push_back(plain.patches[vertex]);
-                                               },
-                                           .triangle =
-                                               [&](const mesh::Triangle& triangle) {
-                                                 mesh::Triangle& numbers =
-                                                     mesh.faces.emplace_back(triangle);
-                                                 for (std::uint64_t& vertex : numbers)
-                                                   vertex = quality_mesh.new_number(vertex);
-                                               }});
+  mesh::QualityMesh quality_mesh(grid, region,
+                                 {.vertex =
+                                      [&](std::uint64_t vertex) {
+                                        mesh.vertices.push_back(plain.vertices[vertex]);
+                                        mesh.normals.push_back(plain.normals[vertex]);
+                                        mesh.atoms.push_back(plain.atoms[vertex]);
+                                        mesh.patches.push_back(plain.patches[vertex]);
+                                      },
+                                  .triangle =
+                                      [&](const mesh::Triangle& triangle) {
+                                        mesh::Triangle& numbers = mesh.faces.emplace_back(triangle);
+                                        for (std::uint64_t& vertex : numbers)
+                                          vertex = quality_mesh.new_number(vertex);
+                                      }});
   std::uint64_t next = 0;
   auto row = rows.begin();
   for (const mesh::Triangle& triangle : plain.faces) {

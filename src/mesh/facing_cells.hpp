@@ -38,7 +38,9 @@ class FacingCells {
   static constexpr std::int64_t kept_planes = 28;
 
   FacingCells(const Grid& grid, const GridRegion& region)
-      : origin_(grid.point(region.begin)), inset_(0.5 * grid.spacing), scale_(0.5 / grid.spacing) {
+      : origin_(grid.point(region.begin)),
+        inset_(0.501 * grid.spacing),
+        scale_(0.5 / grid.spacing) {
     for (std::size_t axis = 0; axis < 2; ++axis) size_[axis] = cells_along(region.size()[axis]);
     cells_.resize(static_cast<std::size_t>(size_[0] * size_[1] * ring_size));
   }
@@ -134,7 +136,8 @@ class FacingCells {
   }
 
   Vec3 origin_;
-  double inset_, scale_;
+  double inset_;                        // half of a spacing, and some room for rounding
+  double scale_;                        // cells in an angstrom
   std::array<std::int64_t, 2> size_{};  // cells along x and y
   std::int64_t top_ = -1;               // highest plane of cells that has been used
   std::vector<Directions> cells_;

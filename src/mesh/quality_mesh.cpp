@@ -15,9 +15,11 @@ double squared_sine(double angle) {
   return sine * sine;
 }
 
-float quality_of_shape(const TrianglePoints& t) {
-  return static_cast<float>(squared_sine_of_smallest_angle(t));
+// Returns the quality of a triangle, the squared sine of its smallest angle.
+float quality_of_shape(const TrianglePoints& t, const Vec3& area) {
+  return static_cast<float>(squared_sine_of_smallest_angle(t, area));
 }
+float quality_of_shape(const TrianglePoints& t) { return quality_of_shape(t, area_vector(t)); }
 
 // Number of planes between a stage and the stage before it. An operation at a plane changes
 // triangles with vertices about two planes away.
@@ -40,6 +42,7 @@ constexpr double min_angle_of_collapse = 0.001;
 constexpr std::int32_t freeze_planes =
     stage_planes * (2 + static_cast<std::int32_t>(stages.size())) + 2;
 constexpr std::int32_t max_drift = 3;
+static_assert(freeze_planes + 2 * max_drift <= FacingCells::kept_planes);
 // Planes below the frozen ones whose triangles may be near a triangle that changes.
 constexpr std::int32_t kept_planes = 2 * max_drift;
 // Smallest scalar product of the normals of a new triangle and of the surface at its corners.
@@ -195,9 +198,10 @@ void QualityMesh::consider_collapse(Index from, Index to) {
     if (squared_norm(t[1] - t[0]) > limits_.max_squared_length ||
         !can_have(faces_[corner >> 2], to))
       return;
-    quality = std::min(quality, quality_of_shape(t));
+    const Vec3 area = area_vector(t);
+    quality = std::min(quality, quality_of_shape(t, area));
     if (quality <= limits_.min_quality) return;
-    is_turned = is_turned || !faces_outward({to, left, right}, area_vector(t));
+    is_turned = is_turned || !faces_outward({to, left, right}, area);
   }
   if (is_turned) {
     double old_facing = 1, new_facing = 1;
@@ -227,8 +231,8 @@ void QualityMesh::consider_collapses(Index corner) {
 void QualityMesh::consider_flip(Index corner) {
   const Index other = corner_across(corner);
   if (other == none) return;
-  const Index a = vertex_at(after(corner)), b = vertex_at(before(corner)),
-              from = vertex_at(corner), to = vertex_at(other);
+  const Index a = vertex_at(after(corner)), b = vertex_at(before(corner)), from = vertex_at(corner),
+              to = vertex_at(other);
   const Face &one = faces_[corner >> 2], &two = faces_[other >> 2];
   if (from == to || !can_change(a) || !can_change(b) || !can_change(from) || !can_change(to) ||
       !can_have(one, to) || !can_have(two, from))
@@ -237,12 +241,10 @@ void QualityMesh::consider_flip(Index corner) {
       squared_norm(position(from) - position(to)) > limits_.max_squared_length)
     return;
   const Corners left{from, a, to}, right{from, to, b};
-  const float quality =
-      std::min(quality_of_shape(points(left)), quality_of_shape(points(right)));
+  const float quality = std::min(quality_of_shape(points(left)), quality_of_shape(points(right)));
   if (quality <= std::min(quality_of(corner >> 2), quality_of(other >> 2))) return;
   const double new_facing = std::min(facing(left), facing(right));
-  if (new_facing < min_facing &&
-      new_facing < std::min(facing(one.vertices), facing(two.vertices)))
+  if (new_facing < min_facing && new_facing < std::min(facing(one.vertices), facing(two.vertices)))
     return;
   operations_.push_back({quality, true, corner, other});
 }
@@ -259,8 +261,8 @@ bool QualityMesh::perform_best() {
   return false;
 }
 
-// Returns whether the mesh stays a manifold if an edge at `from` is collapsed. The ring of `from` is
-// listed. The two vertices opposite to the edge must be the only common neighbours.
+// Returns whether the mesh stays a manifold if an edge at `from` is collapsed. The ring of `from`
+// is listed. The two vertices opposite to the edge must be the only common neighbours.
 bool QualityMesh::is_collapsible(Index to) const {
   std::array<Index, 2> opposite{none, none};
   for (const RingCorner& at : ring_) {
@@ -415,9 +417,8 @@ void QualityMesh::list_near_faces(const Bounds& bounds) {
     };
     for (std::int64_t y = std::max<std::int64_t>(0, low_y); y <= high_y; ++y) {
       const auto end = begin_of(y + 1);
-      auto next = std::partition_point(begin_of(y), end, [&](const Vertex& vertex) {
-        return vertex.position.x < low_x;
-      });
+      auto next = std::partition_point(
+          begin_of(y), end, [&](const Vertex& vertex) { return vertex.position.x < low_x; });
       for (; next != end && next->position.x <= high_x; ++next) {
         if (!wide_bounds.overlaps(Bounds(next->position))) continue;
         for (Index corner = next->first_corner; corner != none; corner = next_corner(corner)) {
@@ -572,10 +573,11 @@ void QualityMesh::count(Index index) {
   static const double below_20 = squared_sine(20), below_5 = squared_sine(5);
   constexpr float rounding = 1 - 1e-6F;
   const Face& face = faces_[index];
+  const TrianglePoints t = points(face.vertices);
   double quality = quality_of(index);
   // Rounding of the stored quality must not change the counts.
   if (rounding * quality < std::max(below_20, smallest_quality_))
-    quality = squared_sine_of_smallest_angle(points(face.vertices));
+    quality = squared_sine_of_smallest_angle(t, area_vector(t));
   smallest_quality_ = std::min(smallest_quality_, quality);
   const auto normal = [&](std::size_t i) { return vertices_[face.vertices[i]].normal; };
   const bool is_at_cusp = std::min({dot(normal(0), normal(1)), dot(normal(1), normal(2)),
@@ -588,8 +590,7 @@ void QualityMesh::count(Index index) {
 
 MeshQuality QualityMesh::quality() const {
   MeshQuality result = quality_;
-  result.smallest_angle =
-      std::asin(std::sqrt(smallest_quality_)) * 180 / std::numbers::pi;
+  result.smallest_angle = std::asin(std::sqrt(smallest_quality_)) * 180 / std::numbers::pi;
   return result;
 }
 

@@ -34,7 +34,7 @@ struct PlainVertex {
 /// triangles at an edge by the two triangles at the other diagonal. No vertex is moved to a new
 /// position, so that all vertices stay crossings. An operation is performed only if the mesh stays
 /// a manifold with the same topology, if no new triangle is turned away from the normals of its
-/// corners, and if no new triangle intersects another triangle (see `is_free`). Vertices at the
+/// corners, and if no new triangle intersects another triangle (see `perform`). Vertices at the
 /// border of an open mesh are never removed.
 ///
 /// Planes are processed in ascending order. The triangles at a plane pass through several stages,
@@ -97,10 +97,10 @@ class QualityMesh {
   };
   static_assert(sizeof(Vertex) == 64);  // a cache line
   struct Face {
-    Corners vertices{};         // the first one is `none` if the triangle was removed
-    Corners next{};             // next corner in the list of each vertex
-    std::int32_t plane = 0;     // plane at which the triangle was added
-    float quality = unknown;    // see `quality_of`
+    Corners vertices{};       // the first one is `none` if the triangle was removed
+    Corners next{};           // next corner in the list of each vertex
+    std::int32_t plane = 0;   // plane at which the triangle was added
+    float quality = unknown;  // see `quality_of`
   };
   static constexpr float unknown = -1;
   struct Plane {
@@ -132,7 +132,9 @@ class QualityMesh {
   const Vertex& at(std::uint64_t number) const { return vertices_[number - first_number_]; }
   const Vec3& position(Index vertex) const { return vertices_[vertex].position; }
   // Returns the corner after a corner of a triangle.
-  static Index after(Index corner) { return (corner & ~Index{3}) | ((Index{1} << (corner & 3)) & 3); }
+  static Index after(Index corner) {
+    return (corner & ~Index{3}) | ((Index{1} << (corner & 3)) & 3);
+  }
   static Index before(Index corner) { return after(after(corner)); }
   Index vertex_at(Index corner) const { return faces_[corner >> 2].vertices[corner & 3]; }
   Index next_corner(Index corner) const { return faces_[corner >> 2].next[corner & 3]; }

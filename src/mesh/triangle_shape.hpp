@@ -34,12 +34,12 @@ struct Bounds {
 inline Vec3 area_vector(const TrianglePoints& t) { return cross(t[1] - t[0], t[2] - t[0]); }
 
 /// Returns the squared sine of the smallest angle of a triangle, which is at most 60 degrees, or 0
-/// if two corners coincide. The angle is between the two longest sides.
-inline double squared_sine_of_smallest_angle(const TrianglePoints& t) {
+/// if two corners coincide. The angle is between the two longest sides. `area` is the area vector.
+inline double squared_sine_of_smallest_angle(const TrianglePoints& t, const Vec3& area) {
   const double a = squared_norm(t[1] - t[0]), b = squared_norm(t[2] - t[1]),
                c = squared_norm(t[0] - t[2]);
   const double product = a * b * c;
-  return product > 0 ? squared_norm(area_vector(t)) * std::min({a, b, c}) / product : 0;
+  return product > 0 ? squared_norm(area) * std::min({a, b, c}) / product : 0;
 }
 
 /// Returns whether a segment and a triangle have a common point. May return true if they only come
