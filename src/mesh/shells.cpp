@@ -6,33 +6,10 @@
 #include <numeric>
 #include <utility>
 
+#include "system/disjoint_sets.hpp"
+
 namespace eses::detail::mesh {
 namespace {
-
-/// Disjoint sets of vertices. The first vertex of a set represents it.
-class VertexSets {
- public:
-  explicit VertexSets(std::size_t vertices) : parent_(vertices) {
-    std::iota(parent_.begin(), parent_.end(), std::uint64_t{0});
-  }
-
-  std::uint64_t find(std::uint64_t vertex) {
-    while (parent_[vertex] != vertex) {
-      parent_[vertex] = parent_[parent_[vertex]];
-      vertex = parent_[vertex];
-    }
-    return vertex;
-  }
-
-  void join(std::uint64_t one, std::uint64_t other) {
-    one = find(one);
-    other = find(other);
-    parent_[std::max(one, other)] = std::min(one, other);
-  }
-
- private:
-  std::vector<std::uint64_t> parent_;
-};
 
 /// Six times the volume of the tetrahedron of a triangle and a point, with its sign.
 double six_volumes(std::span<const Vec3> vertices, const Triangle& triangle, Vec3 point) {
@@ -54,23 +31,20 @@ double area_of(std::span<const Vec3> vertices, const Triangle& triangle) {
 }
 
 Shells find_shells(std::span<const Vec3> vertices, std::span<const Triangle> triangles) {
-  VertexSets sets(vertices.size());
-  for (const Triangle& triangle : triangles) {
-    sets.join(triangle[0], triangle[1]);
-    sets.join(triangle[0], triangle[2]);
-  }
+  DisjointSets sets(static_cast<DisjointSets::Element>(vertices.size()));
+  for (const Triangle& triangle : triangles)
+    for (const std::uint64_t corner : {triangle[1], triangle[2]})
+      sets.unite(static_cast<DisjointSets::Element>(triangle[0]),
+                 static_cast<DisjointSets::Element>(corner));
   // Shells in the order of their first vertices, which are the origins for their volumes.
+  std::vector<std::uint32_t> shell_of = sets.labels();
   std::vector<Shell> found;
   std::vector<Vec3> origins;
-  std::vector<std::uint32_t> shell_of(vertices.size());
-  for (std::uint64_t vertex = 0; vertex < vertices.size(); ++vertex) {
-    const std::uint64_t first = sets.find(vertex);
-    if (first == vertex) {
-      shell_of[vertex] = static_cast<std::uint32_t>(found.size());
+  for (std::size_t vertex = 0; vertex < vertices.size(); ++vertex) {
+    if (shell_of[vertex] == found.size()) {
       found.emplace_back();
       origins.push_back(vertices[vertex]);
     }
-    shell_of[vertex] = shell_of[first];
     ++found[shell_of[vertex]].vertex_count;
   }
   for (const Triangle& triangle : triangles) {

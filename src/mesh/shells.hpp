@@ -24,7 +24,8 @@ struct Shells {
   std::vector<std::uint32_t> of_vertex;  ///< index of the shell of each vertex
 };
 
-/// Finds the connected components. Each vertex must belong to a triangle.
+/// Finds the connected components. Each vertex must belong to a triangle. At most 2^32 - 1
+/// vertices.
 Shells find_shells(std::span<const Vec3> vertices, std::span<const Triangle> triangles);
 
 /// Returns the area of a triangle, in square angstrom.

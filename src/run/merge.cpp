@@ -121,27 +121,24 @@ class ColumnWriter {
 
 Merge::Merge(const RunTask& task, const RunPlan& plan, const Processes& processes,
              std::vector<PlaneChunk> chunks, std::function<void()> check)
-    : task_(task),
-      plan_(plan),
-      processes_(processes),
-      check_(std::move(check)),
-      chunks_(std::move(chunks)) {
+    : task_(task), plan_(plan), processes_(processes), check_(std::move(check)) {
   const auto by_planes = [](const ChunkInfo& a, const ChunkInfo& b) {
     return a.planes.begin < b.planes.begin;
   };
-  std::sort(chunks_.begin(), chunks_.end(),
+  std::sort(chunks.begin(), chunks.end(),
             [&](const PlaneChunk& a, const PlaneChunk& b) { return by_planes(a.info, b.info); });
   std::vector<ChunkInfo> infos;
-  infos.reserve(chunks_.size());
-  for (const PlaneChunk& chunk : chunks_) infos.push_back(chunk.info);
-  infos_ = processes.gather<ChunkInfo>(infos);
-  std::sort(infos_.begin(), infos_.end(), by_planes);
+  infos.reserve(chunks.size());
+  for (const PlaneChunk& chunk : chunks) infos.push_back(chunk.info);
+  infos = processes.gather<ChunkInfo>(infos);
+  std::sort(infos.begin(), infos.end(), by_planes);
+  swept_ = {std::move(infos), std::move(chunks)};
   processes.all_or_throw([this] { add_up(); });
 }
 
 void Merge::add_up() {
   std::int64_t next = plan_.whole_plan.tiling.region.begin[2];
-  for (const ChunkInfo& info : infos_) {
+  for (const ChunkInfo& info : swept_.of_all) {
     if (info.planes.begin != next)
       throw Error("the checkpoint has gaps or overlaps; remove its directory and run again");
     next = info.planes.end;
@@ -156,11 +153,11 @@ void Merge::add_up() {
 // Calls `action(chunk, sum)` for each chunk of this process, with the sum of `amount` over all
 // previous chunks. Returns the sum over all chunks.
 template <class Amount, class Action>
-std::uint64_t Merge::for_each_chunk(Amount&& amount, Action&& action) {
+std::uint64_t Merge::for_each_chunk(Chunks& chunks, Amount&& amount, Action&& action) {
   std::uint64_t sum = 0;
-  auto next = chunks_.begin();
-  for (const ChunkInfo& info : infos_) {
-    if (next != chunks_.end() && next->info.planes == info.planes) action(*next++, sum);
+  auto next = chunks.of_process.begin();
+  for (const ChunkInfo& info : chunks.of_all) {
+    if (next != chunks.of_process.end() && next->info.planes == info.planes) action(*next++, sum);
     sum += amount(info);
   }
   return sum;
@@ -215,16 +212,16 @@ void Merge::copy(PlaneChunk& chunk, ChunkText text, SharedFile& to, std::uint64_
 }
 
 // Copies a text of all chunks to the file from `begin` on. Returns the offset of their end.
-std::uint64_t Merge::copy_all(ChunkText text, SharedFile& to, std::uint64_t begin) {
+std::uint64_t Merge::copy_all(Chunks& chunks, ChunkText text, SharedFile& to, std::uint64_t begin) {
   const auto bytes_of = [text](const ChunkInfo& info) { return info.bytes_of(text); };
-  return begin + for_each_chunk(bytes_of, [&](PlaneChunk& chunk, std::uint64_t before) {
+  return begin + for_each_chunk(chunks, bytes_of, [&](PlaneChunk& chunk, std::uint64_t before) {
            copy(chunk, text, to, begin + before);
          });
 }
 
 std::uint64_t Merge::write_text(OutputFile* file, ChunkText text) {
   SharedFile shared(processes_, file);
-  std::uint64_t bytes = copy_all(text, shared, 0);
+  std::uint64_t bytes = copy_all(swept_, text, shared, 0);
   if (task_.outputs.gzip && bytes == 0) bytes = write_empty_member(processes_, shared);
   shared.close();
   return bytes;
@@ -279,7 +276,7 @@ std::uint64_t Merge::write_map(OutputFile* file, const MapChoice& choice) {
   const std::uint64_t row_bytes = sizeof(std::uint64_t) * row_words;
   GridMap::Scratch scratch;
   std::vector<std::uint64_t> words;
-  for (PlaneChunk& chunk : chunks_) {
+  for (PlaneChunk& chunk : swept_.of_process) {
     if (chunk.is_in_place) continue;
     const std::int64_t first_row = (chunk.info.planes.begin - region.begin[2]) * region.size()[1];
     read(chunk, text, row_bytes, [&](std::span<const char> bytes, std::uint64_t offset) {
@@ -299,19 +296,49 @@ std::uint64_t Merge::write_map(OutputFile* file, const MapChoice& choice) {
   return bytes;
 }
 
-// The first process improves the whole mesh, as each triangle depends on the triangles before it.
-// It receives the stream of each chunk from the process that has the chunk.
-MeshQuality Merge::improve_mesh(const mesh::MeshText& text) {
+// Returns the rank of the process that has each chunk.
+std::vector<int> Merge::ranks_of_chunks() const {
   struct Owner {
     std::int64_t plane, rank;
   };
   std::vector<Owner> owners;
-  for (const PlaneChunk& chunk : chunks_)
+  for (const PlaneChunk& chunk : swept_.of_process)
     owners.push_back({chunk.info.planes.begin, processes_.rank()});
-  std::map<std::int64_t, int> rank_of;
-  for (const auto& [plane, rank] : processes_.gather<Owner>(owners))
-    rank_of[plane] = static_cast<int>(rank);
+  owners = processes_.gather<Owner>(owners);
+  std::sort(owners.begin(), owners.end(),
+            [](const Owner& a, const Owner& b) { return a.plane < b.plane; });
+  std::vector<int> ranks;
+  for (const Owner& owner : owners) ranks.push_back(static_cast<int>(owner.rank));
+  return ranks;
+}
 
+// Passes the stream of the mesh of all chunks to the first process, which has the only `pass`.
+void Merge::stream_mesh(std::optional<QualityPass>& pass) {
+  const std::vector<int> ranks = ranks_of_chunks();
+  std::uint64_t first_vertex = 0;
+  auto next = swept_.of_process.begin();
+  for (std::size_t i = 0; i < ranks.size(); ++i) {
+    const ChunkInfo& info = swept_.of_all[i];
+    if (pass) pass->begin_chunk(first_vertex);
+    first_vertex += info.mesh.vertices;
+    const auto take = [&](std::span<const char> bytes) {
+      if (processes_.count() == 1) return pass->add(bytes);
+      const std::string part = processes_.broadcast({bytes.begin(), bytes.end()}, ranks[i]);
+      if (pass) pass->add(part);
+    };
+    if (ranks[i] == processes_.rank()) {
+      read(*next, ChunkText::vertices, 1,
+           [&](std::span<const char> bytes, std::uint64_t) { take(bytes); });
+      close(*next++, ChunkText::vertices);
+    } else {
+      const std::uint64_t bytes = info.bytes_of(ChunkText::vertices);
+      for (std::uint64_t begin = 0; begin < bytes; begin += bytes_per_read) take({});
+    }
+  }
+}
+
+// The first process improves the whole mesh, as each triangle depends on the triangles before it.
+MeshQuality Merge::improve_mesh(const mesh::MeshText& text) {
   PlaneChunk improved;
   improved.info.planes = region_planes(plan_.whole_plan);
   improved.is_unnamed = true;
@@ -327,63 +354,29 @@ MeshQuality Merge::improve_mesh(const mesh::MeshText& text) {
     pass.emplace(text, plan_.whole_plan.grid, plan_.whole_plan.tiling.region_with_halo,
                  QualityPass::Sinks{sink_of(ChunkText::vertices), sink_of(ChunkText::triangles)});
   });
-  std::uint64_t first_vertex = 0;
-  auto own = chunks_.begin();
-  for (const ChunkInfo& info : infos_) {
-    const int from = rank_of.at(info.planes.begin);
-    if (pass) pass->begin_chunk(first_vertex);
-    first_vertex += info.mesh.vertices;
-    const auto take = [&](std::span<const char> bytes) {
-      if (processes_.count() == 1) return pass->add(bytes);
-      const std::string part = processes_.broadcast({bytes.begin(), bytes.end()}, from);
-      if (pass) pass->add(part);
-    };
-    if (from != processes_.rank()) {
-      const std::uint64_t bytes = info.bytes_of(ChunkText::vertices);
-      for (std::uint64_t at = 0; at < bytes; at += bytes_per_read) take({});
-      continue;
-    }
-    read(*own, ChunkText::vertices, 1,
-         [&](std::span<const char> bytes, std::uint64_t) { take(bytes); });
-    close(*own++, ChunkText::vertices);
-  }
-  struct Figures {
-    MeshCounts counts;
+  stream_mesh(pass);
+  struct Result {
+    ChunkInfo info;
     MeshQuality quality;
-    std::array<std::uint64_t, 2> bytes;
   };
-  std::vector<Figures> figures;
+  std::vector<Result> results;
   processes_.all_or_throw([&] {
     if (!pass) return;
     pass->finish();
-    figures.push_back({pass->counts(),
-                       pass->quality(),
-                       {improved.text(ChunkText::vertices)->size(),
-                        improved.text(ChunkText::triangles)->size()}});
+    improved.info.mesh = pass->counts();
+    for (const ChunkText which : {ChunkText::vertices, ChunkText::triangles})
+      improved.info.bytes[static_cast<std::size_t>(which)] = improved.text(which)->size();
+    results.push_back({improved.info, pass->quality()});
   });
-  const Figures result = processes_.gather<Figures>(figures).front();
-  improved.info.mesh = mesh_ = result.counts;
-  improved.info.bytes[static_cast<std::size_t>(ChunkText::vertices)] = result.bytes[0];
-  improved.info.bytes[static_cast<std::size_t>(ChunkText::triangles)] = result.bytes[1];
-  improved_infos_ = {improved.info};
-  if (processes_.is_first()) improved_chunks_.push_back(std::move(improved));
+  const Result result = processes_.gather<Result>(results).front();
+  mesh_ = result.info.mesh;
+  improved_.emplace().of_all = {result.info};
+  if (processes_.is_first()) improved_->of_process.push_back(std::move(improved));
   return result.quality;
 }
 
 std::uint64_t Merge::write_mesh(OutputFile* file, OutputFile* face_file,
                                 const mesh::MeshText& text) {
-  if (improved_infos_.empty()) return write_mesh_chunks(file, face_file, text);
-  // The other chunks still have texts of other files.
-  std::swap(infos_, improved_infos_);
-  std::swap(chunks_, improved_chunks_);
-  const std::uint64_t bytes = write_mesh_chunks(file, face_file, text);
-  std::swap(infos_, improved_infos_);
-  std::swap(chunks_, improved_chunks_);
-  return bytes;
-}
-
-std::uint64_t Merge::write_mesh_chunks(OutputFile* file, OutputFile* face_file,
-                                       const mesh::MeshText& text) {
   text.require_counts(mesh_);
   SharedFile shared(processes_, file);
   std::uint64_t bytes = write_header(mesh_header(text, plan_.groups, mesh_, processes_), shared);
@@ -391,7 +384,7 @@ std::uint64_t Merge::write_mesh_chunks(OutputFile* file, OutputFile* face_file,
     bytes = write_columns(shared, bytes, text);
   } else {
     const std::uint64_t header = bytes;
-    bytes = copy_all(ChunkText::vertices, shared, bytes);
+    bytes = copy_all(mesh_chunks(), ChunkText::vertices, shared, bytes);
     if (text.boxed_vertex_bytes() > 0) write_vertex_box(shared, header, text);
     if (!text.has_face_file()) bytes = write_triangles(shared, bytes, text);
   }
@@ -456,15 +449,17 @@ void Merge::for_triangle_texts(PlaneChunk& chunk, std::uint64_t first_vertex,
 // length.
 std::uint64_t Merge::write_triangles(SharedFile& file, std::uint64_t begin,
                                      const mesh::MeshText& text) {
-  if (text.has_corner_positions() || (!chunks_.empty() && chunks_.front().is_in_place))
-    return copy_all(ChunkText::triangles, file, begin);
+  Chunks& chunks = mesh_chunks();
+  const bool is_in_place = !chunks.of_process.empty() && chunks.of_process.front().is_in_place;
+  if (text.has_corner_positions() || is_in_place)
+    return copy_all(chunks, ChunkText::triangles, file, begin);
   struct ChunkBytes {
     std::int64_t plane;
     std::uint64_t bytes;
   };
   const auto vertices_of = [](const ChunkInfo& info) { return info.mesh.vertices; };
   std::vector<ChunkBytes> lengths;
-  for_each_chunk(vertices_of, [&](PlaneChunk& chunk, std::uint64_t first_vertex) {
+  for_each_chunk(chunks, vertices_of, [&](PlaneChunk& chunk, std::uint64_t first_vertex) {
     lengths.push_back({chunk.info.planes.begin, 0});
     for_triangle_texts(chunk, first_vertex, text,
                        [&](std::span<const char> part) { lengths.back().bytes += part.size(); });
@@ -475,7 +470,7 @@ std::uint64_t Merge::write_triangles(SharedFile& file, std::uint64_t begin,
     begins[one.plane] = one.bytes;
   std::uint64_t end = begin;
   for (auto& [plane, bytes] : begins) end += std::exchange(bytes, end);
-  for_each_chunk(vertices_of, [&](PlaneChunk& chunk, std::uint64_t first_vertex) {
+  for_each_chunk(chunks, vertices_of, [&](PlaneChunk& chunk, std::uint64_t first_vertex) {
     std::uint64_t offset = begins.at(chunk.info.planes.begin);
     for_triangle_texts(chunk, first_vertex, text, [&](std::span<const char> part) {
       file.write_at(part, offset);
@@ -494,12 +489,13 @@ std::uint64_t Merge::write_columns(SharedFile& file, std::uint64_t begin,
   ColumnWriter vertices(file, begin, data.vertices), triangles(file, begin, data.triangles);
   const auto vertices_of = [](const ChunkInfo& info) { return info.mesh.vertices; };
   const auto triangles_of = [](const ChunkInfo& info) { return info.mesh.triangles; };
+  Chunks& chunks = mesh_chunks();
   std::vector<std::uint64_t> first_triangles;
-  for_each_chunk(triangles_of,
+  for_each_chunk(chunks, triangles_of,
                  [&](PlaneChunk&, std::uint64_t first) { first_triangles.push_back(first); });
   std::size_t index = 0;
   TextBuffer records;
-  for_each_chunk(vertices_of, [&](PlaneChunk& chunk, std::uint64_t first_vertex) {
+  for_each_chunk(chunks, vertices_of, [&](PlaneChunk& chunk, std::uint64_t first_vertex) {
     const std::uint64_t first_triangle = first_triangles[index++];
     read(chunk, ChunkText::vertices, data.vertices.record_bytes,
          [&](std::span<const char> bytes, std::uint64_t offset) {

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -12,6 +13,7 @@
 #include "output/grid_map.hpp"
 #include "output/mesh_writer.hpp"
 #include "output/output_file.hpp"
+#include "run/quality_pass.hpp"
 #include "run/run_plan.hpp"
 #include "solve/region_totals.hpp"
 
@@ -41,26 +43,33 @@ class Merge {
   std::uint64_t write_mesh(OutputFile* file, OutputFile* face_file, const mesh::MeshText& text);
 
  private:
+  // Chunks, sorted by planes.
+  struct Chunks {
+    std::vector<ChunkInfo> of_all;       // of all processes
+    std::vector<PlaneChunk> of_process;  // of this process
+  };
+
+  Chunks& mesh_chunks() { return improved_ ? *improved_ : swept_; }
   void add_up();
   int threads_of_shared_file() const;
   std::uint64_t write_values(GridMap& map) const;
   std::uint64_t write_compressed_values(GridMap& map, SharedFile& to) const;
   template <class Amount, class Action>
-  std::uint64_t for_each_chunk(Amount&& amount, Action&& action);
+  std::uint64_t for_each_chunk(Chunks& chunks, Amount&& amount, Action&& action);
   ScratchFile& open(PlaneChunk& chunk, ChunkText text) const;
   void close(PlaneChunk& chunk, ChunkText text) const;
   template <class Take>
   void read(PlaneChunk& chunk, ChunkText text, std::uint64_t unit, Take&& take) const;
   void require_sound(const PlaneChunk& chunk, ChunkText text, std::uint32_t checksum) const;
   void copy(PlaneChunk& chunk, ChunkText text, SharedFile& to, std::uint64_t begin);
-  std::uint64_t copy_all(ChunkText text, SharedFile& to, std::uint64_t begin);
+  std::uint64_t copy_all(Chunks& chunks, ChunkText text, SharedFile& to, std::uint64_t begin);
   template <class Take>
   void for_triangles(PlaneChunk& chunk, Take&& take) const;
   template <class Take>
   void for_triangle_texts(PlaneChunk& chunk, std::uint64_t first_vertex, const mesh::MeshText& text,
                           Take&& take) const;
-  std::uint64_t write_mesh_chunks(OutputFile* file, OutputFile* face_file,
-                                  const mesh::MeshText& text);
+  std::vector<int> ranks_of_chunks() const;
+  void stream_mesh(std::optional<QualityPass>& pass);
   void write_vertex_box(SharedFile& file, std::uint64_t begin, const mesh::MeshText& text);
   std::uint64_t write_triangles(SharedFile& file, std::uint64_t begin, const mesh::MeshText& text);
   std::uint64_t write_columns(SharedFile& file, std::uint64_t begin, const mesh::MeshText& text);
@@ -69,13 +78,11 @@ class Merge {
   const RunPlan& plan_;
   const Processes& processes_;
   std::function<void()> check_;
-  std::vector<ChunkInfo> infos_;    // chunks of all processes, sorted by planes
-  std::vector<PlaneChunk> chunks_;  // chunks of this process, sorted by planes
+  Chunks swept_;
+  // The improved mesh, which is a single chunk of the first process.
+  std::optional<Chunks> improved_;
   RegionTotals totals_;
   MeshCounts mesh_;
-  // The improved mesh as a single chunk of the first process, if there is one.
-  std::vector<ChunkInfo> improved_infos_;
-  std::vector<PlaneChunk> improved_chunks_;
 };
 
 }  // namespace eses::detail

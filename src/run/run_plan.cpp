@@ -328,7 +328,6 @@ LabelTotals take_file(const InputFile& file, const RunTask& task, const Processe
                       const Processes& processes, RunPlan& run) {
   const Outputs& outputs = task.outputs;
   const std::uint64_t limit = task.parameters.max_memory;
-  take_potential(task, processes, run);
   const bool has_names = is_structure(format_of(file.path, file.format));
   AtomPart part = read_part(
       file.path,
@@ -378,8 +377,6 @@ LabelTotals take_file(const InputFile& file, const RunTask& task, const Processe
 // Takes a molecule in memory, and makes the grid. Returns its labels.
 LabelTotals take_molecule(const Molecule& molecule, const RunTask& task, const Processes& processes,
                           RunPlan& run) {
-  require_valid(task.outputs, molecule);
-  take_potential(task, processes, run);
   run.atoms = molecule.atoms().size();
   run.read_atoms = {0, run.atoms};
   run.whole_plan = {plan_grid(sphere_bounds(molecule.atoms()), task.parameters), {}};
@@ -399,10 +396,12 @@ LabelTotals take_molecule(const Molecule& molecule, const RunTask& task, const P
 RunPlan plan_run(const RunTask& task, const Processes& processes) {
   RunPlan run;
   const Processes::Machine machine = processes.machine(available_threads());
-  const auto* const file = std::get_if<InputFile>(&task.atoms);
-  const LabelTotals labels =
-      file != nullptr ? take_file(*file, task, machine, processes, run)
-                      : take_molecule(std::get<Molecule>(task.atoms), task, processes, run);
+  const auto* const molecule = std::get_if<Molecule>(&task.atoms);
+  if (molecule != nullptr) require_valid(task.outputs, *molecule);
+  take_potential(task, processes, run);
+  const LabelTotals labels = molecule != nullptr ? take_molecule(*molecule, task, processes, run)
+                                                 : take_file(std::get<InputFile>(task.atoms), task,
+                                                             machine, processes, run);
   plan_slab(task, labels, machine, processes, run);
   combine_schedules(processes, run);
   Plan& whole = run.whole_plan;

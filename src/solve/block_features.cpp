@@ -103,13 +103,13 @@ void add_face(const SurfaceModel& surface, AtomIndex i, const AtomPatches& patch
 void merge_irregular_placements(std::vector<const ProbePlacement*>& placements) {
   // Two placements near a common face of two cubes may both be kept, which is harmless.
   constexpr double cell = tolerance::same_placement;
-  using Place = std::array<double, 3>;
-  std::vector<std::pair<Place, std::size_t>> irregular;
+  using Cube = std::array<double, 3>;
+  std::vector<std::pair<Cube, std::size_t>> irregular;
   for (std::size_t v = 0; v < placements.size(); ++v) {
     if (placements[v]->is_regular) continue;
     const Vec3 c = placements[v]->center;
     irregular.emplace_back(
-        Place{std::floor(c.x / cell), std::floor(c.y / cell), std::floor(c.z / cell)}, v);
+        Cube{std::floor(c.x / cell), std::floor(c.y / cell), std::floor(c.z / cell)}, v);
   }
   if (irregular.size() < 2) return;
   std::sort(irregular.begin(), irregular.end());

@@ -32,11 +32,11 @@ class AtomClusters {
   ClusterIndex count() const { return static_cast<ClusterIndex>(heights_.size()); }
 
   /// The position of an atom: its cluster, and its 0-based index within the cluster.
-  struct Place {
+  struct Position {
     ClusterIndex cluster = 0;
     std::uint32_t member = 0;
   };
-  Place place_of(AtomIndex atom) const {
+  Position position_of(AtomIndex atom) const {
     return {positions_[atom] / atoms_per_cluster, positions_[atom] % atoms_per_cluster};
   }
 

@@ -245,7 +245,7 @@ void ComponentFinder::connect_faces_of_atoms(const SweepLayer& layer) {
   const Patches& patches = layer.schedule.patches();
   const AtomClusters& clusters = patches.clusters();
   const auto is_measured = [&](AtomIndex i) {
-    const ClusterIndex cluster = clusters.place_of(i).cluster;
+    const ClusterIndex cluster = clusters.position_of(i).cluster;
     return cluster >= layer.begin && cluster < layer.end;
   };
   std::vector<std::pair<AtomIndex, Components::DividedAtom>> candidates;

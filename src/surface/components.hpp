@@ -15,11 +15,11 @@
 
 #include "geometry/box.hpp"
 #include "geometry/sphere_part.hpp"
-#include "surface/disjoint_sets.hpp"
 #include "surface/patch_schedule.hpp"
 #include "surface/patch_sums.hpp"
 #include "surface/point_tree.hpp"
 #include "surface/sphere_faces.hpp"
+#include "system/disjoint_sets.hpp"
 
 namespace eses::detail {
 

@@ -205,13 +205,13 @@ void Patches::record_arc(const Arc& arc) {
 }
 
 void Patches::extend_face(AtomIndex atom, const Box& directions) {
-  const auto [cluster, member] = clusters_.place_of(atom);
+  const auto [cluster, member] = clusters_.position_of(atom);
   if (!is_open(cluster)) return;
   clusters_patches_[cluster]->face_directions[member].include(directions);
 }
 
 void Patches::mark_exposed(AtomIndex atom) {
-  const auto [cluster, member] = clusters_.place_of(atom);
+  const auto [cluster, member] = clusters_.position_of(atom);
   if (!is_open(cluster)) return;
   std::atomic_ref(clusters_patches_[cluster]->found.has_arc[member])
       .store(1, std::memory_order_relaxed);
@@ -219,7 +219,7 @@ void Patches::mark_exposed(AtomIndex atom) {
 
 void Patches::record_placements(std::span<const PlacementKey> keys) {
   const auto cluster_of = [&](const PlacementKey& key) {
-    return clusters_.place_of(key.atoms[0]).cluster;
+    return clusters_.position_of(key.atoms[0]).cluster;
   };
   // Consecutive keys usually belong to the same cluster.
   for (auto begin = keys.begin(), end = begin; begin != keys.end(); begin = end) {
@@ -264,7 +264,7 @@ void Patches::extend_face_to_poles(AtomIndex atom) {
       is_hidden[pole] = is_hidden[pole] || along * sphere.radius > cap.height + tolerance::seam;
     }
   }
-  const auto [cluster, member] = clusters_.place_of(atom);
+  const auto [cluster, member] = clusters_.position_of(atom);
   for (std::size_t pole = 0; pole < 6; ++pole) {
     if (is_hidden[pole]) continue;
     Vec3 direction;
@@ -277,7 +277,7 @@ void Patches::extend_face_to_poles(AtomIndex atom) {
 void Patches::place_probes(ClusterPatches& patches) {
   std::vector<PlacementKey>& keys = patches.found.placements;
   const auto member_of = [&](const PlacementKey& key) {
-    return clusters_.place_of(key.atoms[0]).member;
+    return clusters_.position_of(key.atoms[0]).member;
   };
   std::sort(keys.begin(), keys.end(), [&](const PlacementKey& a, const PlacementKey& b) {
     const std::uint32_t member_a = member_of(a), member_b = member_of(b);

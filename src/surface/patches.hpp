@@ -130,7 +130,7 @@ class Patches {
   }
   /// Returns the patches of an atom whose cluster is complete.
   AtomPatches of(AtomIndex atom) const {
-    const auto [cluster, member] = clusters_.place_of(atom);
+    const auto [cluster, member] = clusters_.position_of(atom);
     return {clusters_patches_[cluster].get(), member};
   }
 

@@ -17,8 +17,8 @@
 
 #include "geometry/sphere_part.hpp"
 #include "surface/atom_patches.hpp"
-#include "surface/disjoint_sets.hpp"
 #include "surface/saddle.hpp"
+#include "system/disjoint_sets.hpp"
 
 namespace eses::detail {
 
