@@ -300,8 +300,7 @@ TEST_CASE("pockets: two rings apart, one of them closed at one end") {
   const Vec3 away{40, 3, -2};
   std::vector<Atom> atoms = ring.atoms();
   for (const Atom& atom : ring.atoms(away)) atoms.push_back(atom);
-  const PocketOptions options{
-      .large_probe_radius = ring.large, .spacing = 0.2, .min_volume = 10};
+  const PocketOptions options{.large_probe_radius = ring.large, .spacing = 0.2, .min_volume = 10};
   const Ring::Values expected = ring.expected();
   const Pockets tunnels = find_pockets(Surface(atoms), options);
   REQUIRE(tunnels.pockets.size() == 2);

@@ -88,10 +88,10 @@ struct RowBegin {
   std::uint64_t first_vertex;
 };
 
-Mesh improve(const Mesh& plain, std::span<const RowBegin> rows, double spacing,
-             const CheckCallback& check) {
+Mesh improve(const Mesh& plain, std::span<const RowBegin> rows, const eses::Grid& grid,
+             const GridRegion& region, const CheckCallback& check) {
   Mesh mesh;
-  mesh::QualityMesh quality_mesh(spacing,
+  mesh::QualityMesh quality_mesh(grid, region,
                                  {.vertex =
                                       [&](std::uint64_t vertex) {
                                         mesh.vertices.push_back(plain.vertices[vertex]);
@@ -147,7 +147,7 @@ Mesh make_mesh(const eses::Grid& grid, const GridRegion& region,
                         mesh.faces);
     std::swap(below, plane);
   }
-  return quality ? improve(mesh, row_begins, grid.spacing, check) : mesh;
+  return quality ? improve(mesh, row_begins, grid, region, check) : mesh;
 }
 
 }  // namespace eses::detail

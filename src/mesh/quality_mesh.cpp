@@ -4,16 +4,22 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
-#include <span>
+#include <utility>
 
 namespace eses::detail::mesh {
 namespace {
 
-// Squared sine of an angle in degrees.
-double quality_of(double angle) {
+// Returns the squared sine of an angle in degrees.
+double squared_sine(double angle) {
   const double sine = std::sin(angle * std::numbers::pi / 180);
   return sine * sine;
 }
+
+// Returns the quality of a triangle, the squared sine of its smallest angle.
+float quality_of_shape(const TrianglePoints& t, const Vec3& area) {
+  return static_cast<float>(squared_sine_of_smallest_angle(t, area));
+}
+float quality_of_shape(const TrianglePoints& t) { return quality_of_shape(t, area_vector(t)); }
 
 // Number of planes between a stage and the stage before it. An operation at a plane changes
 // triangles with vertices about two planes away.
@@ -25,7 +31,7 @@ struct Stage {
 };
 constexpr std::array<Stage, 3> stages{{{30, 1.75}, {22, 2.25}, {22, 2.25}}};
 // Edges below this length are collapsed if possible, in units of the spacing.
-constexpr double short_edge = 0.5, max_edge_of_short = 1.75;
+constexpr double short_edge = 0.6, max_edge_of_short = 1.75;
 // Longest edge of any triangle, in units of the spacing. The edges of the plain mesh have at most
 // the length of the diagonal of a cell.
 constexpr double max_edge = 2.25;
@@ -36,6 +42,7 @@ constexpr double min_angle_of_collapse = 0.001;
 constexpr std::int32_t freeze_planes =
     stage_planes * (2 + static_cast<std::int32_t>(stages.size())) + 2;
 constexpr std::int32_t max_drift = 3;
+static_assert(freeze_planes + 2 * max_drift <= FacingCells::kept_planes);
 // Planes below the frozen ones whose triangles may be near a triangle that changes.
 constexpr std::int32_t kept_planes = 2 * max_drift;
 // Smallest scalar product of the normals of a new triangle and of the surface at its corners.
@@ -46,19 +53,17 @@ constexpr double fold = -0.98;
 // Scalar product of the normals at two corners of a triangle at a cusp.
 constexpr double cusp = 0.5;
 
-bool is_beyond(double a, double b, double c, double limit) {
-  return a > limit && b > limit && c > limit;
-}
-
 }  // namespace
 
-QualityMesh::QualityMesh(double spacing, Sink sink) : spacing_(spacing), sink_(std::move(sink)) {
-  quality_.smallest_angle = 90;
-}
+QualityMesh::QualityMesh(const Grid& grid, const GridRegion& region, Sink sink)
+    : grid_(grid), region_(region), sink_(std::move(sink)), cells_(grid, region) {}
 
-double QualityMesh::memory_bytes(double plane_crossings, double more_bytes) {
+double QualityMesh::memory_bytes(const GridRegion& region, double plane_crossings,
+                                 double more_bytes) {
   constexpr double growth = 2, window = 2 * (freeze_planes + kept_planes + max_drift);
-  return growth * window * plane_crossings * (sizeof(Vertex) + 2 * sizeof(Face) + more_bytes);
+  return FacingCells::memory_bytes(region) +
+         growth * window * plane_crossings *
+             (sizeof(Vertex) + sizeof(std::uint64_t) + 2 * sizeof(Face) + more_bytes);
 }
 
 void QualityMesh::add_vertex(const PlainVertex& vertex) {
@@ -66,33 +71,33 @@ void QualityMesh::add_vertex(const PlainVertex& vertex) {
     planes_.push_back({vertex.z, static_cast<Index>(vertices_.size()), {}});
   auto& rows = planes_.back().rows;
   rows.resize(static_cast<std::size_t>(vertex.y) + 1, static_cast<Index>(vertices_.size()));
-  vertices_.push_back({.plain = vertex});
+  vertices_.push_back({.position = vertex.position,
+                       .normal = vertex.normal,
+                       .z = vertex.z,
+                       .patch = static_cast<std::uint8_t>(vertex.patch)});
+  new_numbers_.push_back(0);
 }
 
 void QualityMesh::add_triangle(const Triangle& triangle) {
   Face face;
   std::int32_t plane = std::numeric_limits<std::int32_t>::min();
-  for (std::size_t i = 0; i < triangle.size(); ++i) {
-    face.vertices[i] = static_cast<Index>(triangle[i] - first_number_);
-    plane = std::max(plane, vertices_[face.vertices[i]].plain.z);
-  }
+  for (const std::uint64_t number : triangle) plane = std::max(plane, at(number).z);
   if (!has_plane_) {
     plane_ = plane;
     frozen_ = plane - freeze_planes - 1;
     has_plane_ = true;
   }
-  if (plane > plane_) {
-    advance_to(plane);
-    for (std::size_t i = 0; i < triangle.size(); ++i)
-      face.vertices[i] = static_cast<Index>(triangle[i] - first_number_);
-  }
+  if (plane > plane_) advance_to(plane);
+  for (std::size_t i = 0; i < triangle.size(); ++i)
+    face.vertices[i] = static_cast<Index>(triangle[i] - first_number_);
   face.plane = plane_;
   if (face_planes_.empty() || face_planes_.back().z != plane_)
     face_planes_.push_back({plane_, static_cast<Index>(faces_.size())});
   const auto first = static_cast<Index>(4 * faces_.size());
   faces_.push_back(face);
   for (Index corner = first; corner < first + 3; ++corner) link(corner);
-  extend_reach(face);
+  const TrianglePoints t = points(face.vertices);
+  cells_.add_small(t, directions_not_faced(area_vector(t)));
 }
 
 void QualityMesh::finish() {
@@ -100,126 +105,134 @@ void QualityMesh::finish() {
 }
 
 void QualityMesh::link(Index corner) {
-  Vertex& vertex = vertices_[corner_vertex(corner, 0)];
+  Vertex& vertex = vertices_[vertex_at(corner)];
   faces_[corner >> 2].next[corner & 3] = vertex.first_corner;
   vertex.first_corner = corner;
   ++vertex.valence;
 }
 
 void QualityMesh::unlink(Index corner) {
-  Vertex& vertex = vertices_[corner_vertex(corner, 0)];
+  Vertex& vertex = vertices_[vertex_at(corner)];
   --vertex.valence;
   const Index next = next_corner(corner);
   if (vertex.first_corner == corner) {
     vertex.first_corner = next;
     return;
   }
-  Index before = vertex.first_corner;
-  while (next_corner(before) != corner) before = next_corner(before);
-  faces_[before >> 2].next[before & 3] = next;
+  Index last = vertex.first_corner;
+  while (next_corner(last) != corner) last = next_corner(last);
+  faces_[last >> 2].next[last & 3] = next;
 }
 
-// A point of a triangle is at most 1 / sqrt(3) of the longest side away from the nearest corner.
-void QualityMesh::extend_reach(const Face& face) {
-  const TrianglePoints t = points(face.vertices);
-  const double longest =
-      std::max({squared_norm(t[1] - t[0]), squared_norm(t[2] - t[1]), squared_norm(t[0] - t[2])});
-  const double reach = std::sqrt(longest / 3);
-  for (const Index vertex : face.vertices)
-    vertices_[vertex].reach = std::max(vertices_[vertex].reach, reach);
+// Returns the squared sine of the smallest angle.
+float QualityMesh::quality_of(Index face) {
+  Face& f = faces_[face];
+  if (f.quality == unknown) f.quality = quality_of_shape(points(f.vertices));
+  return f.quality;
 }
 
 // Returns the smallest scalar product of the unit normal of a triangle with the normals of the
 // surface at its corners.
-double QualityMesh::facing(const std::array<Index, 3>& triangle) const {
+double QualityMesh::facing(const Corners& triangle) const {
   const Vec3 area = area_vector(points(triangle));
   const double length = norm(area);
   if (length == 0) return -1;
   double least = length;
-  for (const Index vertex : triangle)
-    least = std::min(least, dot(area, vertices_[vertex].plain.normal));
+  for (const Index vertex : triangle) least = std::min(least, dot(area, vertices_[vertex].normal));
   return least / length;
+}
+
+// Returns whether `facing` is at least `min_facing`. `area` is the area vector.
+bool QualityMesh::faces_outward(const Corners& triangle, const Vec3& area) const {
+  double least = std::numeric_limits<double>::max();
+  for (const Index vertex : triangle) least = std::min(least, dot(area, vertices_[vertex].normal));
+  return least > 0 && least * least >= min_facing * min_facing * squared_norm(area);
 }
 
 // Whether all triangles at a vertex are in the window and may change.
 bool QualityMesh::can_change(Index vertex) const {
-  const std::int32_t z = vertices_[vertex].plain.z;
+  const std::int32_t z = vertices_[vertex].z;
   return frozen_ < z && z < plane_;
 }
 
 bool QualityMesh::can_have(const Face& face, Index vertex) const {
-  return std::abs(vertices_[vertex].plain.z - face.plane) <= max_drift;
+  return std::abs(vertices_[vertex].z - face.plane) <= max_drift;
 }
 
 // Returns the corner opposite to the same edge in the other triangle at the edge, or `none`.
 QualityMesh::Index QualityMesh::corner_across(Index corner) const {
-  const Index from = corner_vertex(corner, 1), to = corner_vertex(corner, 2);
+  const Index from = vertex_at(after(corner)), to = vertex_at(before(corner));
   for (Index other = vertices_[from].first_corner; other != none; other = next_corner(other))
-    if (corner_vertex(other, 2) == to) return (other & ~Index{3}) | ((other & 3) + 1) % 3;
+    if (vertex_at(before(other)) == to) return after(other);
   return none;
 }
 
 // Marks the neighbours of a vertex, and lists its corners. The list is empty if the vertex must not
 // be removed, as it is at the border of the mesh.
-void QualityMesh::mark_ring(Index vertex) {
+void QualityMesh::list_ring(Index vertex) {
+  if (ring_center_ == vertex) return;
+  ring_center_ = vertex;
   ++mark_;
-  ring_corners_.clear();
+  ring_.clear();
   for (Index corner = vertices_[vertex].first_corner; corner != none;
        corner = next_corner(corner)) {
-    ring_corners_.push_back(corner);
-    vertices_[corner_vertex(corner, 1)].mark = mark_;
+    ring_.push_back({corner, vertex_at(after(corner)), vertex_at(before(corner))});
+    vertices_[ring_.back().left].mark = mark_;
   }
-  for (const Index corner : ring_corners_)
-    if (vertices_[corner_vertex(corner, 2)].mark != mark_) {
-      ring_corners_.clear();
+  for (const RingCorner& at : ring_)
+    if (vertices_[at.right].mark != mark_) {
+      ring_.clear();
       return;
     }
 }
 
-// Considers the collapse of `from`, whose ring is marked.
+// Considers the collapse of `from`, whose ring is listed.
 void QualityMesh::consider_collapse(Index from, Index to) {
-  if (ring_corners_.size() < 3 || !can_change(to)) return;
+  if (ring_.size() < 3 || !can_change(to)) return;
   if (vertices_[from].valence + vertices_[to].valence - 4 > max_valence) return;
-  // The two vertices opposite to the edge are the only common neighbours.
-  std::array<Index, 2> opposite{none, none};
-  double old_facing = 1;
-  for (const Index corner : ring_corners_) {
-    if (corner_vertex(corner, 1) == to) opposite[0] = corner_vertex(corner, 2);
-    if (corner_vertex(corner, 2) == to) opposite[1] = corner_vertex(corner, 1);
-  }
-  for (const Index vertex : opposite)
-    if (vertex == none || vertices_[vertex].valence < 4) return;
-  for (Index corner = vertices_[to].first_corner; corner != none; corner = next_corner(corner))
-    for (const Index step : {1U, 2U}) {
-      const Index vertex = corner_vertex(corner, step);
-      if (vertices_[vertex].mark == mark_ && vertex != opposite[0] && vertex != opposite[1]) return;
-    }
-  double quality = 1;
-  for (const Index corner : ring_corners_) {
-    const Index a = corner_vertex(corner, 1), b = corner_vertex(corner, 2);
-    if (a == to || b == to) continue;
-    if (squared_norm(position(a) - position(to)) > limits_.max_squared_length ||
+  float quality = 1;
+  bool is_turned = false;
+  for (const auto& [corner, left, right] : ring_) {
+    if (left == to || right == to) continue;
+    const TrianglePoints t = points({to, left, right});
+    if (squared_norm(t[1] - t[0]) > limits_.max_squared_length ||
         !can_have(faces_[corner >> 2], to))
       return;
-    quality = std::min(quality, squared_sine_of_smallest_angle(points({to, a, b})));
+    const Vec3 area = area_vector(t);
+    quality = std::min(quality, quality_of_shape(t, area));
     if (quality <= limits_.min_quality) return;
+    is_turned = is_turned || !faces_outward({to, left, right}, area);
   }
-  for (const Index corner : ring_corners_)
-    old_facing = std::min(old_facing, facing(faces_[corner >> 2].vertices));
-  const double least = std::min(old_facing, min_facing);
-  for (const Index corner : ring_corners_) {
-    const Index a = corner_vertex(corner, 1), b = corner_vertex(corner, 2);
-    if (a != to && b != to && facing({to, a, b}) < least) return;
+  if (is_turned) {
+    double old_facing = 1, new_facing = 1;
+    for (const auto& [corner, left, right] : ring_) {
+      old_facing = std::min(old_facing, facing(faces_[corner >> 2].vertices));
+      if (left != to && right != to) new_facing = std::min(new_facing, facing({to, left, right}));
+    }
+    if (new_facing < old_facing) return;
   }
   operations_.push_back({quality, false, from, to});
+}
+
+// Considers the two collapses of the edge opposite to a corner that improve the worst triangle.
+void QualityMesh::consider_collapses(Index corner) {
+  const std::array<Index, 2> ends{vertex_at(after(corner)), vertex_at(before(corner))};
+  for (std::size_t i = 0; i < 2; ++i) {
+    if (!can_change(ends[i])) continue;
+    list_ring(ends[i]);
+    limits_.min_quality = 1;
+    for (const RingCorner& at : ring_)
+      limits_.min_quality = std::min(limits_.min_quality, quality_of(at.corner >> 2));
+    consider_collapse(ends[i], ends[1 - i]);
+  }
 }
 
 // Considers the flip of the edge opposite to a corner.
 void QualityMesh::consider_flip(Index corner) {
   const Index other = corner_across(corner);
   if (other == none) return;
-  const Index a = corner_vertex(corner, 1), b = corner_vertex(corner, 2),
-              from = corner_vertex(corner, 0), to = corner_vertex(other, 0);
+  const Index a = vertex_at(after(corner)), b = vertex_at(before(corner)), from = vertex_at(corner),
+              to = vertex_at(other);
   const Face &one = faces_[corner >> 2], &two = faces_[other >> 2];
   if (from == to || !can_change(a) || !can_change(b) || !can_change(from) || !can_change(to) ||
       !can_have(one, to) || !can_have(two, from))
@@ -227,195 +240,204 @@ void QualityMesh::consider_flip(Index corner) {
   if (vertices_[from].valence >= max_valence || vertices_[to].valence >= max_valence ||
       squared_norm(position(from) - position(to)) > limits_.max_squared_length)
     return;
-  const std::array<Index, 3> left{from, a, to}, right{from, to, b};
-  const double old_quality = std::min(squared_sine_of_smallest_angle(points(one.vertices)),
-                                      squared_sine_of_smallest_angle(points(two.vertices)));
-  const double quality = std::min(squared_sine_of_smallest_angle(points(left)),
-                                  squared_sine_of_smallest_angle(points(right)));
-  if (quality <= old_quality) return;
-  if (std::min(facing(left), facing(right)) <
-      std::min({facing(one.vertices), facing(two.vertices), min_facing}))
+  const Corners left{from, a, to}, right{from, to, b};
+  const float quality = std::min(quality_of_shape(points(left)), quality_of_shape(points(right)));
+  if (quality <= std::min(quality_of(corner >> 2), quality_of(other >> 2))) return;
+  const double new_facing = std::min(facing(left), facing(right));
+  if (new_facing < min_facing && new_facing < std::min(facing(one.vertices), facing(two.vertices)))
     return;
-  for (Index at = vertices_[from].first_corner; at != none; at = next_corner(at))
-    if (corner_vertex(at, 1) == to || corner_vertex(at, 2) == to) return;
   operations_.push_back({quality, true, corner, other});
 }
 
-// Performs the best operation that causes no intersection. Returns false if there is none.
+// Performs the best operation that is possible. Returns false if there is none.
 bool QualityMesh::perform_best() {
-  std::stable_sort(operations_.begin(), operations_.end(),
-                   [](const Operation& a, const Operation& b) { return a.quality > b.quality; });
-  for (const auto& [quality, is_flip, from, to] : operations_) {
-    old_faces_.clear();
-    new_triangles_.clear();
-    if (is_flip) {
-      const Index a = corner_vertex(from, 1), b = corner_vertex(from, 2),
-                  p = corner_vertex(from, 0), q = corner_vertex(to, 0);
-      old_faces_ = {from >> 2, to >> 2};
-      new_triangles_ = {{p, a, q}, {p, q, b}};
-    } else {
-      for (Index corner = vertices_[from].first_corner; corner != none;
-           corner = next_corner(corner)) {
-        old_faces_.push_back(corner >> 2);
-        const Index a = corner_vertex(corner, 1), b = corner_vertex(corner, 2);
-        if (a != to && b != to) new_triangles_.push_back({to, a, b});
-      }
-    }
-    if (!is_free(old_faces_, new_triangles_)) continue;
-    if (is_flip) {
-      flip(from, to);
-    } else {
-      collapse(from, to);
-    }
-    return true;
+  while (!operations_.empty()) {
+    const auto best = std::max_element(
+        operations_.begin(), operations_.end(),
+        [](const Operation& a, const Operation& b) { return a.quality < b.quality; });
+    if (perform(*best)) return true;
+    operations_.erase(best);
   }
   return false;
+}
+
+// Returns whether the mesh stays a manifold if an edge at `from` is collapsed. The ring of `from`
+// is listed. The two vertices opposite to the edge must be the only common neighbours.
+bool QualityMesh::is_collapsible(Index to) const {
+  std::array<Index, 2> opposite{none, none};
+  for (const RingCorner& at : ring_) {
+    if (at.left == to) opposite[0] = at.right;
+    if (at.right == to) opposite[1] = at.left;
+  }
+  for (const Index vertex : opposite)
+    if (vertex == none || vertices_[vertex].valence < 4) return false;
+  for (Index corner = vertices_[to].first_corner; corner != none; corner = next_corner(corner))
+    for (const Index vertex : {vertex_at(after(corner)), vertex_at(before(corner))})
+      if (vertices_[vertex].mark == mark_ && vertex != opposite[0] && vertex != opposite[1])
+        return false;
+  return true;
+}
+
+// Returns whether an edge connects two vertices.
+bool QualityMesh::are_neighbors(Index one, Index other) const {
+  for (Index corner = vertices_[one].first_corner; corner != none; corner = next_corner(corner))
+    if (vertex_at(after(corner)) == other || vertex_at(before(corner)) == other) return true;
+  return false;
+}
+
+// Performs an operation if the mesh stays a manifold without intersections.
+//
+// If all triangles in the box of the old triangles face one direction, the surface in the box has a
+// single sheet, which is a graph over a plane: two sheets of a closed surface that face the same
+// direction have a third one between them that does not. New triangles that face this direction,
+// too, are then part of a graph. Otherwise all pairs are compared.
+bool QualityMesh::perform(const Operation& operation) {
+  const auto [quality, is_flip, from, to] = operation;
+  old_faces_.clear();
+  new_triangles_.clear();
+  Bounds bounds(position(is_flip ? vertex_at(from) : from));
+  if (is_flip) {
+    const Index a = vertex_at(after(from)), b = vertex_at(before(from)), p = vertex_at(from),
+                q = vertex_at(to);
+    if (are_neighbors(p, q)) return false;
+    old_faces_ = {from >> 2, to >> 2};
+    new_triangles_ = {{p, a, q}, {p, q, b}};
+    for (const Index vertex : {a, b, q}) bounds.extend(position(vertex));
+  } else {
+    list_ring(from);
+    if (!is_collapsible(to)) return false;
+    for (const auto& [corner, left, right] : ring_) {
+      old_faces_.push_back(corner >> 2);
+      bounds.extend(position(left));
+      if (left != to && right != to) new_triangles_.push_back({to, left, right});
+    }
+  }
+  Directions not_faced = 0;
+  for (const Corners& triangle : new_triangles_)
+    not_faced |= directions_not_faced(area_vector(points(triangle)));
+  if ((not_faced | cells_.within(bounds)) == all_directions && do_intersect(bounds)) return false;
+  cells_.add(bounds, not_faced);
+  if (is_flip) {
+    flip(from, to);
+  } else {
+    collapse(from, to);
+  }
+  return true;
 }
 
 void QualityMesh::collapse(Index from, Index to) {
   for (Index corner = vertices_[from].first_corner, next = none; corner != none; corner = next) {
     next = next_corner(corner);
     Face& face = faces_[corner >> 2];
-    if (corner_vertex(corner, 1) == to || corner_vertex(corner, 2) == to) {
-      for (const Index step : {1U, 2U}) unlink((corner & ~Index{3}) | ((corner & 3) + step) % 3);
+    if (vertex_at(after(corner)) == to || vertex_at(before(corner)) == to) {
+      unlink(after(corner));
+      unlink(before(corner));
       face.vertices[0] = none;
     } else {
       face.vertices[corner & 3] = to;
+      face.quality = unknown;
       link(corner);
-      extend_reach(face);
     }
   }
   Vertex& removed = vertices_[from];
   removed.first_corner = none;
   removed.valence = 0;
   removed.is_removed = true;
+  ring_center_ = none;
 }
 
 // Flips the edge opposite to both corners.
 void QualityMesh::flip(Index corner, Index other) {
-  const Index from = corner_vertex(corner, 0), to = corner_vertex(other, 0);
-  const Index one = corner & ~Index{3}, two = other & ~Index{3};
-  const Index at_b = one | ((corner & 3) + 2) % 3, at_a = two | ((other & 3) + 2) % 3;
+  const Index from = vertex_at(corner), to = vertex_at(other);
+  const Index at_b = before(corner), at_a = before(other);
+  ring_center_ = none;
   unlink(at_b);
   unlink(at_a);
   faces_[at_b >> 2].vertices[at_b & 3] = to;
   faces_[at_a >> 2].vertices[at_a & 3] = from;
   link(at_b);
   link(at_a);
-  extend_reach(faces_[at_b >> 2]);
-  extend_reach(faces_[at_a >> 2]);
+  faces_[at_b >> 2].quality = faces_[at_a >> 2].quality = unknown;
 }
 
-// Returns whether new triangles that replace old ones intersect no other triangle.
-//
-// If all triangles near them face into one half space of directions, the surface near them has a
-// single sheet, which is a graph over a plane; two sheets of a closed surface that face in the same
-// direction have a third one between them that faces in the opposite direction. New triangles that
-// face in this direction, too, are then part of a graph. Otherwise all pairs are compared.
-bool QualityMesh::is_free(std::span<const Index> old_faces,
-                          std::span<const std::array<Index, 3>> triangles) {
-  constexpr double far = std::numeric_limits<double>::max();
-  Bounds bounds{{far, far, far}, {-far, -far, -far}};
+// Returns whether one of `new_triangles_`, which replace `old_faces_` within `bounds`, intersects
+// another triangle.
+bool QualityMesh::do_intersect(const Bounds& bounds) {
+  list_near_faces(bounds);
   Vec3 direction;
-  bool is_graph = true;
-  for (const Index face : old_faces)
-    for (const Index vertex : faces_[face].vertices)
-      for (std::size_t axis = 0; axis < 3; ++axis) {
-        bounds.low[axis] = std::min(bounds.low[axis], position(vertex)[axis]);
-        bounds.high[axis] = std::max(bounds.high[axis], position(vertex)[axis]);
-      }
-  for (const auto& triangle : triangles) direction = direction + area_vector(points(triangle));
-  for (const auto& triangle : triangles)
-    is_graph = is_graph && dot(direction, area_vector(points(triangle))) > 0;
-  if (gather(bounds, direction, old_faces) && is_graph) return true;
-  for (std::size_t i = 0; i < triangles.size(); ++i) {
+  for (const Corners& triangle : new_triangles_)
+    direction = direction + area_vector(points(triangle));
+  const auto faces_direction = [&](const Corners& triangle) {
+    return dot(direction, area_vector(points(triangle))) > 0;
+  };
+  const auto is_of_graph = [&](Index face) { return faces_direction(faces_[face].vertices); };
+  if (std::ranges::all_of(new_triangles_, faces_direction) &&
+      std::ranges::all_of(old_faces_, is_of_graph) &&
+      std::ranges::all_of(near_faces_, is_of_graph, &NearFace::face))
+    return false;
+  for (std::size_t i = 0; i < new_triangles_.size(); ++i) {
+    const Bounds box(points(new_triangles_[i]));
     for (std::size_t j = 0; j < i; ++j)
-      if (intersect(triangles[i], triangles[j])) return false;
-    for (const Index face : near_faces_)
-      if (intersect(triangles[i], faces_[face].vertices)) return false;
+      if (intersect(new_triangles_[i], new_triangles_[j])) return true;
+    for (const auto& [face, face_box] : near_faces_)
+      if (box.overlaps(face_box) && intersect(new_triangles_[i], faces_[face].vertices))
+        return true;
   }
-  return true;
+  return false;
 }
 
-// Lists the triangles within bounds, except `old_faces`. Returns whether all triangles within
-// bounds, including the old ones, face in a direction.
-bool QualityMesh::gather(const Bounds& bounds, const Vec3& direction,
-                         std::span<const Index> old_faces) {
+// Lists the triangles that overlap a box, except `old_faces_`.
+void QualityMesh::list_near_faces(const Bounds& bounds) {
   near_faces_.clear();
-  ++face_mark_;
-  bool all_face = true;
-  for (const Index face : old_faces) {
-    faces_[face].mark = face_mark_;
-    all_face = all_face && dot(direction, area_vector(points(faces_[face].vertices))) > 0;
-  }
-  const double max_reach = max_edge * spacing_ / std::numbers::sqrt3;
-  const double low_x = bounds.low.x - max_reach - spacing_,
-               high_x = bounds.high.x + max_reach + spacing_;
-  std::int32_t low_y = std::numeric_limits<std::int32_t>::max(), high_y = 0;
-  std::int32_t low_z = low_y, high_z = std::numeric_limits<std::int32_t>::min();
-  for (const Index face : old_faces)
-    for (const Index vertex : faces_[face].vertices) {
-      const PlainVertex& plain = vertices_[vertex].plain;
-      low_y = std::min(low_y, plain.y);
-      high_y = std::max(high_y, plain.y);
-      low_z = std::min(low_z, plain.z);
-      high_z = std::max(high_z, plain.z);
-    }
-  // A vertex of row y is at a coordinate in [y, y + 1).
-  constexpr std::int32_t rows = 2;
-  static_assert(max_edge < rows * std::numbers::sqrt3);
-  low_y = std::max(0, low_y - rows);
-  const auto is_apart = [](const Vec3& low, const Vec3& high, const Bounds& box) {
-    return low.x > box.high.x || low.y > box.high.y || low.z > box.high.z || high.x < box.low.x ||
-           high.y < box.low.y || high.z < box.low.z;
+  // A point of a triangle is at most 1 / sqrt(3) of the longest side away from the nearest corner.
+  const double reach = max_edge * grid_.spacing / std::numbers::sqrt3;
+  Bounds wide_bounds = bounds;
+  wide_bounds.extend(bounds.low - Vec3{reach, reach, reach});
+  wide_bounds.extend(bounds.high + Vec3{reach, reach, reach});
+  // Rounding may move a vertex beyond its row or plane.
+  const auto index = [&](double coordinate, std::size_t axis, std::int64_t begin, int offset) {
+    return static_cast<std::int64_t>(
+               std::floor((coordinate - grid_.origin[axis]) / grid_.spacing)) -
+           begin + offset;
   };
+  const std::int64_t low_z = index(wide_bounds.low.z, 2, 0, -1),
+                     high_z = index(wide_bounds.high.z, 2, 0, 1),
+                     low_y = index(wide_bounds.low.y, 1, region_.begin[1], -1),
+                     high_y = index(wide_bounds.high.y, 1, region_.begin[1], 1);
+  // Within a row, the vertices are sorted by x up to a spacing.
+  const double low_x = wide_bounds.low.x - grid_.spacing,
+               high_x = wide_bounds.high.x + grid_.spacing;
   for (std::size_t p = 0; p < planes_.size(); ++p) {
     const Plane& plane = planes_[p];
-    if (plane.z < low_z - rows || plane.z > high_z + rows) continue;
-    const Index plane_end =
-        p + 1 < planes_.size() ? planes_[p + 1].first_vertex : static_cast<Index>(vertices_.size());
-    const auto begin_of = [&](std::int32_t y) {
+    if (plane.z < low_z || plane.z > high_z) continue;
+    const Index plane_end = end_of(p);
+    const auto begin_of = [&](std::int64_t y) {
       const auto row = static_cast<std::size_t>(y);
-      return row < plane.rows.size() ? plane.rows[row] : plane_end;
+      return vertices_.begin() + (row < plane.rows.size() ? plane.rows[row] : plane_end);
     };
-    for (std::int32_t y = low_y; y <= high_y + rows; ++y) {
-      const auto begin = vertices_.begin() + begin_of(y), end = vertices_.begin() + begin_of(y + 1);
-      // Within a row, the vertices are sorted by x up to a spacing.
-      auto next =
-          end - begin < 8 ? begin : std::partition_point(begin, end, [&](const Vertex& vertex) {
-            return vertex.plain.position.x < low_x;
-          });
-      for (; next != end && next->plain.position.x <= high_x; ++next) {
-        const Vec3& at = next->plain.position;
-        const double reach = next->reach;
-        if (next->is_removed || at.x + reach < bounds.low.x || at.x - reach > bounds.high.x ||
-            at.y + reach < bounds.low.y || at.y - reach > bounds.high.y ||
-            at.z + reach < bounds.low.z || at.z - reach > bounds.high.z)
-          continue;
+    for (std::int64_t y = std::max<std::int64_t>(0, low_y); y <= high_y; ++y) {
+      const auto end = begin_of(y + 1);
+      auto next = std::partition_point(
+          begin_of(y), end, [&](const Vertex& vertex) { return vertex.position.x < low_x; });
+      for (; next != end && next->position.x <= high_x; ++next) {
+        if (!wide_bounds.overlaps(Bounds(next->position))) continue;
         for (Index corner = next->first_corner; corner != none; corner = next_corner(corner)) {
-          Face& face = faces_[corner >> 2];
-          if (face.mark == face_mark_) continue;
-          face.mark = face_mark_;
-          const TrianglePoints t = points(face.vertices);
-          Vec3 low = t[0], high = t[0];
-          for (const Vec3& point : {t[1], t[2]})
-            for (std::size_t axis = 0; axis < 3; ++axis) {
-              low[axis] = std::min(low[axis], point[axis]);
-              high[axis] = std::max(high[axis], point[axis]);
-            }
-          if (is_apart(low, high, bounds)) continue;
-          near_faces_.push_back(corner >> 2);
-          all_face = all_face && dot(direction, area_vector(t)) > 0;
+          const Bounds box(points(faces_[corner >> 2].vertices));
+          if (box.overlaps(bounds)) near_faces_.push_back({corner >> 2, box});
         }
       }
     }
   }
-  return all_face;
+  std::ranges::sort(near_faces_, {}, &NearFace::face);
+  const auto repeated = std::ranges::unique(near_faces_, {}, &NearFace::face);
+  near_faces_.erase(repeated.begin(), repeated.end());
+  std::erase_if(near_faces_, [&](const NearFace& near) {
+    return std::find(old_faces_.begin(), old_faces_.end(), near.face) != old_faces_.end();
+  });
 }
 
 // Returns whether two triangles have common points besides common corners and edges.
-bool QualityMesh::intersect(const std::array<Index, 3>& one,
-                            const std::array<Index, 3>& other) const {
+bool QualityMesh::intersect(const Corners& one, const Corners& other) const {
   std::size_t common = 0, of_one = 0, of_other = 0;
   for (std::size_t i = 0; i < 3; ++i)
     for (std::size_t j = 0; j < 3; ++j)
@@ -430,12 +452,6 @@ bool QualityMesh::intersect(const std::array<Index, 3>& one,
     const Vec3 u = area_vector(a), v = area_vector(b);
     return dot(u, v) < fold * norm(u) * norm(v);
   }
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    const double limit = std::max({b[0][axis], b[1][axis], b[2][axis]});
-    if (is_beyond(a[0][axis], a[1][axis], a[2][axis], limit)) return false;
-    const double other_limit = std::max({a[0][axis], a[1][axis], a[2][axis]});
-    if (is_beyond(b[0][axis], b[1][axis], b[2][axis], other_limit)) return false;
-  }
   if (common == 1)
     return segment_meets_triangle(a[(of_one + 1) % 3], a[(of_one + 2) % 3], b) ||
            segment_meets_triangle(b[(of_other + 1) % 3], b[(of_other + 2) % 3], a);
@@ -446,17 +462,30 @@ bool QualityMesh::intersect(const std::array<Index, 3>& one,
   return false;
 }
 
+// Returns the index after the last vertex of a plane of `planes_`.
+QualityMesh::Index QualityMesh::end_of(std::size_t plane) const {
+  return plane + 1 < planes_.size() ? planes_[plane + 1].first_vertex
+                                    : static_cast<Index>(vertices_.size());
+}
+
+// Returns the range of the vertices of a plane.
+std::pair<QualityMesh::Index, QualityMesh::Index> QualityMesh::vertices_of(std::int32_t z) const {
+  for (std::size_t p = 0; p < planes_.size(); ++p)
+    if (planes_[p].z == z) return {planes_[p].first_vertex, end_of(p)};
+  return {0, 0};
+}
+
 void QualityMesh::advance_to(std::int32_t plane) {
   while (plane_ < plane) {
     ++plane_;
     std::int32_t at = plane_ - stage_planes;
-    limits_ = {max_edge_of_short * max_edge_of_short * spacing_ * spacing_,
-               quality_of(min_angle_of_collapse)};
+    limits_ = {std::pow(max_edge_of_short * grid_.spacing, 2),
+               static_cast<float>(squared_sine(min_angle_of_collapse))};
     collapse_short_edges(at);
     for (const Stage& stage : stages) {
       at -= stage_planes;
-      limits_.max_squared_length = stage.max_edge * stage.max_edge * spacing_ * spacing_;
-      improve_faces(at, quality_of(stage.min_angle));
+      limits_.max_squared_length = std::pow(stage.max_edge * grid_.spacing, 2);
+      improve_faces(at, static_cast<float>(squared_sine(stage.min_angle)));
     }
     freeze(plane_ - freeze_planes);
     deliver(plane_ - freeze_planes - kept_planes);
@@ -464,65 +493,50 @@ void QualityMesh::advance_to(std::int32_t plane) {
   drop_delivered();
 }
 
-// Considers the collapses of the edges at a vertex that are not too long, in both directions.
-void QualityMesh::consider_collapses(Index vertex, double max_squared_edge) {
-  mark_ring(vertex);
-  std::array<Index, 32> others;
-  std::size_t count = 0;
-  for (Index corner = vertices_[vertex].first_corner; corner != none;
-       corner = next_corner(corner)) {
-    const Index other = corner_vertex(corner, 1);
-    if (squared_norm(position(other) - position(vertex)) < max_squared_edge &&
-        count < others.size())
-      others[count++] = other;
-  }
-  for (std::size_t i = 0; i < count; ++i) consider_collapse(vertex, others[i]);
-  for (std::size_t i = 0; i < count; ++i) {
-    if (!can_change(others[i])) continue;
-    mark_ring(others[i]);
-    consider_collapse(others[i], vertex);
-  }
-}
-
+// Collapses vertices of a plane into neighbours that are near.
 void QualityMesh::collapse_short_edges(std::int32_t plane) {
-  constexpr int max_collapses = 4;
-  const double max_squared_edge = short_edge * short_edge * spacing_ * spacing_;
-  const auto at =
-      std::find_if(planes_.begin(), planes_.end(), [&](const Plane& p) { return p.z == plane; });
-  if (at == planes_.end()) return;
-  const Index end =
-      at + 1 != planes_.end() ? (at + 1)->first_vertex : static_cast<Index>(vertices_.size());
-  for (Index vertex = at->first_vertex; vertex < end; ++vertex)
-    for (int i = 0; i < max_collapses && !vertices_[vertex].is_removed; ++i) {
-      operations_.clear();
-      consider_collapses(vertex, max_squared_edge);
-      if (!perform_best()) break;
-    }
+  const double max_squared_edge = std::pow(short_edge * grid_.spacing, 2);
+  const auto [begin, end] = vertices_of(plane);
+  for (Index vertex = begin; vertex < end; ++vertex) {
+    const Vec3& from = position(vertex);
+    const auto is_short = [&](Index other) {
+      return squared_norm(position(other) - from) < max_squared_edge;
+    };
+    bool has_short = false;
+    for (Index corner = vertices_[vertex].first_corner; corner != none && !has_short;
+         corner = next_corner(corner))
+      has_short = is_short(vertex_at(after(corner)));
+    if (!has_short) continue;
+    operations_.clear();
+    list_ring(vertex);
+    for (const RingCorner& at : ring_)
+      if (is_short(at.left)) consider_collapse(vertex, at.left);
+    perform_best();
+  }
 }
 
-void QualityMesh::improve_faces(std::int32_t plane, double min_angle_quality) {
+void QualityMesh::improve_faces(std::int32_t plane, float min_quality) {
   const auto at = std::find_if(face_planes_.begin(), face_planes_.end(),
                                [&](const FacePlane& p) { return p.z == plane; });
   if (at == face_planes_.end()) return;
   const Index end =
       at + 1 != face_planes_.end() ? (at + 1)->first_face : static_cast<Index>(faces_.size());
   for (Index face = at->first_face; face < end; ++face) {
-    const std::array<Index, 3> triangle = faces_[face].vertices;
-    if (triangle[0] == none) continue;
-    if (squared_sine_of_smallest_angle(points(triangle)) >= min_angle_quality) continue;
+    const Corners triangle = faces_[face].vertices;
+    if (triangle[0] == none || quality_of(face) >= min_quality) continue;
     operations_.clear();
-    for (const Index from : triangle) {
-      if (!can_change(from)) continue;
-      mark_ring(from);
-      double old_quality = 1;
-      for (const Index corner : ring_corners_)
-        old_quality = std::min(
-            old_quality, squared_sine_of_smallest_angle(points(faces_[corner >> 2].vertices)));
-      limits_.min_quality = old_quality;
-      for (const Index to : triangle)
-        if (to != from) consider_collapse(from, to);
-    }
-    for (Index corner = 4 * face; corner < 4 * face + 3; ++corner) consider_flip(corner);
+    std::array<std::pair<double, Index>, 3> edges;  // squared length, corner opposite to the edge
+    const TrianglePoints t = points(triangle);
+    for (Index i = 0; i < 3; ++i)
+      edges[i] = {squared_norm(t[(i + 2) % 3] - t[(i + 1) % 3]), 4 * face + i};
+    std::sort(edges.begin(), edges.end());
+    consider_flip(edges[2].second);
+    consider_collapses(edges[0].second);
+    if (perform_best()) continue;
+    consider_flip(edges[1].second);
+    consider_flip(edges[0].second);
+    consider_collapses(edges[1].second);
+    consider_collapses(edges[2].second);
     perform_best();
   }
 }
@@ -530,14 +544,10 @@ void QualityMesh::improve_faces(std::int32_t plane, double min_angle_quality) {
 // Numbers the vertices of a plane.
 void QualityMesh::freeze(std::int32_t plane) {
   frozen_ = plane;
-  const auto at =
-      std::find_if(planes_.begin(), planes_.end(), [&](const Plane& p) { return p.z == plane; });
-  if (at == planes_.end()) return;
-  const Index end =
-      at + 1 != planes_.end() ? (at + 1)->first_vertex : static_cast<Index>(vertices_.size());
-  for (Index vertex = at->first_vertex; vertex < end; ++vertex) {
+  const auto [begin, end] = vertices_of(plane);
+  for (Index vertex = begin; vertex < end; ++vertex) {
     if (vertices_[vertex].is_removed) continue;
-    vertices_[vertex].new_number = next_number_++;
+    new_numbers_[vertex] = next_number_++;
     sink_.vertex(first_number_ + vertex);
   }
 }
@@ -550,7 +560,7 @@ void QualityMesh::deliver(std::int32_t plane) {
     for (; delivered_ < end; ++delivered_) {
       const Face& face = faces_[delivered_];
       if (face.vertices[0] == none) continue;
-      count(face);
+      count(delivered_);
       Triangle triangle{};
       for (std::size_t i = 0; i < 3; ++i) triangle[i] = first_number_ + face.vertices[i];
       sink_.triangle(triangle);
@@ -559,17 +569,29 @@ void QualityMesh::deliver(std::int32_t plane) {
   }
 }
 
-void QualityMesh::count(const Face& face) {
-  const double quality = squared_sine_of_smallest_angle(points(face.vertices));
-  const double angle = std::asin(std::sqrt(std::min(1.0, quality))) * 180 / std::numbers::pi;
-  const auto normal = [&](std::size_t i) { return vertices_[face.vertices[i]].plain.normal; };
+void QualityMesh::count(Index index) {
+  static const double below_20 = squared_sine(20), below_5 = squared_sine(5);
+  constexpr float rounding = 1 - 1e-6F;
+  const Face& face = faces_[index];
+  const TrianglePoints t = points(face.vertices);
+  double quality = quality_of(index);
+  // Rounding of the stored quality must not change the counts.
+  if (rounding * quality < std::max(below_20, smallest_quality_))
+    quality = squared_sine_of_smallest_angle(t, area_vector(t));
+  smallest_quality_ = std::min(smallest_quality_, quality);
+  const auto normal = [&](std::size_t i) { return vertices_[face.vertices[i]].normal; };
   const bool is_at_cusp = std::min({dot(normal(0), normal(1)), dot(normal(1), normal(2)),
                                     dot(normal(2), normal(0))}) < cusp;
-  quality_.smallest_angle = std::min(quality_.smallest_angle, angle);
-  if (angle < 20) ++quality_.below_20;
-  if (angle < 5) ++quality_.below_5;
+  if (quality < below_20) ++quality_.below_20;
+  if (quality < below_5) ++quality_.below_5;
   if (is_at_cusp) ++quality_.at_cusps;
-  if (is_at_cusp && angle < 5) ++quality_.below_5_at_cusps;
+  if (is_at_cusp && quality < below_5) ++quality_.below_5_at_cusps;
+}
+
+MeshQuality QualityMesh::quality() const {
+  MeshQuality result = quality_;
+  result.smallest_angle = std::asin(std::sqrt(smallest_quality_)) * 180 / std::numbers::pi;
+  return result;
 }
 
 // Removes delivered triangles and their vertices from the window, when they are more than half of
@@ -588,10 +610,11 @@ void QualityMesh::drop_delivered() {
   for (Index face = 0; face < delivered_; ++face) {
     if (faces_[face].vertices[0] == none) continue;
     for (Index corner = 4 * face; corner < 4 * face + 3; ++corner)
-      if (corner_vertex(corner, 0) >= vertices) unlink(corner);
+      if (vertex_at(corner) >= vertices) unlink(corner);
   }
   const auto shift = [](auto& list, Index n) { list.erase(list.begin(), list.begin() + n); };
   shift(vertices_, vertices);
+  shift(new_numbers_, vertices);
   shift(faces_, delivered_);
   first_number_ += vertices;
   for (Face& face : faces_) {
@@ -609,6 +632,7 @@ void QualityMesh::drop_delivered() {
   }
   for (FacePlane& plane : face_planes_) plane.first_face -= delivered_;
   delivered_ = 0;
+  ring_center_ = none;
 }
 
 }  // namespace eses::detail::mesh

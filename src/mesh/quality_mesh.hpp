@@ -6,11 +6,13 @@
 #include <cstdint>
 #include <deque>
 #include <functional>
-#include <span>
+#include <utility>
 #include <vector>
 
+#include "eses/grid.hpp"
 #include "eses/summary.hpp"
 #include "eses/vec3.hpp"
+#include "mesh/facing_cells.hpp"
 #include "mesh/triangle_shape.hpp"
 #include "mesh/triangulate.hpp"
 
@@ -32,7 +34,7 @@ struct PlainVertex {
 /// triangles at an edge by the two triangles at the other diagonal. No vertex is moved to a new
 /// position, so that all vertices stay crossings. An operation is performed only if the mesh stays
 /// a manifold with the same topology, if no new triangle is turned away from the normals of its
-/// corners, and if no new triangle intersects another triangle (see `is_free`). Vertices at the
+/// corners, and if no new triangle intersects another triangle (see `perform`). Vertices at the
 /// border of an open mesh are never removed.
 ///
 /// Planes are processed in ascending order. The triangles at a plane pass through several stages,
@@ -50,7 +52,8 @@ class QualityMesh {
     std::function<void(const Triangle& triangle)> triangle;
   };
 
-  QualityMesh(double spacing, Sink sink);
+  /// `region` has the points of all triangles.
+  QualityMesh(const Grid& grid, const GridRegion& region, Sink sink);
 
   /// Adds the next vertex of the plain mesh.
   void add_vertex(const PlainVertex& vertex);
@@ -59,39 +62,47 @@ class QualityMesh {
   /// Finishes all triangles.
   void finish();
 
-  /// Returns a vertex. Valid for the corners of a triangle while `Sink::triangle` is called.
-  const PlainVertex& vertex(std::uint64_t number) const { return at(number).plain; }
+  /// Returns the position of a vertex. Valid for the corners of a triangle while `Sink::triangle`
+  /// is called.
+  const Vec3& position_of(std::uint64_t number) const { return at(number).position; }
+  /// Returns the patch of a vertex. Valid like `position_of`.
+  std::uint8_t patch_of(std::uint64_t number) const { return at(number).patch; }
   /// Returns the new number of a vertex that `Sink::vertex` has received.
-  std::uint64_t new_number(std::uint64_t number) const { return at(number).new_number; }
+  std::uint64_t new_number(std::uint64_t number) const {
+    return new_numbers_[number - first_number_];
+  }
 
   /// Returns the counts and angles of all triangles that the sink has received.
-  const MeshQuality& quality() const { return quality_; }
+  MeshQuality quality() const;
   std::uint64_t vertex_count() const { return next_number_; }
 
   /// Returns the estimated memory in bytes for this number of crossings of a plane, with
   /// `more_bytes` for each vertex of the window.
-  static double memory_bytes(double plane_crossings, double more_bytes);
+  static double memory_bytes(const GridRegion& region, double plane_crossings, double more_bytes);
 
  private:
   // Indices of vertices and triangles in the window. A corner is 4 * triangle + 0, 1 or 2.
   using Index = std::uint32_t;
   static constexpr Index none = ~Index{0};
+  using Corners = std::array<Index, 3>;
 
   struct Vertex {
-    PlainVertex plain;
+    Vec3 position, normal;
     Index first_corner = none;  // head of the list of the corners at this vertex
-    std::int32_t valence = 0;   // length of the list
-    double reach = 0;  // all points of its triangles nearest to it are within this distance
+    std::int32_t z = 0;
     Index mark = 0;
+    std::uint8_t valence = 0;  // length of the list
+    std::uint8_t patch = 1;
     bool is_removed = false;
-    std::uint64_t new_number = 0;
   };
+  static_assert(sizeof(Vertex) == 64);  // a cache line
   struct Face {
-    std::array<Index, 3> vertices{};  // the first one is `none` if the triangle was removed
-    std::array<Index, 3> next{};      // next corner in the list of each vertex
-    std::int32_t plane = 0;           // plane at which the triangle was added
-    Index mark = 0;
+    Corners vertices{};       // the first one is `none` if the triangle was removed
+    Corners next{};           // next corner in the list of each vertex
+    std::int32_t plane = 0;   // plane at which the triangle was added
+    float quality = unknown;  // see `quality_of`
   };
+  static constexpr float unknown = -1;
   struct Plane {
     std::int32_t z = 0;
     Index first_vertex = 0;
@@ -101,74 +112,95 @@ class QualityMesh {
     std::int32_t z = 0;
     Index first_face = 0;
   };
+  struct RingCorner {
+    Index corner, left, right;  // the corner at the centre, and the other vertices of the triangle
+  };
+  struct NearFace {
+    Index face = 0;
+    Bounds bounds;
+  };
   struct Operation {
-    double quality = 0;
+    float quality = 0;
     bool is_flip = false;
     Index from = 0, to = 0;  // collapse: vertices; flip: corners opposite to the edge
   };
   struct Limits {
-    double max_squared_length = 0, min_quality = 0;
-  };
-  struct Bounds {
-    Vec3 low, high;
+    double max_squared_length = 0;
+    float min_quality = 0;
   };
 
   const Vertex& at(std::uint64_t number) const { return vertices_[number - first_number_]; }
-  const Vec3& position(Index vertex) const { return vertices_[vertex].plain.position; }
-  Index corner_vertex(Index corner, Index step) const {
-    return faces_[corner >> 2].vertices[((corner & 3) + step) % 3];
+  const Vec3& position(Index vertex) const { return vertices_[vertex].position; }
+  // Returns the corner after a corner of a triangle.
+  static Index after(Index corner) {
+    return (corner & ~Index{3}) | ((Index{1} << (corner & 3)) & 3);
   }
+  static Index before(Index corner) { return after(after(corner)); }
+  Index vertex_at(Index corner) const { return faces_[corner >> 2].vertices[corner & 3]; }
   Index next_corner(Index corner) const { return faces_[corner >> 2].next[corner & 3]; }
-  TrianglePoints points(const std::array<Index, 3>& triangle) const {
+  TrianglePoints points(const Corners& triangle) const {
     return {position(triangle[0]), position(triangle[1]), position(triangle[2])};
   }
-  double facing(const std::array<Index, 3>& triangle) const;
+  float quality_of(Index face);
+  bool faces_outward(const Corners& triangle, const Vec3& area) const;
+  double facing(const Corners& triangle) const;
   bool can_change(Index vertex) const;
   bool can_have(const Face& face, Index vertex) const;
   Index corner_across(Index corner) const;
 
   void link(Index corner);
-  void extend_reach(const Face& face);
   void unlink(Index corner);
 
-  void mark_ring(Index vertex);
-  void consider_collapses(Index vertex, double max_squared_edge);
+  void list_ring(Index vertex);
   void consider_collapse(Index from, Index to);
+  void consider_collapses(Index corner);
   void consider_flip(Index corner);
+  bool is_collapsible(Index to) const;
+  bool are_neighbors(Index one, Index other) const;
   bool perform_best();
+  bool perform(const Operation& operation);
   void collapse(Index from, Index to);
   void flip(Index corner, Index other);
-  bool is_free(std::span<const Index> old_faces, std::span<const std::array<Index, 3>> triangles);
-  bool gather(const Bounds& bounds, const Vec3& direction, std::span<const Index> old_faces);
-  bool intersect(const std::array<Index, 3>& one, const std::array<Index, 3>& other) const;
+  bool do_intersect(const Bounds& bounds);
+  void list_near_faces(const Bounds& bounds);
+  bool intersect(const Corners& one, const Corners& other) const;
 
+  Index end_of(std::size_t plane) const;
+  std::pair<Index, Index> vertices_of(std::int32_t z) const;
   void advance_to(std::int32_t plane);
   void collapse_short_edges(std::int32_t plane);
-  void improve_faces(std::int32_t plane, double min_angle_quality);
+  void improve_faces(std::int32_t plane, float min_quality);
   void freeze(std::int32_t plane);
   void deliver(std::int32_t plane);
-  void count(const Face& face);
+  void count(Index index);
   void drop_delivered();
 
-  double spacing_;
+  Grid grid_;
+  GridRegion region_;
   Sink sink_;
   std::int32_t plane_ = 0;   // the planes up to this one have been added
   std::int32_t frozen_ = 0;  // the vertices up to this plane are numbered
   bool has_plane_ = false;
   std::vector<Vertex> vertices_;
   std::vector<Face> faces_;
-  std::uint64_t first_number_ = 0;  // number of the first vertex of the window
+  std::vector<std::uint64_t> new_numbers_;  // of the vertices
+  std::uint64_t first_number_ = 0;          // number of the first vertex of the window
   std::deque<Plane> planes_;
   std::deque<FacePlane> face_planes_;
+  FacingCells cells_;
   Index delivered_ = 0;  // number of faces at the begin of the window that are delivered
   std::uint64_t next_number_ = 0;
-  Index mark_ = 0, face_mark_ = 0;
+  Index mark_ = 0;
+  Index ring_center_ = none;  // vertex whose ring is listed
   Limits limits_;
   MeshQuality quality_;
+  double smallest_quality_ = 1;  // squared sine of the smallest angle
   // Scratch memory.
   std::vector<Operation> operations_;
-  std::vector<Index> ring_corners_, old_faces_, near_faces_;
-  std::vector<std::array<Index, 3>> new_triangles_;
+  std::vector<RingCorner> ring_;
+  std::vector<Index> old_faces_;
+  std::vector<NearFace> near_faces_;
+  std::vector<Corners> new_triangles_;
 };
 
 }  // namespace eses::detail::mesh

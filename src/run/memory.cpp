@@ -167,7 +167,8 @@ double expected_memory(const SurfaceSurvey& survey, const LabelTotals& labels, b
   const double improving =
       outputs.mesh && outputs.mesh->quality
           ? QualityPass::memory_bytes(
-                *outputs.mesh, expected_crossings(survey.max_slab_area(grid.spacing), grid.spacing))
+                *outputs.mesh, tiling.region_with_halo,
+                expected_crossings(survey.max_slab_area(grid.spacing), grid.spacing))
           : 0;
   constexpr double bytes_per_area = sizeof(double) + growth * sizeof(AtomSum);
   double names = 0;

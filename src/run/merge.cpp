@@ -351,7 +351,7 @@ MeshQuality Merge::improve_mesh(const mesh::MeshText& text) {
         file->append(std::as_bytes(bytes));
       };
     };
-    pass.emplace(text, plan_.whole_plan.grid.spacing,
+    pass.emplace(text, plan_.whole_plan.grid, plan_.whole_plan.tiling.region_with_halo,
                  QualityPass::Sinks{sink_of(ChunkText::vertices), sink_of(ChunkText::triangles)});
   });
   stream_mesh(pass);

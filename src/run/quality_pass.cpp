@@ -58,26 +58,29 @@ std::uint64_t streamed_vertex_bytes(std::uint64_t text_bytes) {
   return sizeof(VertexHead) + text_bytes + 2 * sizeof(mesh::LocalTriangle);
 }
 
-QualityPass::QualityPass(const mesh::MeshText& text, double spacing, Sinks sinks)
+QualityPass::QualityPass(const mesh::MeshText& text, const Grid& grid, const GridRegion& region,
+                         Sinks sinks)
     : text_(text),
       sinks_(std::move(sinks)),
-      mesh_(spacing,
+      mesh_(grid, region,
             {.vertex = [this](std::uint64_t number) { take_vertex(number); },
              .triangle = [this](const mesh::Triangle& triangle) { take_triangle(triangle); }}) {}
 
-double QualityPass::memory_bytes(const MeshOptions& mesh, double plane_crossings) {
+double QualityPass::memory_bytes(const MeshOptions& mesh, const GridRegion& region,
+                                 double plane_crossings) {
   constexpr double parts = 6;  // parts of the stream and of the result in memory
   const auto text = static_cast<double>(mesh::typical_mesh_bytes(mesh, true).vertex);
-  return mesh::QualityMesh::memory_bytes(plane_crossings, text + sizeof(std::size_t)) +
+  return mesh::QualityMesh::memory_bytes(region, plane_crossings, text + sizeof(std::size_t)) +
          parts * (std::size_t{1} << 22);
 }
 
 void QualityPass::add(std::span<const char> bytes) {
-  rest_.insert(rest_.end(), bytes.begin(), bytes.end());
-  std::size_t begin = 0;
-  while (const std::size_t length = add_batch(std::span<const char>(rest_).subspan(begin)))
-    begin += length;
-  rest_.erase(rest_.begin(), rest_.begin() + static_cast<std::ptrdiff_t>(begin));
+  if (!rest_.empty()) {
+    rest_.insert(rest_.end(), bytes.begin(), bytes.end());
+    bytes = rest_;
+  }
+  while (const std::size_t length = add_batch(bytes)) bytes = bytes.subspan(length);
+  std::vector<char>(bytes.begin(), bytes.end()).swap(rest_);
 }
 
 // Adds the first batch of `bytes`, and returns its length, or 0 if it is not complete.
@@ -117,7 +120,7 @@ void QualityPass::take_triangle(const mesh::Triangle& triangle) {
   ++counts_.triangles;
   if (text_.has_corner_positions()) {
     std::array<Vec3, 3> corners;
-    for (std::size_t i = 0; i < 3; ++i) corners[i] = mesh_.vertex(triangle[i]).position;
+    for (std::size_t i = 0; i < 3; ++i) corners[i] = mesh_.position_of(triangle[i]);
     mesh::MeshText::append_corners(triangles_, corners);
     return;
   }
@@ -125,7 +128,7 @@ void QualityPass::take_triangle(const mesh::Triangle& triangle) {
   std::array<std::uint8_t, 3> patches{};
   for (std::size_t i = 0; i < 3; ++i) {
     numbers[i] = mesh_.new_number(triangle[i]);
-    patches[i] = static_cast<std::uint8_t>(mesh_.vertex(triangle[i]).patch);
+    patches[i] = mesh_.patch_of(triangle[i]);
   }
   mesh::append_local_triangle(triangles_, numbers, mesh::patch_of(patches));
 }

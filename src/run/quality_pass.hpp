@@ -33,7 +33,7 @@ class QualityPass {
   struct Sinks {
     std::function<void(std::span<const char>)> vertices, triangles;
   };
-  QualityPass(const mesh::MeshText& text, double spacing, Sinks sinks);
+  QualityPass(const mesh::MeshText& text, const Grid& grid, const GridRegion& region, Sinks sinks);
 
   /// Begins the stream of a chunk of planes. `first_vertex` is the number of vertices before it.
   void begin_chunk(std::uint64_t first_vertex) { first_vertex_ = first_vertex; }
@@ -43,11 +43,12 @@ class QualityPass {
   void finish();
 
   /// Returns the estimated memory in bytes for this number of crossings of a plane.
-  static double memory_bytes(const MeshOptions& mesh, double plane_crossings);
+  static double memory_bytes(const MeshOptions& mesh, const GridRegion& region,
+                             double plane_crossings);
 
   /// These are the figures of the finished mesh.
   MeshCounts counts() const { return counts_; }
-  const MeshQuality& quality() const { return mesh_.quality(); }
+  MeshQuality quality() const { return mesh_.quality(); }
 
  private:
   std::size_t add_batch(std::span<const char> bytes);
