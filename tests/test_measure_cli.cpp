@@ -215,7 +215,7 @@ TEST_CASE("measure: pockets in report, JSON and tables") {
   std::string atoms = pqr_line(1, "ALA", "A", 50);
   for (int k = 0; k < 6; ++k)
     atoms +=
-        fmt::format("ATOM {:6}  CA  GLY B{:4}    {:8.3f}{:8.3f}   0.000  0.00 2.70\n", k + 2, k / 2,
+        fmt::format("ATOM {:6}  CA  GLY B{:4}    {:8.3f}{:8.3f}   0.000  0.00 3.00\n", k + 2, k / 2,
                     5 * std::cos(k * std::numbers::pi / 3), 5 * std::sin(k * std::numbers::pi / 3));
   write_file(box.directory() / "ring.pqr", atoms);
   const Arguments search{"measure",   "ring.pqr", "--large-probe",       "3.5",

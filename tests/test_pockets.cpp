@@ -63,12 +63,12 @@ void check_equal(const Pockets& a, const Pockets& b) {
 /// A ring of many atoms, which is nearly a torus, and two probes. The small one passes through the
 /// hole, the large one closes it on both sides.
 struct Ring {
+  static constexpr AtomIndex count = 80;
   double atom = 3, distance = 5.2, small = 1.4, large = 3.5;
 
   std::vector<Atom> atoms(Vec3 center = {}) const {
-    constexpr int count = 150;
     std::vector<Atom> ring;
-    for (int k = 0; k < count; ++k) {
+    for (AtomIndex k = 0; k < count; ++k) {
       const double turn = 2 * pi * k / count;
       ring.push_back({{distance * std::cos(turn), distance * std::sin(turn), 0}, atom});
     }
@@ -94,7 +94,7 @@ struct Ring {
     double difference_volume = 0, volume = 0, probe_center_volume = 0, mouth_area = 0;
   };
   Values expected() const {
-    constexpr double step = 0.02;
+    constexpr double step = 0.03;
     const double touching = height() * atom / (atom + large);
     const double rim = distance * large / (atom + large);
     std::vector<Point> gap, centers;
@@ -269,12 +269,12 @@ TEST_CASE("pockets: a tunnel through a ring of atoms has two mouths and the volu
   CHECK(expected.difference_volume == Catch::Approx(ring.gap_volume()).epsilon(0.01));
   const std::vector<Atom> atoms = ring.atoms();
   // The grooves between the atoms of the ring are less than 0.01 angstrom deep.
-  CHECK(exact_difference(atoms, ring.small, ring.large) ==
-        Catch::Approx(ring.gap_volume()).epsilon(0.005));
+  const double exact = exact_difference(atoms, ring.small, ring.large);
+  CHECK(exact == Catch::Approx(ring.gap_volume()).epsilon(0.015));
   const Surface surface(atoms, {.probe_radius = ring.small});
   const Pockets found =
       find_pockets(surface, {.large_probe_radius = ring.large, .spacing = 0.1, .min_volume = 0});
-  CHECK(found.difference_volume == Catch::Approx(ring.gap_volume()).epsilon(0.01));
+  CHECK(found.difference_volume == Catch::Approx(exact).epsilon(0.005));
   check_sum(found);
   REQUIRE(found.pockets.size() == 1);
   const Pocket& pocket = found.pockets[0];
@@ -308,19 +308,19 @@ TEST_CASE("pockets: two rings apart, one of them closed at one end") {
     CHECK(pocket.volume == Catch::Approx(expected.volume).epsilon(0.03));
     CHECK(pocket.mouth_count == 2);
     CHECK(std::min(norm(pocket.centroid), norm(pocket.centroid - away)) < 0.05);
-    CHECK(pocket.atoms.back() - pocket.atoms.front() < 150);
+    CHECK(pocket.atoms.back() - pocket.atoms.front() < Ring::count);
   }
   // An atom on the axis of the second ring leaves a way of the small probe on the other side only.
   const Vec3 axis = rotated({{{0, 0, 1}, 0}})[0].center;
-  atoms.push_back({away - 2.2 * axis, 2});
+  atoms.push_back({away - 4 * axis, 2});
   const Pockets cup = find_pockets(Surface(atoms), options);
   REQUIRE(cup.pockets.size() == 2);
   const bool first_is_cup = norm(cup.pockets[0].centroid - away) < ring.distance;
   const Pocket& closed = cup.pockets[first_is_cup ? 0 : 1];
   const Pocket& open = cup.pockets[first_is_cup ? 1 : 0];
   CHECK(closed.mouth_count == 1);
-  CHECK(closed.volume < 0.9 * expected.volume);
-  CHECK(closed.atoms.back() == 300);
+  CHECK(closed.mouth_area == Catch::Approx(expected.mouth_area / 2).epsilon(0.05));
+  CHECK(closed.atoms.back() == 2 * Ring::count);
   CHECK(open.mouth_count == 2);
   CHECK(open.volume == Catch::Approx(expected.volume).epsilon(0.03));
 }
@@ -370,9 +370,9 @@ TEST_CASE("pockets: a cavity becomes a pocket when the small probe can enter") {
   const Measures measures = measure(Surface(closed), {.cavities = true});
   REQUIRE(measures.cavities.size() == 1);
   const double void_volume = measures.cavities[0].void_volume;
-  const Pockets none = find_pockets(Surface(closed), {.min_volume = 0});
+  const Pockets none = find_pockets(Surface(closed), {.spacing = 0.2, .min_volume = 0});
   CHECK(near_origin(none) == none.pockets.end());
-  CHECK(none.difference_volume == Catch::Approx(exact_difference(closed, 1.4, 3)).epsilon(0.02));
+  CHECK(none.difference_volume == Catch::Approx(exact_difference(closed, 1.4, 3)).epsilon(0.03));
   // Inside, there is room for the large probe, but it does not come in.
   CHECK(measures.cavities[0].largest_probe > 3);
   const std::vector<Atom> narrow = open_ball(150, distance, radius, 3.6);

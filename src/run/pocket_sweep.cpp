@@ -17,7 +17,6 @@
 #include "run/run_plan.hpp"
 #include "surface/patch_schedule.hpp"
 #include "system/formatted.hpp"
-#include "system/parallel.hpp"
 
 namespace eses::detail {
 namespace {
@@ -39,8 +38,8 @@ void require(bool holds, const std::string& message) {
 // The sweep over the surface of a probe, without its cavities.
 class ProbeSweep {
  public:
-  // `caller` is what the search for pockets needs besides. The points that the centre of the probe
-  // cannot reach are found if `finds_covered` is set.
+  // `caller` is the memory that the search needs besides the sweep. With `finds_covered`, the sweep
+  // also finds the points where the centre of the probe cannot be.
   ProbeSweep(const Molecule& molecule, const Grid& grid, double probe_radius, bool finds_covered,
              const PocketOptions& options, const CallerMemory& caller) {
     RunTask task{.atoms = molecule,
@@ -169,7 +168,6 @@ Pockets sweep_pockets(const Molecule& molecule, double probe_radius, const Pocke
   ProbeSweep small(molecule, grid, probe_radius, true, options, caller);
   ProbeSweep large(molecule, grid, options.large_probe_radius, false, options, caller);
   PocketFinder finder(grid, probe_radius, small.threads());
-  start_threads(std::max(small.threads(), large.threads()));
   const ProgressCallback check = [&](std::int64_t, std::int64_t) {
     if (options.check) options.check();
   };
