@@ -688,7 +688,7 @@ TEST_CASE("mesh: errors leave no mesh and name the path", "[mesh][cli]") {
   for (const char* file : {"a.off", "a.stl"})
     check({"pair.xyzr", "--mesh", file, "--color", "atom"}, 2, "--color needs --mesh");
   check({"pair.xyzr", "--mesh", "a.ply", "--color", "red"}, 2,
-        "--color is 'red', expected patch, atom, chain or potential");
+        "--color is 'red', expected patch, atom, chain, potential or component");
   for (const char* file : {"pair.xyzr", "missing.xyzr", "-"})
     check({file, "--mesh", "a.ply", "--color", "chain"}, 2,
           "--color chain needs a PQR, PDB or mmCIF file");

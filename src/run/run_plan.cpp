@@ -37,7 +37,7 @@ constexpr int checkpoint_format = 4;
 // Memory of the patches of an atom, and of all patches that are kept from the search for cavities
 // until the sweep (bytes).
 constexpr double kept_patch_bytes = 400;
-constexpr double max_kept_bytes = 100 << 20;
+constexpr double max_kept_bytes = 48 << 20;
 
 // Returns a hash of an atom and its index in the molecule.
 std::uint64_t hash_of(const Atom& atom, std::uint64_t index) {
