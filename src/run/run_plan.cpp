@@ -33,8 +33,7 @@ namespace {
 // Version of checkpoints. Must increase with each change of the results or of the format of chunks.
 constexpr int checkpoint_format = 4;
 
-// Memory of the patches of an atom, and of all patches that are kept from the search for cavities
-// until the sweep (bytes).
+// Memory of the patches of an atom, and of all patches that are kept for the sweep (bytes).
 constexpr double kept_patch_bytes = 400;
 constexpr double max_kept_bytes = 100 << 20;
 
@@ -292,17 +291,21 @@ FoundCavities find_cavities_of(const Molecule& molecule, const Parameters& param
                        keeps_patches);
 }
 
-// Finds the cavities of a molecule that a single process has. The run needs all patches again, so
-// they are kept unless there are many.
-void find_all_cavities(const Molecule& molecule, int threads, RunPlan& run) {
+// Finds the cavities of a molecule that a single process has, if some are filled. A run that needs
+// all patches several times keeps them unless there are many.
+void prepare_patches(const Molecule& molecule, int threads, RunPlan& run) {
   const Plan& plan = run.whole_plan;
   const Parameters& parameters = plan.parameters;
-  if (!parameters.max_filled_void) return;
+  if (!parameters.max_filled_void && !parameters.exact) return;
   const double bytes = kept_patch_bytes * static_cast<double>(molecule.atoms().size());
   const bool fits =
       bytes <= max_kept_bytes &&
       (parameters.max_memory == 0 || 8 * bytes <= static_cast<double>(parameters.max_memory));
   const bool is_whole = plan.cut_depth <= 0 && plan.region == plan.grid.whole();
+  if (!parameters.max_filled_void) {
+    if (fits && is_whole) run.patches = schedule_patches(molecule, parameters.probe_radius);
+    return;
+  }
   FoundCavities found = find_cavities_of(molecule, parameters, threads, fits && is_whole);
   run.cavities = std::move(found.map);
   run.patches = std::move(found.patches);
@@ -365,7 +368,7 @@ LabelTotals take_file(const InputFile& file, const RunTask& task, const Processe
   if (run.cavities) {
     run.cavities = with_slab_indices(std::move(run.cavities), run.slab);
   } else {
-    find_all_cavities(run.slab.molecule, threads, run);
+    prepare_patches(run.slab.molecule, threads, run);
   }
   run.diagnostics.add(of_names);
   if (has_names) name_examples(run.names, run.diagnostics);
@@ -385,7 +388,7 @@ LabelTotals take_molecule(const Molecule& molecule, const RunTask& task, const P
   run.whole_plan = {plan_grid(sphere_bounds(molecule.atoms()), task.parameters), {}};
   run.slab.planes = region_planes(run.whole_plan);
   run.slab.molecule = molecule;
-  find_all_cavities(molecule, task.parameters.threads, run);
+  prepare_patches(molecule, task.parameters.threads, run);
   if (task.outputs.residues || needs_groups(task.outputs))
     for (const AtomLabel& label : molecule.labels()) run.names.add_residue(label);
   LabelTotals labels = take_groups(task.outputs, processes, run, run.slab.groups);
