@@ -7,9 +7,12 @@
 
 #include "catch.hpp"
 #include "eses/compute.hpp"
+#include "eses/measure.hpp"
+#include "eses/read_atoms.hpp"
 #include "run/exact_measures.hpp"
 #include "support/atom_sets.hpp"
 #include "support/sandbox.hpp"
+#include "system/formatted.hpp"
 
 namespace eses::detail::test {
 namespace {
@@ -89,6 +92,35 @@ TEST_CASE("exact: --exact reports area and volume in closed form", "[exact]") {
   }
   check_json(sandbox, sandbox.run({"two.xyzr", "--json"}).out, "r['exact_area'], r['exact_volume']",
              "(None, None)");
+}
+
+// The grid takes the patches of the exact values. If only a part of it is computed, the patches are
+// built twice. In c60.xyzr, decisions depend on tolerances, so that other patches are measured.
+TEST_CASE("exact: values and grid do not depend on shared patches", "[exact]") {
+  const Sandbox sandbox;
+  for (const char* const name : {"1ubq", "c60"})
+    for (const std::optional<double> max_filled_void :
+         {std::optional<double>(), std::optional<double>(50)}) {
+      const std::string file = std::string(ESES_DATA) + "/" + name + ".xyzr";
+      const Measures measures =
+          measure(Surface(read_atoms(file).atoms, {.max_filled_void = max_filled_void}));
+      const std::string question = formatted("r['exact_area'] == {}, r['exact_volume'] == {}",
+                                             measures.ses_area, measures.ses_volume);
+      const auto run_into = [&](const char* directory, const Arguments& more) {
+        Arguments arguments{file, "--spacing", "0.8", "--json", "-o", directory};
+        if (max_filled_void) arguments.push_back("--fill-cavities=50");
+        arguments.insert(arguments.end(), more.begin(), more.end());
+        return sandbox.run(arguments);
+      };
+      REQUIRE(run_into("plain", {}).code == 0);
+      for (const Arguments& more :
+           {Arguments{"--exact", "-t", "1"}, Arguments{"--exact", "-t", "3", "--resume"}}) {
+        check_json(sandbox, run_into("exact", more).out, question, "(True, True)");
+        CHECK(sandbox.run({"diff", "plain", "exact"}).code == 0);
+      }
+      check_json(sandbox, run_into("part", {"--exact", "--region", "0,0,0,30,30,30"}).out, question,
+                 "(True, True)");
+    }
 }
 
 TEST_CASE("exact: the report compares the grid with the exact values", "[exact]") {

@@ -124,26 +124,28 @@ void combine_verifications(Verification& found, const Processes& processes) {
   found.faults = std::move(all);
 }
 
-// Measures the surface, and compares it with a grid that encloses the molecule if the run is
-// verified and no cavities are filled.
+// Measures the surface in closed form.
 ExactMeasures measure_surface(const RunTask& task, const RunPlan& plan,
-                              const std::function<void()>& check, Summary& summary) {
-  const Molecule& molecule = plan.slab.molecule;
-  const double probe_radius = task.parameters.probe_radius;
+                              const std::function<void()>& check) {
+  const Parameters& parameters = task.parameters;
   const int threads = plan.slab_plan.threads;
-  const ExactMeasures exact =
-      measure_exactly(molecule, probe_radius, threads, check, task.parameters.max_filled_void);
+  return plan.patches ? measure_exactly(plan.patches, threads, check, parameters.max_filled_void)
+                      : measure_exactly(plan.slab.molecule, parameters.probe_radius, threads, check,
+                                        parameters.max_filled_void);
+}
+
+// Compares the number of inside points with the exact volume, if the grid encloses the molecule and
+// no cavities are filled.
+void verify_volume(const RunTask& task, const RunPlan& plan, const std::function<void()>& check,
+                   Summary& summary) {
   const Plan& whole = plan.whole_plan;
-  if (!summary.verification || plan.filled() || whole.cut_depth > 0 ||
-      whole.tiling.region != whole.grid.whole())
-    return exact;
+  if (plan.filled() || whole.cut_depth > 0 || whole.tiling.region != whole.grid.whole()) return;
   const Stopwatch watch;
-  const VolumeBounds bounds =
-      bound_inside_cells(molecule, probe_radius, whole.grid.spacing, threads, check);
+  const VolumeBounds bounds = bound_inside_cells(plan.slab.molecule, task.parameters.probe_radius,
+                                                 whole.grid.spacing, plan.slab_plan.threads, check);
   if (const auto fault = find_volume_fault(summary.inside_points, whole.grid.spacing, bounds))
     summary.verification->faults.push_back(*fault);
   summary.seconds.verify += watch.seconds();
-  return exact;
 }
 
 // Reads the chunks of an earlier run. Each process reads a part of them.
@@ -250,6 +252,8 @@ RunResult execute(const RunTask& task, const RunPlan& plan, const RunPaths& path
   if (task.parameters.max_filled_void) summary.filled_cavities = plan.cavities->filled();
   if (task.parameters.verify > 0) summary.verification.emplace();
   const std::optional<mesh::MeshText> mesh = mesh_text(task, plan, processes);
+  // The sweep takes the patches that are kept.
+  if (task.parameters.exact) result.exact = measure_surface(task, plan, check);
   SlabSweep sweep(task, plan, ranges, sweep_files(plan, mesh, files.get(), processes), callbacks,
                   report, processes);
   SweepResult swept = sweep.run(summary);
@@ -266,7 +270,7 @@ RunResult execute(const RunTask& task, const RunPlan& plan, const RunPaths& path
               plan.whole_plan.grid.spacing, summary);
   AtomAreas areas = add_up_areas(std::move(shares), plan, processes);
   summary.area = total_area(areas, processes);
-  if (task.parameters.exact) result.exact = measure_surface(task, plan, check, summary);
+  if (result.exact && summary.verification) verify_volume(task, plan, check, summary);
   if (!has_faults(summary)) {
     if (mesh && task.outputs.mesh->quality) summary.mesh_quality = merge.improve_mesh(*mesh);
     if (mesh) summary.mesh = merge.mesh_counts();

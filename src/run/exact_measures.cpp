@@ -45,6 +45,16 @@ ExactMeasures measure_exactly(const Molecule& molecule, double probe_radius, int
   return {measures.ses_area, measures.ses_volume};
 }
 
+ExactMeasures measure_exactly(const std::shared_ptr<ScheduledSurface>& patches, int threads,
+                              const CheckCallback& check, std::optional<double> max_filled_void) {
+  const Measures measures =
+      measure_kept_patches(patches, {.probe_radius = patches->surface.probe_radius,
+                                     .threads = threads,
+                                     .check = check,
+                                     .max_filled_void = max_filled_void});
+  return {measures.ses_area, measures.ses_volume};
+}
+
 VolumeBounds bound_inside_cells(const Molecule& molecule, double probe_radius, double spacing,
                                 int threads, const CheckCallback& check) {
   const double half_diagonal = std::numbers::sqrt3 / 2 * spacing;

@@ -3,11 +3,13 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 
 #include "eses/check.hpp"
 #include "surface/molecule.hpp"
+#include "surface/patch_schedule.hpp"
 
 namespace eses::detail {
 
@@ -20,6 +22,10 @@ struct ExactMeasures {
 ExactMeasures measure_exactly(const Molecule& molecule, double probe_radius, int threads,
                               const CheckCallback& check,
                               std::optional<double> max_filled_void = {});
+
+/// Does the same with patches that the sweep uses later, see measure_kept_patches.
+ExactMeasures measure_exactly(const std::shared_ptr<ScheduledSurface>& patches, int threads,
+                              const CheckCallback& check, std::optional<double> max_filled_void);
 
 /// Memory of the functions of this file in bytes, besides that of patches.
 double exact_measure_bytes(std::size_t atoms);

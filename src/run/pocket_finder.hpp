@@ -17,7 +17,7 @@
 #include "eses/pockets.hpp"
 #include "grid/block_crossing.hpp"
 #include "solve/area_shares.hpp"
-#include "surface/disjoint_sets.hpp"
+#include "system/disjoint_sets.hpp"
 
 namespace eses::detail {
 

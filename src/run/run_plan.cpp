@@ -34,8 +34,7 @@ namespace {
 // Version of checkpoints. Must increase with each change of the results or of the format of chunks.
 constexpr int checkpoint_format = 4;
 
-// Memory of the patches of an atom, and of all patches that are kept from the search for cavities
-// until the sweep (bytes).
+// Memory of the patches of an atom, and of all patches that are kept for the sweep (bytes).
 constexpr double kept_patch_bytes = 400;
 constexpr double max_kept_bytes = 48 << 20;
 
@@ -310,17 +309,21 @@ FoundCavities find_cavities_of(const Molecule& molecule, const RunTask& task, in
   }
 }
 
-// Finds the cavities of a molecule that a single process has. The run needs all patches again, so
-// they are kept unless there are many.
-void find_all_cavities(const Molecule& molecule, const RunTask& task, int threads, RunPlan& run) {
+// Finds the cavities of a molecule that a single process has, if they are needed. A run that needs
+// all patches several times keeps them unless there are many.
+void prepare_patches(const Molecule& molecule, const RunTask& task, int threads, RunPlan& run) {
   const Plan& plan = run.whole_plan;
   const Parameters& parameters = plan.parameters;
-  if (!needs_cavities(task)) return;
+  if (!needs_cavities(task) && !parameters.exact) return;
   const double bytes = kept_patch_bytes * static_cast<double>(molecule.atoms().size());
   const bool fits =
       bytes <= max_kept_bytes &&
       (parameters.max_memory == 0 || 8 * bytes <= static_cast<double>(parameters.max_memory));
   const bool is_whole = plan.cut_depth <= 0 && plan.region == plan.grid.whole();
+  if (!needs_cavities(task)) {
+    if (fits && is_whole) run.patches = schedule_patches(molecule, parameters.probe_radius);
+    return;
+  }
   FoundCavities found = find_cavities_of(molecule, task, threads, fits && is_whole);
   run.cavities = std::move(found.map);
   run.patches = std::move(found.patches);
@@ -381,7 +384,7 @@ LabelTotals take_file(const InputFile& file, const RunTask& task, const Processe
   if (run.cavities) {
     run.cavities = with_slab_indices(std::move(run.cavities), run.slab);
   } else {
-    processes.all_or_throw([&] { find_all_cavities(run.slab.molecule, task, threads, run); });
+    processes.all_or_throw([&] { prepare_patches(run.slab.molecule, task, threads, run); });
   }
   run.diagnostics.add(of_names);
   if (has_names) name_examples(run.names, run.diagnostics);
@@ -399,7 +402,7 @@ LabelTotals take_molecule(const Molecule& molecule, const RunTask& task, const P
   run.whole_plan = {plan_grid(sphere_bounds(molecule.atoms()), task.parameters), {}};
   run.slab.planes = region_planes(run.whole_plan);
   run.slab.molecule = molecule;
-  find_all_cavities(molecule, task, task.parameters.threads, run);
+  prepare_patches(molecule, task, task.parameters.threads, run);
   if (task.outputs.residues || needs_groups(task.outputs))
     for (const AtomLabel& label : molecule.labels()) run.names.add_residue(label);
   LabelTotals labels = take_groups(task.outputs, processes, run, run.slab.groups);

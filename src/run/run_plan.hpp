@@ -43,7 +43,8 @@ struct RunPlan {
   std::unique_ptr<Checkpoint> checkpoint;
   /// The cavities, with the atoms of the slab; null if the run does not need them.
   std::shared_ptr<const CavityMap> cavities;
-  /// The surface with all patches, if they are known from the search for cavities; else null.
+  /// The surface, if its patches are kept: those of the search for cavities, or of exact measures.
+  /// Else null.
   std::shared_ptr<ScheduledSurface> patches;
   std::vector<PlaneRange> finished_planes;  ///< planes of the chunks of an earlier run
 

@@ -1124,10 +1124,10 @@ std::unique_ptr<PatchMeasurement> make_measurement(const Molecule& molecule,
                                             accessibility.same_placement);
 }
 
-// Returns a complete measurement, without slack if a decision depends on it.
+// Completes a measurement with slack, or returns one without slack if a decision depends on it.
 std::unique_ptr<PatchMeasurement> measure_consistently(const Molecule& molecule,
-                                                       const MeasureSettings& settings) {
-  auto best = make_measurement(molecule, settings, Accessibility());
+                                                       const MeasureSettings& settings,
+                                                       std::unique_ptr<PatchMeasurement> best) {
   if (best->run()) return best;
   best.reset();
   for (const Accessibility& accessibility : without_slack) {
@@ -1140,17 +1140,25 @@ std::unique_ptr<PatchMeasurement> measure_consistently(const Molecule& molecule,
   return best;
 }
 
+std::unique_ptr<PatchMeasurement> measure_consistently(const Molecule& molecule,
+                                                       const MeasureSettings& settings) {
+  return measure_consistently(molecule, settings,
+                              make_measurement(molecule, settings, Accessibility()));
+}
+
 Measures measure_here(const Molecule& molecule, const MeasureSettings& settings) {
   return measure_consistently(molecule, settings)->take_result();
 }
+
+bool is_far_away(const Molecule& molecule) { return norm(middle_of(molecule.atoms())) >= far_away; }
 
 }  // namespace
 
 // The difference of a large coordinate and a whole number near it has no rounding error.
 Measures measure_patches(const Molecule& molecule, const MeasureSettings& settings) {
+  if (!is_far_away(molecule)) return measure_here(molecule, settings);
   const std::span<const Atom> atoms = molecule.atoms();
   Vec3 middle = middle_of(atoms);
-  if (norm(middle) < far_away) return measure_here(molecule, settings);
   for (std::size_t axis = 0; axis < 3; ++axis) middle[axis] = std::round(middle[axis]);
   std::vector<Atom> moved(atoms.begin(), atoms.end());
   for (Atom& atom : moved) atom.center = atom.center - middle;
@@ -1158,6 +1166,21 @@ Measures measure_patches(const Molecule& molecule, const MeasureSettings& settin
   for (Cavity& cavity : measures.cavities)
     for (Vec3* point : {&cavity.centroid, &cavity.low, &cavity.high, &cavity.largest_probe_center})
       *point = *point + middle;
+  return measures;
+}
+
+std::shared_ptr<ScheduledSurface> schedule_patches(const Molecule& molecule, double probe_radius) {
+  return schedule_surface(make_surface(molecule, probe_radius, {}), true);
+}
+
+Measures measure_kept_patches(const std::shared_ptr<ScheduledSurface>& kept,
+                              const MeasureSettings& settings) {
+  const Molecule& molecule = kept->surface.molecule;
+  if (is_far_away(molecule)) return measure_patches(molecule, settings);
+  kept->schedule.keep_passed();
+  auto first = std::make_unique<PatchMeasurement>(kept, settings, 0);
+  Measures measures = measure_consistently(molecule, settings, std::move(first))->take_result();
+  kept->schedule.rewind();
   return measures;
 }
 

@@ -33,6 +33,14 @@ struct MeasureSettings {
 /// Measures the surface for one probe radius. Leaves the values of the van der Waals surface 0.
 Measures measure_patches(const Molecule& molecule, const MeasureSettings& settings);
 
+/// Schedules the patches of a molecule, all of which are needed.
+std::shared_ptr<ScheduledSurface> schedule_patches(const Molecule& molecule, double probe_radius);
+
+/// Does the same as measure_patches with patches that another sweep uses later. They are kept, and
+/// the schedule is at its start then. The settings must agree with the surface.
+Measures measure_kept_patches(const std::shared_ptr<ScheduledSurface>& kept,
+                              const MeasureSettings& settings);
+
 /// The cavities of a molecule.
 struct FoundCavities {
   std::shared_ptr<const CavityMap> map;
