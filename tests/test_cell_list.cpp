@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <span>
+#include <tuple>
 #include <vector>
 
 #include "catch.hpp"
@@ -38,6 +41,18 @@ Vec3 make_place(double scale, double step, Random& random) {
   return place;
 }
 
+// Checks that `found` has all atoms that satisfy the condition, and each atom at most once.
+template <class Condition>
+void check_found(const std::vector<Atom>& atoms, std::vector<AtomIndex>& found,
+                 Condition&& condition) {
+  std::sort(found.begin(), found.end());
+  REQUIRE(std::adjacent_find(found.begin(), found.end()) == found.end());
+  std::size_t missed = 0;
+  for (AtomIndex i = 0; i < atoms.size(); ++i)
+    if (condition(atoms[i]) && !std::binary_search(found.begin(), found.end(), i)) ++missed;
+  REQUIRE(missed == 0);
+}
+
 }  // namespace
 
 TEST_CASE("a cell list finds all atoms within reach, each once") {
@@ -56,17 +71,14 @@ TEST_CASE("a cell list finds all atoms within reach, each once") {
           box.high = box.low;
           if (look_up % 2 == 0) box.include(make_place(scale, step, random));
           const double distance = radii == Radii::equal ? 3 : random.uniform(0, scale / 3);
-          cells.find_reaching(box, distance, found);
-          std::size_t missed = 0;
-          for (AtomIndex i = 0; i < atoms.size(); ++i) {
-            const double reach = distance + atoms[i].radius;
-            const bool is_within = squared_distance(box, atoms[i].center) < reach * reach;
-            if (is_within && std::count(found.begin(), found.end(), i) != 1) ++missed;
-          }
           INFO("scale " << scale << ", step " << step);
-          REQUIRE(missed == 0);
-          std::sort(found.begin(), found.end());
-          REQUIRE(std::adjacent_find(found.begin(), found.end()) == found.end());
+          cells.find_reaching(box, distance, found);
+          check_found(atoms, found, [&](const Atom& atom) {
+            const double reach = distance + atom.radius;
+            return squared_distance(box, atom.center) < reach * reach;
+          });
+          cells.find_centers(box, found);
+          check_found(atoms, found, [&](const Atom& atom) { return contains(box, atom.center); });
         }
       }
 }
@@ -113,10 +125,42 @@ TEST_CASE("the order in which atoms are found does not depend on others") {
   CHECK(of_few == of_all);
 }
 
-TEST_CASE("a cell list of no atoms finds none") {
+TEST_CASE("a cell list of no atoms has no cells and finds none") {
+  const std::vector<Atom> atoms;
+  const CellList cells(atoms);
+  CHECK(cells.cell_count() == 0);
   std::vector<AtomIndex> found{1};
-  CellList(std::vector<Atom>()).find_reaching({{0, 0, 0}, {1, 1, 1}}, 1, found);
+  cells.find_reaching({{0, 0, 0}, {1, 1, 1}}, 1, found);
   CHECK(found.empty());
+}
+
+TEST_CASE("cells have each atom once, and atoms with the same centre together") {
+  Random random(10);
+  std::vector<Atom> atoms;
+  atoms.reserve(4000);
+  for (int i = 0; i < 2000; ++i) atoms.push_back({make_place(30, i % 3, random), 1.7});
+  for (int i = 0; i < 2000; ++i) atoms.push_back(atoms[random.integer(0, 1999)]);
+  atoms.push_back({{0.0, 0.0, 0.0}, 1});
+  atoms.push_back({{-0.0, -0.0, -0.0}, 1});
+  const CellList cells(atoms);
+  REQUIRE(cells.cell_count() > 100);
+  std::vector<std::size_t> cell_of(atoms.size(), cells.cell_count());
+  for (std::size_t cell = 0; cell < cells.cell_count(); ++cell) {
+    const std::span<const AtomIndex> members = cells.atoms_of_cell(cell);
+    CHECK_FALSE(members.empty());
+    CHECK(std::is_sorted(members.begin(), members.end()));
+    for (const AtomIndex i : members) {
+      CHECK(cell_of[i] == cells.cell_count());
+      cell_of[i] = cell;
+    }
+  }
+  CHECK(std::count(cell_of.begin(), cell_of.end(), cells.cell_count()) == 0);
+  std::map<std::tuple<double, double, double>, std::size_t> cell_at;
+  for (AtomIndex i = 0; i < atoms.size(); ++i) {
+    const Vec3 center = atoms[i].center;
+    CHECK(cell_at.try_emplace({center.x, center.y, center.z}, cell_of[i]).first->second ==
+          cell_of[i]);
+  }
 }
 
 }  // namespace eses::detail::test

@@ -20,9 +20,7 @@
 #include "support/atom_sets.hpp"
 #include "support/run.hpp"
 #include "surface/atom_loops.hpp"
-#include "surface/atom_slices.hpp"
 #include "surface/molecule.hpp"
-#include "surface/neighbors.hpp"
 
 namespace eses::detail::test {
 namespace {
@@ -104,14 +102,6 @@ class Definition {
     }
     for (AtomIndex i = 0; i < count; ++i) properties.is_contained.push_back(is_contained(i));
     return properties;
-  }
-
-  /// Returns neighbours in ascending order, without atoms that equal an earlier one.
-  std::vector<AtomIndex> neighbours(AtomIndex i, double distance) const {
-    return those_around(i, [&](AtomIndex j) {
-      const auto& atoms = sets_.atoms;
-      return squared_norm(atoms[j].center - atoms[i].center) < distance * distance;
-    });
   }
 
  private:
@@ -212,53 +202,22 @@ std::size_t count_differences(const Molecule& molecule, const std::vector<bool>&
   return differences;
 }
 
-/// The neighbours of some of the atoms, one after the other, as the tree finds them.
-std::vector<std::vector<AtomIndex>> find_neighbours(const AtomTree& tree,
-                                                    std::span<const Atom> atoms) {
-  Random random(atoms.size());
-  std::vector<std::vector<AtomIndex>> result;
-  for (std::size_t i = 0; i < atoms.size(); i += 101)
-    tree.find_within(atoms[i].center, random.uniform(0.1, 9), result.emplace_back());
-  return result;
-}
-
-std::vector<std::vector<AtomIndex>> expected_neighbours(const Definition& definition,
-                                                        std::size_t atoms) {
-  Random random(atoms);
-  std::vector<std::vector<AtomIndex>> result;
-  for (std::size_t i = 0; i < atoms; i += 101)
-    result.push_back(definition.neighbours(static_cast<AtomIndex>(i), random.uniform(0.1, 9)));
-  return result;
-}
-
-std::vector<std::vector<AtomIndex>> sorted(std::vector<std::vector<AtomIndex>> lists) {
-  for (auto& list : lists) std::sort(list.begin(), list.end());
-  return lists;
-}
-
 bool is_any(const Atom&) { return true; }
 
 void check_molecules(const ScatteredSets& sets, const Ownership& is_own) {
   const Definition definition(sets, is_own);
   const AtomProperties expected = definition.find();
-  const auto neighbours = expected_neighbours(definition, sets.atoms.size());
-  std::vector<std::vector<AtomIndex>> with_one_thread;
   for (const int threads : {1, 2, 3, 7, 0}) {
     INFO(threads << " threads");
     const Molecule molecule = Molecule::part(sets.atoms, is_own, threads);
     CHECK(comparable(molecule.diagnostics()) == comparable(expected.diagnostics));
     CHECK(count_differences(molecule, expected.is_contained) == 0);
-    const auto found = find_neighbours(molecule.tree(), sets.atoms);
-    CHECK((sorted(found) == neighbours));
-    if (threads == 1) with_one_thread = found;
-    CHECK((found == with_one_thread));
   }
 }
 
 }  // namespace
 
-TEST_CASE("diagnostics, containment and neighbours are the same with any number of threads",
-          "[molecule]") {
+TEST_CASE("diagnostics and containment are the same with any number of threads", "[molecule]") {
   for (const Kind kind : all_kinds) {
     INFO(kind_name(kind));
     const ScatteredSets sets = scatter_sets({{kind}}, 3 * atoms_per_loop_range);
@@ -270,12 +229,6 @@ TEST_CASE("diagnostics, containment and neighbours are the same with any number 
 TEST_CASE("a part reports only its own atoms, with any number of threads", "[molecule]") {
   const ScatteredSets sets = scatter_sets({{Kind::nested, Kind::snapped}}, 20'000);
   check_molecules(sets, [](const Atom& atom) { return std::fmod(atom.center.y, 7) < 3; });
-}
-
-TEST_CASE("diagnostics, containment and neighbours are the same in several slices", "[molecule]") {
-  const ScatteredSets sets = scatter_sets(all_kinds, 200'000);
-  REQUIRE(slice_count(sets.atoms.size()) > 2);
-  check_molecules(sets, is_any);
 }
 
 TEST_CASE("radii that are all small are reported with any number of threads", "[molecule]") {
@@ -296,69 +249,16 @@ TEST_CASE("radii that are all small are reported with any number of threads", "[
   }
 }
 
-TEST_CASE("slices have every atom once, and atoms with the same centre together", "[molecule]") {
-  const ScatteredSets sets = scatter_sets(all_kinds, 10'000);
-  for (const std::size_t count : std::array<std::size_t, 5>{1, 2, 3, 16, 200}) {
-    const AtomSlices slices = cut_into_slices(sets.atoms, count, 3);
-    REQUIRE(slices.members.size() == count);
-    REQUIRE(slices.cuts.size() == count - 1);
-    CHECK(std::is_sorted(slices.cuts.begin(), slices.cuts.end()));
-    std::vector<int> times(sets.atoms.size());
-    bool are_ascending = true, are_within = true;
-    for (std::size_t k = 0; k < count; ++k) {
-      const auto& members = slices.members[k];
-      are_ascending = are_ascending && std::is_sorted(members.begin(), members.end());
-      for (const AtomIndex i : members) {
-        ++times[i];
-        const double place = sets.atoms[i].center[slices.axis];
-        are_within = are_within && (k == 0 || place >= slices.cuts[k - 1]) &&
-                     (k + 1 == count || place < slices.cuts[k]);
-      }
-    }
-    CHECK(are_ascending);
-    CHECK(are_within);
-    CHECK((times == std::vector<int>(sets.atoms.size(), 1)));
-  }
-}
-
-TEST_CASE("slices lie across the longest axis, and have about as many atoms each", "[molecule]") {
-  Random random(1);
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    std::vector<Atom> atoms(20'000, {{}, 1.5});
-    for (Atom& atom : atoms)
-      for (std::size_t q = 0; q < 3; ++q)
-        atom.center[q] = random.uniform(0, 1) * random.uniform(0, q == axis ? 60 : 30);
-    const AtomSlices slices = cut_into_slices(atoms, 5, 2);
-    CHECK(slices.axis == axis);
-    for (const auto& members : slices.members)
-      CHECK(members.size() == Catch::Approx(4000).epsilon(0.1));
-  }
-}
-
-TEST_CASE("a tree finds the same atoms with any number of slices", "[molecule]") {
-  const ScatteredSets sets = scatter_sets(all_kinds, 10'000);
-  const AtomTree whole(sets.atoms, cut_into_slices(sets.atoms, 1, 1), 1);
-  const auto expected = sorted(find_neighbours(whole, sets.atoms));
-  for (const std::size_t slices : std::array<std::size_t, 4>{2, 3, 16, 200}) {
-    const AtomTree tree(sets.atoms, cut_into_slices(sets.atoms, slices, 2), 2);
-    CHECK((sorted(find_neighbours(tree, sets.atoms)) == expected));
-  }
-}
-
-TEST_CASE("atoms at one place make one slice, and no atoms none", "[molecule]") {
+TEST_CASE("thousands of equal atoms are duplicates of the first, and no atoms are none",
+          "[molecule]") {
   const std::vector<Atom> atoms(200'000, {{1, 2, 3}, 1.5});
   const Molecule molecule(atoms, {}, 3);
   REQUIRE(molecule.diagnostics().size() == 1);
   CHECK(molecule.diagnostics()[0].count == atoms.size() - 1);
   CHECK_FALSE(molecule.is_contained(0));
   CHECK(molecule.is_contained(1));
-  std::vector<AtomIndex> found;
-  molecule.tree().find_within({1, 2, 3}, 1, found);
-  CHECK(found == std::vector<AtomIndex>{0});
   const Molecule nothing(std::vector<Atom>(), {}, 3);
   CHECK(nothing.diagnostics().empty());
-  nothing.tree().find_within({1, 2, 3}, 1, found);
-  CHECK(found.empty());
 }
 
 TEST_CASE("a molecule refuses atoms that are not finite or have negative radii", "[molecule]") {

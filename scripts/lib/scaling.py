@@ -57,16 +57,13 @@ CELL_HEIGHT = 3.0  # angstrom: src/surface/cell_list.hpp
 MIN_SAMPLES, MAX_SAMPLES, ATOMS_PER_SAMPLE = (
     source_constant("surface/survey.cpp", name)
     for name in ("min_samples", "max_samples", "atoms_per_sample"))
-ATOMS_PER_SLICE, MAX_SLICES = (source_constant("surface/atom_slices.cpp", name)
-                               for name in ("atoms_per_slice", "max_slices"))
 
 # Numbers of calls in a run of several processes, as counted in one process. In an exchange each
 # process sends something to each. Reductions and broadcasts go up and down a tree.
 EXCHANGES, REDUCTIONS = 12, 67
-# Shares of the time of preparing atoms with one thread, from stopwatches around its parts
-# (src/surface/molecule.cpp). Threads share the first part slice by slice. One thread makes the cell
-# list.
-MOLECULE_SLICED, MOLECULE_BY_ONE = 0.25, 0.33
+# Share of the cell list, which one thread makes, in the time of preparing atoms with one thread
+# (src/surface/molecule.cpp), from a profile.
+MOLECULE_BY_ONE = 0.27
 # Seconds of one thread in src/run/slabs.cpp: to halve the range of slabs once in the search
 # for an atom's slab, to append a sent atom, and to append a received one.
 SECONDS_PER_HALVING, SECONDS_PER_SENT_ATOM, SECONDS_PER_RECEIVED_ATOM = 1.2e-9, 60e-9, 25e-9
@@ -133,10 +130,6 @@ def max_part(numbers, begins):
 
 def sample_size(atoms):
     return min(atoms, max(MIN_SAMPLES, min(atoms / ATOMS_PER_SAMPLE, MAX_SAMPLES)))
-
-
-def slice_count(atoms):
-    return max(1, min(int(atoms / ATOMS_PER_SLICE), MAX_SLICES))
 
 
 # ------------------------------------------------------------------------------------ one slab
@@ -352,12 +345,9 @@ class Model:
                       [self.plane_below * one for one in segment.seconds], [0.0])]
 
     def molecule_seconds(self, atoms, threads):
-        """Returns the seconds of the tree, the cell list and the diagnostics of `atoms` atoms."""
-        slices = slice_count(atoms)
-        rounds = math.ceil(slices / threads)
+        """Returns the seconds of the cell list and the diagnostics of `atoms` atoms."""
         return self.per_atom("molecule_seconds") * atoms * (
-            MOLECULE_BY_ONE + MOLECULE_SLICED * rounds / slices
-            + (1 - MOLECULE_BY_ONE - MOLECULE_SLICED) / threads)
+            MOLECULE_BY_ONE + (1 - MOLECULE_BY_ONE) / threads)
 
     def plan_seconds(self, atoms):
         """Returns the seconds of taking samples. Each sample costs as much as the patches of an

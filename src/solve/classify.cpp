@@ -30,13 +30,27 @@ struct BallPlane {
   std::uint64_t reach;  // bits of the column that the disc may cover
 };
 
+// Returns words with the bits from `low` to `high` set, as far as a word has them. A lane that is
+// not valid becomes 0.
+HWY_INLINE WordVector bits_between(DoubleVector low, DoubleVector high, DoubleMask valid) {
+  const Doubles doubles;
+  const Words words;
+  const auto zero = hn::Zero(doubles), last = broadcast(63.0);
+  const auto ones = hn::Set(words, ~std::uint64_t{0}),
+             max_shift = hn::Set(words, std::uint64_t{63});
+  valid = hn::And(valid, hn::And(low <= high, hn::And(high >= zero, low <= last)));
+  const auto shift_low = to_words(hn::Max(low, zero));
+  const auto shift_high = to_words(last - hn::Min(high, last));
+  const auto filled = hn::And(hn::Shl(ones, hn::And(shift_low, max_shift)),
+                              hn::Shr(ones, hn::And(shift_high, max_shift)));
+  return hn::And(filled, hn::BitCast(words, hn::VecFromMask(doubles, valid)));
+}
+
 // Returns the points inside the disc, for as many of the rows [j, end) as a vector holds.
 HWY_INLINE WordVector disc_rows(const BallPlane& plane, const double* y, std::size_t j,
                                 std::size_t end) {
   const Doubles doubles;
-  const Words words;
-  const auto zero = hn::Zero(doubles), last = broadcast(63.0);
-  const auto ones = hn::Set(words, ~std::uint64_t{0});
+  const auto zero = hn::Zero(doubles);
   const auto dy = load(y + j) - broadcast(plane.y);
   const auto squared = broadcast(plane.squared_radius) - dy * dy;
   const auto half = hn::Sqrt(hn::Max(squared, zero));
@@ -45,15 +59,7 @@ HWY_INLINE WordVector disc_rows(const BallPlane& plane, const double* y, std::si
   };
   const auto low = hn::Ceil(index_of(broadcast(plane.x) - half)) - broadcast(plane.column_first);
   const auto high = hn::Floor(index_of(broadcast(plane.x) + half)) - broadcast(plane.column_first);
-  auto valid = hn::And(squared >= zero, low <= high);
-  valid = hn::And(valid, hn::And(high >= zero, low <= last));
-  valid = hn::And(valid, hn::FirstN(doubles, end - j));
-  const auto shift_low = to_words(hn::Max(low, zero));
-  const auto shift_high = to_words(last - hn::Min(high, last));
-  const auto filled =
-      hn::And(hn::Shl(ones, hn::And(shift_low, hn::Set(words, std::uint64_t{63}))),
-              hn::Shr(ones, hn::And(shift_high, hn::Set(words, std::uint64_t{63}))));
-  return hn::And(filled, hn::BitCast(words, hn::VecFromMask(doubles, valid)));
+  return bits_between(low, high, hn::And(squared >= zero, hn::FirstN(doubles, end - j)));
 }
 
 // Sets or clears the points of a disc in the rows [begin, end) of `rows`, which is indexed like
@@ -77,13 +83,9 @@ void stamp_rows(const BallPlane& plane, const double* y, std::uint64_t* rows, st
   }
 }
 
-// Ranges of indices, one in each lane.
+// Ranges [begin, end) of indices, one in each lane.
 struct IndexRanges {
-  LaneValues begin, end;
-
-  IndexRange operator[](std::size_t lane) const {
-    return {static_cast<std::int64_t>(begin[lane]), static_cast<std::int64_t>(end[lane])};
-  }
+  DoubleVector begin, end;
 };
 
 // Returns the points between `low` and `high`. See the scalar function of the same name.
@@ -95,21 +97,23 @@ HWY_INLINE IndexRanges points_within(const BlockGrid& grid, std::size_t axis, Do
   const auto points = broadcast(static_cast<double>(grid.block.points[axis]));
   const auto begin = hn::Ceil((low - origin) * inverse - slack) - first;
   const auto end = hn::Floor((high - origin) * inverse + slack) - first + broadcast(1);
-  return {LaneValues(hn::Min(hn::Max(begin, broadcast(0)), points)),
-          LaneValues(hn::Min(hn::Max(end, broadcast(0)), points))};
+  return {hn::Min(hn::Max(begin, broadcast(0)), points),
+          hn::Min(hn::Max(end, broadcast(0)), points)};
 }
 
 // Calls action(plane, column, z, y range) for each plane and column in which the ball and `box`
-// have common points.
+// have common points. The vectors have one plane in each lane.
 template <class Action>
 void for_each_plane(const BlockGrid& grid, const PointBits& bits, Vec3 center, double radius,
                     const Box& box, Action&& action) {
   const Doubles doubles;
-  const auto lanes = static_cast<std::int64_t>(hn::Lanes(doubles));
+  const std::size_t lanes = hn::Lanes(doubles);
   const IndexRange z = points_within(grid, 2, box.low.z, box.high.z);
   const IndexRange columns =
       columns_of(points_within(grid, 0, box.low.x, box.high.x), bits.columns);
-  for (std::int64_t first_z = z.begin; first_z < z.end; first_z += lanes) {
+  BallPlane plane{center.x, center.y, 0, grid.grid.origin.x, grid.inverse_spacing, 0, 0};
+  for (std::int64_t first_z = z.begin; first_z < z.end;
+       first_z += static_cast<std::int64_t>(lanes)) {
     const auto dz = load(grid.coordinates[2].data() + first_z) - broadcast(center.z);
     const auto squared = broadcast(radius * radius) - dz * dz;
     const auto half = hn::Sqrt(hn::Max(squared, broadcast(0)));
@@ -119,19 +123,22 @@ void for_each_plane(const BlockGrid& grid, const PointBits& bits, Vec3 center, d
                            hn::Min(broadcast(box.high[axis]), broadcast(center[axis]) + half));
     };
     const IndexRanges x = reach(0), y = reach(1);
-    const LaneValues squared_radii(squared);
-    const auto planes = static_cast<std::size_t>(std::min(lanes, z.end - first_z));
-    for (std::size_t lane = 0; lane < planes; ++lane) {
-      const IndexRange rows = y[lane];
-      if (squared_radii[lane] < 0 || rows.begin >= rows.end) continue;
-      BallPlane plane{
-          center.x, center.y, squared_radii[lane], grid.grid.origin.x, grid.inverse_spacing, 0, 0};
-      for (std::int64_t column = columns.begin; column < columns.end; ++column) {
-        plane.column_first =
-            static_cast<double>(grid.block.first[0] + column * PointBits::column_step);
-        plane.reach = column_bits(x[lane], column);
-        if (plane.reach != 0)
-          action(plane, column, first_z + static_cast<std::int64_t>(lane), rows);
+    const auto has_rows = hn::And(hn::And(squared >= broadcast(0), y.begin < y.end),
+                                  hn::FirstN(doubles, static_cast<std::size_t>(z.end - first_z)));
+    const LaneValues squared_radii(squared), begins(y.begin), ends(y.end);
+    for (std::int64_t column = columns.begin; column < columns.end; ++column) {
+      const std::int64_t first_x = column * PointBits::column_step;
+      const auto first = broadcast(static_cast<double>(first_x));
+      std::array<std::uint64_t, HWY_MAX_BYTES / sizeof(std::uint64_t)> reaches;
+      hn::StoreU(bits_between(x.begin - first, x.end - first - broadcast(1), has_rows), Words(),
+                 reaches.data());
+      plane.column_first = static_cast<double>(grid.block.first[0] + first_x);
+      for (std::size_t lane = 0; lane < lanes; ++lane) {
+        if (reaches[lane] == 0) continue;
+        plane.squared_radius = squared_radii[lane];
+        plane.reach = reaches[lane];
+        action(plane, column, first_z + static_cast<std::int64_t>(lane),
+               {static_cast<std::int64_t>(begins[lane]), static_cast<std::int64_t>(ends[lane])});
       }
     }
   }

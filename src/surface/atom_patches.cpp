@@ -7,8 +7,25 @@ namespace {
 
 // One search in the cell list serves a large group of atoms. Its result is then filtered for
 // smaller groups.
+struct GroupBounds {
+  AtomIndex max_count;
+  double max_distance;  // maximum distance from the first atom's centre to the others', angstrom
+};
 constexpr GroupBounds look_up_bounds{64, 12};
 constexpr GroupBounds filter_bounds{8, 6};
+
+// Returns the end of the group of consecutive atoms that starts at `begin`; at most `end`.
+AtomIndex end_of_group(std::span<const Atom> atoms, AtomIndex begin, AtomIndex end,
+                       const GroupBounds& bounds) {
+  const AtomIndex last = begin + std::min(bounds.max_count, end - begin);
+  const auto is_far = [&](const Atom& atom) {
+    return squared_norm(atom.center - atoms[begin].center) >
+           bounds.max_distance * bounds.max_distance;
+  };
+  AtomIndex group_end = begin + 1;
+  while (group_end < last && !is_far(atoms[group_end])) ++group_end;
+  return group_end;
+}
 
 double max_radius(std::span<const Atom> atoms) {
   double radius = 0;

@@ -1,9 +1,10 @@
 #pragma once
 /// A cell list: atoms sorted by the cell of space that contains their centre, to find the atoms
-/// near a box (Allen and Tildesley, Computer Simulation of Liquids, 2nd edition, 2017,
+/// near a point or a box (Allen and Tildesley, Computer Simulation of Liquids, 2nd edition, 2017,
 /// section 5.3.2).
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -12,6 +13,9 @@
 #include "geometry/box.hpp"
 
 namespace eses::detail {
+
+/// Distance that is added to searches (angstrom). It is far above rounding errors and tolerances.
+inline constexpr double look_up_slack = 1e-3;
 
 /// The list is sorted by z, y and x of the cells, and by index within a cell. The distance of a
 /// search depends on the maximum radius of the atoms. Atoms are therefore divided into classes of
@@ -33,6 +37,20 @@ class CellList {
   /// Replaces `found` by all atoms whose ball is nearer to `box` than `distance` (angstrom), and
   /// some that are farther away. They are sorted by class of radii, and by cell within a class.
   void find_reaching(const Box& box, double distance, std::vector<AtomIndex>& found) const;
+  void find_reaching(Vec3 point, double distance, std::vector<AtomIndex>& found) const {
+    find_reaching({point, point}, distance, found);
+  }
+
+  /// Replaces `found` by all atoms whose centre is in `box`, and some whose centre is outside.
+  void find_centers(const Box& box, std::vector<AtomIndex>& found) const;
+
+  /// Returns the number of cells that contain atoms.
+  std::size_t cell_count() const { return all_.cells.size() - 1; }
+  /// Returns the atoms of a cell, ascending. Atoms with the same centre are in the same cell.
+  std::span<const AtomIndex> atoms_of_cell(std::size_t cell) const {
+    const std::uint32_t begin = all_.cells[cell].begin;
+    return order().subspan(begin, all_.cells[cell + 1].begin - begin);
+  }
 
  private:
   using Cell = std::array<std::int64_t, 3>;  // along z, y and x

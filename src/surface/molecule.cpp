@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
 #include <cstdint>
 #include <functional>
@@ -13,13 +12,12 @@
 #include <tuple>
 #include <utility>
 
+#include "geometry/box.hpp"
 #include "geometry/tolerances.hpp"
 #include "surface/atom_loops.hpp"
-#include "surface/atom_slices.hpp"
 #include "surface/atomic_update.hpp"
 #include "surface/cell_list.hpp"
 #include "surface/diagnostic_finder.hpp"
-#include "surface/neighbors.hpp"
 #include "system/formatted.hpp"
 #include "system/serial_check.hpp"
 
@@ -44,63 +42,37 @@ void require_valid(std::span<const Atom> atoms) {
   }
 }
 
-// Returns a hash that is the same for equal atoms.
-std::uint64_t hash_of(const Atom& atom) {
-  const auto& [center, radius] = atom;
-  // With 0 added, -0 becomes 0, which it equals.
-  const std::array values{center.x + 0.0, center.y + 0.0, center.z + 0.0, radius + 0.0};
-  const auto bytes = std::bit_cast<std::array<char, sizeof(values)>>(values);
-  return std::hash<std::string_view>()({bytes.data(), bytes.size()});
-}
-
-// Half of an atom's hash, and the atom's index. Keys are faster to sort than atoms.
-using AtomKey = std::uint64_t;
-AtomKey make_key(const Atom& atom, AtomIndex i) { return hash_of(atom) << 32 | i; }
-AtomIndex index_of(AtomKey key) { return static_cast<AtomIndex>(key); }
-bool have_same_hash(AtomKey a, AtomKey b) { return a >> 32 == b >> 32; }
-
-// Finds the first of the equal atoms among atoms with the same hash. Sorting avoids a quadratic
-// time for thousands of equal atoms.
-void find_first_equal(std::span<const Atom> atoms, std::span<AtomKey> keys,
+// Finds the first of the equal atoms in a cell. Sorting avoids a quadratic time for thousands of
+// equal atoms.
+void find_first_equal(std::span<const Atom> atoms, std::vector<AtomIndex>& of_cell,
                       std::vector<AtomIndex>& first_equal) {
-  const auto values = [&](AtomKey key) {
-    const auto& [center, radius] = atoms[index_of(key)];
+  const auto values = [&](AtomIndex i) {
+    const auto& [center, radius] = atoms[i];
     return std::tuple(center.x, center.y, center.z, radius);
   };
-  std::sort(keys.begin(), keys.end(), [&](AtomKey a, AtomKey b) {
+  std::sort(of_cell.begin(), of_cell.end(), [&](AtomIndex a, AtomIndex b) {
     return std::tuple_cat(values(a), std::tuple(a)) < std::tuple_cat(values(b), std::tuple(b));
   });
-  for (std::size_t q = 0; q < keys.size(); ++q) {
-    const bool is_repeated = q > 0 && values(keys[q]) == values(keys[q - 1]);
-    first_equal[index_of(keys[q])] =
-        is_repeated ? first_equal[index_of(keys[q - 1])] : index_of(keys[q]);
+  for (std::size_t q = 0; q < of_cell.size(); ++q) {
+    const bool is_repeated = q > 0 && values(of_cell[q]) == values(of_cell[q - 1]);
+    first_equal[of_cell[q]] = is_repeated ? first_equal[of_cell[q - 1]] : of_cell[q];
   }
 }
 
-void find_first_equal(std::span<const Atom> atoms, std::span<const AtomIndex> members,
-                      std::vector<AtomIndex>& first_equal) {
-  std::vector<AtomKey> keys;
-  keys.reserve(members.size());
-  for (const AtomIndex i : members) keys.push_back(make_key(atoms[i], i));
-  std::sort(keys.begin(), keys.end());
-  for (auto begin = keys.begin(), end = begin; begin != keys.end(); begin = end) {
-    end = std::find_if_not(begin, keys.end(),
-                           [&](AtomKey key) { return have_same_hash(key, *begin); });
-    find_first_equal(atoms, std::span(begin, end), first_equal);
-  }
-}
-
-// Removes atoms from their slice that have the centre and radius of an earlier atom. Returns for
-// each atom the first one with the same centre and radius.
-std::vector<AtomIndex> remove_duplicates(std::span<const Atom> atoms, AtomSlices& slices,
-                                         int threads, const CheckCallback& after_slice) {
+// Returns for each atom the first one with the same centre and radius.
+std::vector<AtomIndex> find_first_equal(std::span<const Atom> atoms, const CellList& cells,
+                                        int threads, const CheckCallback& after_range) {
   std::vector<AtomIndex> first_equal(atoms.size());
-  for_each_index(slices.members.size(), threads, [&](std::size_t slice) {
-    std::vector<AtomIndex>& members = slices.members[slice];
-    find_first_equal(atoms, members, first_equal);
-    std::erase_if(members, [&](AtomIndex i) { return first_equal[i] != i; });
-    after_slice();
-  });
+  for_loop_ranges(cells.cell_count(), threads,
+                  [&](std::size_t, std::size_t begin, std::size_t end) {
+                    std::vector<AtomIndex> of_cell;
+                    for (std::size_t cell = begin; cell < end; ++cell) {
+                      const std::span<const AtomIndex> members = cells.atoms_of_cell(cell);
+                      of_cell.assign(members.begin(), members.end());
+                      find_first_equal(atoms, of_cell, first_equal);
+                    }
+                    after_range();
+                  });
   return first_equal;
 }
 
@@ -134,9 +106,9 @@ void record_contained(std::span<const Atom> atoms, AtomIndex i, std::span<const 
 }
 
 // Returns whether atom `i` is contained in a preceding atom that is itself not contained.
-bool is_in_kept_atom(std::span<const Atom> atoms, const AtomTree& tree, AtomIndex i,
+bool is_in_kept_atom(std::span<const Atom> atoms, const CellList& cells, AtomIndex i,
                      std::span<const std::uint8_t> is_contained, std::vector<AtomIndex>& found) {
-  tree.find_reaching(atoms[i].center, 2 * tolerance::containment, found);
+  cells.find_reaching(atoms[i].center, 2 * tolerance::containment, found);
   return std::any_of(found.begin(), found.end(), [&](AtomIndex j) {
     return is_contained[j] == 0 && precedes(atoms[j], atoms[i]) && contains(atoms[j], atoms[i]);
   });
@@ -145,8 +117,8 @@ bool is_in_kept_atom(std::span<const Atom> atoms, const AtomTree& tree, AtomInde
 // Marks the atoms that are contained in an atom that is itself not contained. So each of them
 // extends beyond an unmarked atom by at most the tolerance, even in long chains of atoms that
 // contain each other.
-void mark_contained(std::span<const Atom> atoms, const AtomTree& tree, const Containers& containers,
-                    std::vector<std::uint8_t>& is_contained) {
+void mark_contained(std::span<const Atom> atoms, const CellList& cells,
+                    const Containers& containers, std::vector<std::uint8_t>& is_contained) {
   std::vector<AtomIndex> inner, found;
   for (AtomIndex i = 0; i < atoms.size(); ++i)
     if (containers[i] != none) inner.push_back(i);
@@ -154,7 +126,7 @@ void mark_contained(std::span<const Atom> atoms, const AtomTree& tree, const Con
             [&](AtomIndex a, AtomIndex b) { return precedes(atoms[a], atoms[b]); });
   for (const AtomIndex i : inner)
     is_contained[i] =
-        is_contained[containers[i]] == 0 || is_in_kept_atom(atoms, tree, i, is_contained, found);
+        is_contained[containers[i]] == 0 || is_in_kept_atom(atoms, cells, i, is_contained, found);
 }
 
 // Returns the maximum distance between the centres of an atom and of another one that it contains,
@@ -163,14 +135,16 @@ double vicinity_radius(const Atom& atom) {
   return std::max(atom.radius + 2 * tolerance::containment, close_distance) * (1 + 1e-12);
 }
 
-// Selects the found atoms within the vicinity of atom `i`, without the atom itself.
-void keep_vicinity(std::span<const Atom> atoms, AtomIndex i, std::span<const AtomIndex> found,
-                   std::vector<AtomIndex>& near) {
+// Replaces `near` by the other atoms in the vicinity of atom `i`, without duplicates.
+void find_vicinity(std::span<const Atom> atoms, const CellList& cells, AtomIndex i,
+                   std::span<const AtomIndex> first_equal, std::vector<AtomIndex>& near) {
   const Vec3 center = atoms[i].center;
   const double radius = vicinity_radius(atoms[i]), squared_radius = radius * radius;
-  near.clear();
-  for (const AtomIndex j : found)
-    if (squared_norm(atoms[j].center - center) < squared_radius && j != i) near.push_back(j);
+  cells.find_centers(ball_box(center, radius), near);
+  std::erase_if(near, [&](AtomIndex j) {
+    return squared_norm(atoms[j].center - center) >= squared_radius || j == i ||
+           first_equal[j] != j;
+  });
 }
 
 // Returns the number of threads to use. For few atoms, one thread is faster than the query for the
@@ -197,10 +171,8 @@ struct Molecule::Parts {
     SerialCheck serial_check(check_callback);
     const CheckCallback check = [&serial_check] { serial_check(); };
     check();
-    AtomSlices slices = cut_into_slices(atoms, slice_count(atoms.size()), threads);
-    const std::vector<AtomIndex> first_equal = remove_duplicates(atoms, slices, threads, check);
-    tree = AtomTree(atoms, std::move(slices), threads, check);
     cells.emplace(atoms);
+    const std::vector<AtomIndex> first_equal = find_first_equal(atoms, *cells, threads, check);
     for (AtomIndex i = 0; i < atoms.size(); ++i) is_contained[i] = first_equal[i] != i;
     inspect_atoms(first_equal, is_own, threads, check);
   }
@@ -216,34 +188,26 @@ struct Molecule::Parts {
       inspect_range(begin, end, first_equal, containers, finder, tallies[range]);
       check();
     });
-    mark_contained(atoms, tree, containers, is_contained);
+    mark_contained(atoms, *cells, containers, is_contained);
     diagnostics = finder.found(tallies);
   }
 
   void inspect_range(AtomIndex begin, AtomIndex end, std::span<const AtomIndex> first_equal,
                      Containers& containers, DiagnosticFinder& finder, DiagnosticTally& tally) {
-    std::vector<AtomIndex> found, near;
-    for (AtomIndex group_end = begin; begin < end; begin = group_end) {
-      group_end = end_of_group(atoms, begin, end);
-      double reach = 0;
-      for (AtomIndex i = begin; i < group_end; ++i)
-        reach = std::max(reach, vicinity_radius(atoms[i]));
-      tree.find_around(std::span(atoms).subspan(begin, group_end - begin), reach, found);
-      for (AtomIndex i = begin; i < group_end; ++i) {
-        if (first_equal[i] != i) {
-          finder.inspect_duplicate(i, first_equal[i], tally);
-          continue;
-        }
-        keep_vicinity(atoms, i, found, near);
-        record_contained(atoms, i, near, containers);
-        finder.inspect(i, near, tally);
+    std::vector<AtomIndex> near;
+    for (AtomIndex i = begin; i < end; ++i) {
+      if (first_equal[i] != i) {
+        finder.inspect_duplicate(i, first_equal[i], tally);
+        continue;
       }
+      find_vicinity(atoms, *cells, i, first_equal, near);
+      record_contained(atoms, i, near, containers);
+      finder.inspect(i, near, tally);
     }
   }
 
   std::vector<Atom> atoms;
   std::vector<AtomLabel> labels;
-  AtomTree tree;  // without duplicates
   std::optional<CellList> cells;
   std::vector<std::uint8_t> is_contained;
   std::vector<Diagnostic> diagnostics;
@@ -268,7 +232,6 @@ Molecule Molecule::part(std::vector<Atom> atoms, const std::function<bool(const 
 std::span<const Atom> Molecule::atoms() const { return parts_->atoms; }
 std::span<const AtomLabel> Molecule::labels() const { return parts_->labels; }
 std::span<const Diagnostic> Molecule::diagnostics() const { return parts_->diagnostics; }
-const AtomTree& Molecule::tree() const { return parts_->tree; }
 const CellList& Molecule::cells() const { return *parts_->cells; }
 
 }  // namespace eses::detail

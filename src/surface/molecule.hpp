@@ -13,7 +13,6 @@
 
 namespace eses::detail {
 
-class AtomTree;
 class CellList;
 
 /// Immutable atoms with a spatial index and diagnostics. Copies share their data.
@@ -52,10 +51,10 @@ class Molecule {
   /// atoms is not contained in the others.
   bool is_contained(AtomIndex atom) const { return is_contained_[atom] != 0; }
 
-  /// A kd-tree of all atoms that are not duplicates.
-  const AtomTree& tree() const;
   /// A cell list of all atoms.
   const CellList& cells() const;
+  /// The same list, under the name of the search tree that it replaced.
+  const CellList& tree() const { return cells(); }
 
  private:
   struct Parts;

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "geometry/box.hpp"
-#include "surface/neighbors.hpp"
+#include "surface/cell_list.hpp"
 
 namespace eses::detail {
 

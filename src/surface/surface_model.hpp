@@ -9,7 +9,6 @@
 #include "geometry/contact_circle.hpp"
 #include "surface/cell_list.hpp"
 #include "surface/molecule.hpp"
-#include "surface/neighbors.hpp"
 #include "surface/reach.hpp"
 
 namespace eses::detail {
@@ -40,8 +39,9 @@ struct SurfaceModel {
   /// Returns whether the patches of an atom are needed.
   bool needs_patches(AtomIndex i) const { return !reach || reach->contains(atoms[i]); }
 
-  const AtomTree& tree() const { return molecule.tree(); }
   const CellList& cells() const { return molecule.cells(); }
+  /// The same list, under the name of the search tree that it replaced.
+  const CellList& tree() const { return cells(); }
 
   /// Returns the SAS sphere of an atom.
   SasSphere sas_sphere(AtomIndex i) const {

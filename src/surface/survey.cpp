@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <iterator>
 #include <numbers>
 #include <numeric>
 
@@ -67,22 +66,21 @@ double share_within(const Box& box, const Box& part) {
   return share;
 }
 
-// Returns the directions in which the atom's SAS sphere lies outside the SAS balls of its
-// neighbours.
-std::vector<Vec3> exposed_directions(const SurfaceModel& surface, AtomIndex i,
-                                     std::span<const AtomIndex> neighbours,
+// Returns the directions in which a sphere of this radius lies outside all caps. The cap that
+// covers a direction is tried first for the next one, as consecutive directions are mostly close.
+std::vector<Vec3> exposed_directions(const CapList& caps, double radius,
                                      std::span<const Vec3> directions) {
-  const SasSphere sphere = surface.sas_sphere(i);
-  std::vector<Cap> caps;
-  caps.reserve(neighbours.size());
-  for (const AtomIndex k : neighbours) caps.push_back(make_cap(sphere, surface.sas_sphere(k)));
   std::vector<Vec3> exposed;
-  std::copy_if(directions.begin(), directions.end(), std::back_inserter(exposed),
-               [&](Vec3 direction) {
-                 return std::none_of(caps.begin(), caps.end(), [&](const Cap& cap) {
-                   return dot(cap.axis, direction) * sphere.radius > cap.height;
-                 });
-               });
+  std::size_t covering = 0;
+  for (const Vec3 direction : directions) {
+    const auto covers = [&](std::size_t k) {
+      const Cap cap = caps[k];
+      return dot(cap.axis, direction) * radius > cap.height;
+    };
+    if (covering < caps.size() && covers(covering)) continue;
+    for (covering = 0; covering < caps.size() && !covers(covering);) ++covering;
+    if (covering == caps.size()) exposed.push_back(direction);
+  }
   return exposed;
 }
 
@@ -212,7 +210,7 @@ void SurfaceSurvey::visit(AtomIndex i, double weight, AtomPatchScratch& scratch,
                                      patches.placements.size());
   }
   if (exposure == AtomExposure::unknown || exposure == AtomExposure::exposed)
-    add_convex(i, weight, patches.face_neighbours);
+    add_convex(i, weight, scratch.kept_caps);
   const double probe = surface_.probe_radius;
   for (const Arc& arc : patches.arcs) {
     const ContactCircle circle =
@@ -237,10 +235,10 @@ void SurfaceSurvey::visit(AtomIndex i, double weight, AtomPatchScratch& scratch,
   }
 }
 
-void SurfaceSurvey::add_convex(AtomIndex i, double weight, std::span<const AtomIndex> neighbours) {
+void SurfaceSurvey::add_convex(AtomIndex i, double weight, const CapList& caps) {
   const Atom& atom = surface_.atoms[i];
   const std::vector<Vec3>& all = directions_.directions;
-  const std::vector<Vec3> exposed = exposed_directions(surface_, i, neighbours, all);
+  const std::vector<Vec3> exposed = exposed_directions(caps, surface_.sas_sphere(i).radius, all);
   const double sphere = 4 * pi * atom.radius * atom.radius;
   if (exposed.size() == all.size()) {
     add_area(sphere, weight, ball_box(atom.center, atom.radius), sphere);
@@ -342,14 +340,14 @@ double SurfaceSurvey::patch_bytes(double height, int threads) const {
 }
 
 SurfaceSurvey::AtomsNear SurfaceSurvey::max_atoms_near(Vec3 half_sides) const {
-  const double probe = surface_.probe_radius, distance = norm(half_sides) + probe;
+  const double probe = surface_.probe_radius;
   const std::size_t count = patched_count(), box_count = std::min(count, sampled_boxes);
   std::vector<AtomIndex> found;
   AtomsNear maxima;
   for (std::size_t s = 0; s < box_count; ++s) {
     const Vec3 center = surface_.atoms[patched_atom((2 * s + 1) * count / (2 * box_count))].center;
     const Box box{center - half_sides, center + half_sides};
-    surface_.tree().find_reaching(center, distance, found);
+    surface_.cells().find_reaching(box, 2 * probe, found);
     const auto reaching = std::count_if(found.begin(), found.end(), [&](AtomIndex i) {
       const Atom& atom = surface_.atoms[i];
       return overlap(box, ball_box(atom.center, atom.radius + probe));

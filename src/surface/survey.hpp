@@ -48,7 +48,7 @@ class SurfaceSurvey {
   /// Numbers of atoms near a box.
   struct AtomsNear {
     std::size_t reaching_box = 0;  ///< atoms whose SAS ball may meet the box
-    std::size_t found = 0;         ///< atoms that a search with a ball around the box finds
+    std::size_t found = 0;         ///< atoms that a search for patches near the box finds
   };
   /// Returns the maxima for boxes with these half sides around some of the atoms.
   AtomsNear max_atoms_near(Vec3 half_sides) const;
@@ -67,7 +67,7 @@ class SurfaceSurvey {
   void prepare_bins();
   Strata make_strata() const;
   void visit(AtomIndex i, double weight, AtomPatchScratch& scratch, BuiltPatches& patches);
-  void add_convex(AtomIndex i, double weight, std::span<const AtomIndex> neighbours);
+  void add_convex(AtomIndex i, double weight, const CapList& caps);
   void add_area(double area, double weight, Box box, double patch_area);
 
   SurfaceModel surface_;
