@@ -108,7 +108,7 @@ TEST_CASE("exact: values and grid do not depend on shared patches", "[exact]") {
                                              measures.ses_area, measures.ses_volume);
       const auto run_into = [&](const char* directory, const Arguments& more) {
         Arguments arguments{file, "--spacing", "0.8", "--json", "-o", directory};
-        if (max_filled_void) arguments.push_back("--fill-cavities=50");
+        if (max_filled_void) arguments.emplace_back("--fill-cavities=50");
         arguments.insert(arguments.end(), more.begin(), more.end());
         return sandbox.run(arguments);
       };
