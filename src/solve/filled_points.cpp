@@ -13,7 +13,7 @@ namespace {
 void find_free_points(const SurfaceModel& surface, const BlockGrid& grid,
                       std::vector<AtomIndex>& found, PointBits& bits) {
   const Box& box = grid.box;
-  surface.tree().find_reaching(
+  surface.cells().find_reaching(
       0.5 * (box.low + box.high),
       0.5 * norm(box.high - box.low) + surface.probe_radius + look_up_slack, found);
   fill_balls(grid, surface.atoms, found, surface.probe_radius, bits);

@@ -53,8 +53,6 @@ class Molecule {
 
   /// A cell list of all atoms.
   const CellList& cells() const;
-  /// The same list, under the name of the search tree that it replaced.
-  const CellList& tree() const { return cells(); }
 
  private:
   struct Parts;

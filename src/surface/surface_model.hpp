@@ -40,8 +40,6 @@ struct SurfaceModel {
   bool needs_patches(AtomIndex i) const { return !reach || reach->contains(atoms[i]); }
 
   const CellList& cells() const { return molecule.cells(); }
-  /// The same list, under the name of the search tree that it replaced.
-  const CellList& tree() const { return cells(); }
 
   /// Returns the SAS sphere of an atom.
   SasSphere sas_sphere(AtomIndex i) const {
