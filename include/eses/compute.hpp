@@ -150,9 +150,11 @@ Mesh make_mesh(const Result& result, const CheckCallback& check = {});
 /// of the spacing away from that point.
 Mesh make_quality_mesh(const Result& result, const CheckCallback& check = {});
 
-/// These functions set Mesh::components, too. `surface` must be the one that the result was
+/// Returns the same mesh with Mesh::components. `surface` must be the one that the result was
 /// computed from. All its cavities are found.
 Mesh make_mesh(const Result& result, const Surface& surface, const CheckCallback& check = {});
+
+/// Does the same with triangles of quality.
 Mesh make_quality_mesh(const Result& result, const Surface& surface,
                        const CheckCallback& check = {});
 
