@@ -34,7 +34,7 @@ _eses_blocks() {
     --write)
       if [[ $command == measure ]]; then
         COMPREPLY=($(compgen -W 'atoms residues chains derivatives cavities pieces \
-        atoms,residues,chains cavities,pieces' -- "$cur")) && return
+        pockets atoms,residues,chains cavities,pieces' -- "$cur")) && return
       fi
       COMPREPLY=($(compgen -W 'all none grid edges areas residues atoms grid,edges grid,areas \
       edges,areas' -- "$cur")) && return
