@@ -116,7 +116,7 @@ function describeAtom(molecule, atom) {
 function describeVertex(molecule, vertex) {
   const parts = molecule.atom ? [describeAtom(molecule, molecule.atom[vertex])] : ["surface"];
   if (molecule.patch) parts.push(PATCHES[molecule.patch[vertex]]);
-  if (molecule.component) parts.push(componentName(molecule.component[vertex]));
+  if (molecule.component?.[vertex] > 0) parts.push(componentName(molecule.component[vertex]));
   if (molecule.potential) {
     const value = potentialAt(molecule, vertex);
     parts.push(`${value < 0 ? "−" : "+"}${Math.abs(value).toPrecision(2)} kT/e`);
