@@ -159,16 +159,15 @@ double expected_memory(const SurfaceSurvey& survey, const LabelTotals& labels, b
       bytes_of_layers(survey, grid, tiling, fraction_ahead(schedule), outputs) +
       2 * sizeof(std::uint64_t) * as_double(tiling.blocks[0]) * as_double(tiling.region.size()[1]) +
       as_double(tiling.blocks[2]) * bytes_per_layer;
+  const double crossings_of_plane =
+      expected_crossings(survey.max_slab_area(grid.spacing), grid.spacing);
   if (outputs.mesh)
-    held += MeshOutput::memory_bytes(
-        tiling, required_mesh_format(*outputs.mesh),
-        halo_growth(tiling) * expected_crossings(survey.max_slab_area(grid.spacing), grid.spacing));
+    held += MeshOutput::memory_bytes(tiling, required_mesh_format(*outputs.mesh),
+                                     halo_growth(tiling) * crossings_of_plane);
   // The mesh is improved after the sweep, when blocks and patches are freed.
   const double improving =
       outputs.mesh && outputs.mesh->quality
-          ? QualityPass::memory_bytes(
-                *outputs.mesh, tiling.region_with_halo,
-                expected_crossings(survey.max_slab_area(grid.spacing), grid.spacing))
+          ? QualityPass::memory_bytes(*outputs.mesh, tiling.region_with_halo, crossings_of_plane)
           : 0;
   constexpr double bytes_per_area = sizeof(double) + growth * sizeof(AtomSum);
   double names = 0;
