@@ -14,7 +14,7 @@ Fault fault_of(std::errc error) {
   return error == std::errc::result_out_of_range ? Fault::out_of_range : Fault::not_a_number;
 }
 
-Fault check_value(double value, const Quantity& quantity) {
+Fault check_value(double value, const AtomQuantity& quantity) {
   if (!std::isfinite(value)) return Fault::not_finite;
   if (quantity.lowest == 0 && value < 0) return Fault::negative;
   return value < quantity.lowest || value > quantity.highest ? Fault::too_large : Fault::none;
@@ -47,7 +47,7 @@ std::string reason(const Problem& problem) {
 
 }  // namespace
 
-Problem read_value(std::string_view text, const Quantity& quantity, double& value) {
+Problem read_value(std::string_view text, const AtomQuantity& quantity, double& value) {
   Fault fault = text.empty() ? Fault::missing : fault_of(parse_number(text, value));
   if (fault == Fault::none) fault = check_value(value, quantity);
   return {fault, quantity.name, text};

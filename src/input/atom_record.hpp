@@ -43,21 +43,21 @@ struct Problem {
 
 /// A quantity of an atom and its bounds. A coordinate or radius beyond them comes from misread
 /// columns or a wrong unit, and would give a grid that exceeds any memory.
-struct Quantity {
+struct AtomQuantity {
   std::string_view name;
   double lowest;
   double highest;
 };
 
 inline constexpr double max_double = std::numeric_limits<double>::max();
-inline constexpr Quantity quantity_x{"x", -max_coordinate, max_coordinate};
-inline constexpr Quantity quantity_y{"y", -max_coordinate, max_coordinate};
-inline constexpr Quantity quantity_z{"z", -max_coordinate, max_coordinate};
-inline constexpr Quantity quantity_charge{"charge", -max_double, max_double};
-inline constexpr Quantity quantity_radius{"radius", 0, max_coordinate};
+inline constexpr AtomQuantity quantity_x{"x", -max_coordinate, max_coordinate};
+inline constexpr AtomQuantity quantity_y{"y", -max_coordinate, max_coordinate};
+inline constexpr AtomQuantity quantity_z{"z", -max_coordinate, max_coordinate};
+inline constexpr AtomQuantity quantity_charge{"charge", -max_double, max_double};
+inline constexpr AtomQuantity quantity_radius{"radius", 0, max_coordinate};
 
 /// Parses a field and checks its value.
-Problem read_value(std::string_view text, const Quantity& quantity, double& value);
+Problem read_value(std::string_view text, const AtomQuantity& quantity, double& value);
 
 std::size_t count_fields(std::string_view text);
 

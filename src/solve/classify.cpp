@@ -11,8 +11,8 @@
 #include <span>
 
 #include "geometry/arc_sector-inl.hpp"
+#include "solve/axis_range.hpp"
 #include "solve/cone_filter-inl.hpp"
-#include "solve/index_range.hpp"
 #include "system/dispatch.hpp"
 #include "system/points-inl.hpp"
 
@@ -108,9 +108,8 @@ void for_each_plane(const BlockGrid& grid, const PointBits& bits, Vec3 center, d
                     const Box& box, Action&& action) {
   const Doubles doubles;
   const std::size_t lanes = hn::Lanes(doubles);
-  const IndexRange z = points_within(grid, 2, box.low.z, box.high.z);
-  const IndexRange columns =
-      columns_of(points_within(grid, 0, box.low.x, box.high.x), bits.columns);
+  const AxisRange z = points_within(grid, 2, box.low.z, box.high.z);
+  const AxisRange columns = columns_of(points_within(grid, 0, box.low.x, box.high.x), bits.columns);
   BallPlane plane{center.x, center.y, 0, grid.grid.origin.x, grid.inverse_spacing, 0, 0};
   for (std::int64_t first_z = z.begin; first_z < z.end;
        first_z += static_cast<std::int64_t>(lanes)) {
@@ -147,7 +146,7 @@ void for_each_plane(const BlockGrid& grid, const PointBits& bits, Vec3 center, d
 template <Stamp stamp>
 void stamp_ball(const BlockGrid& grid, Vec3 center, double radius, PointBits& bits) {
   for_each_plane(grid, bits, center, radius, ball_box(center, radius),
-                 [&](const BallPlane& plane, std::int64_t column, std::int64_t k, IndexRange y) {
+                 [&](const BallPlane& plane, std::int64_t column, std::int64_t k, AxisRange y) {
                    stamp_rows<stamp>(plane, grid.coordinates[1].data(),
                                      bits.words.data() + bits.word_index(column, 0, k),
                                      static_cast<std::size_t>(y.begin),
@@ -224,7 +223,7 @@ void clear_face(const BlockGrid& grid, const BlockFeatures& features, const Face
   PointBits& undecided = scratch.undecided;
   PointBatch& batch = scratch.batch;
   for_each_plane(grid, undecided, face.center, face.sas_radius, face.shell_box,
-                 [&](const BallPlane& plane, std::int64_t column, std::int64_t k, IndexRange y) {
+                 [&](const BallPlane& plane, std::int64_t column, std::int64_t k, AxisRange y) {
                    const std::size_t first_word = undecided.word_index(column, 0, k);
                    const std::uint64_t* const rows = undecided.words.data() + first_word;
                    const auto reach = hn::Set(words, plane.reach);
@@ -266,7 +265,7 @@ void clear_near_arc(const ArcFeature& arc, double squared_probe, PointBatch& bat
 void clear_arc(const BlockGrid& grid, const ArcFeature& arc, double squared_probe,
                ClassifyScratch& scratch) {
   PointBits& undecided = scratch.undecided;
-  std::array<IndexRange, 3> range;
+  std::array<AxisRange, 3> range;
   for (std::size_t axis = 0; axis < 3; ++axis)
     range[axis] = points_within(grid, axis, arc.solid_box.low[axis], arc.solid_box.high[axis]);
   for_each_word(undecided, undecided.words, range,

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <array>
 
+#include "solve/axis_range.hpp"
 #include "solve/classify.hpp"
-#include "solve/index_range.hpp"
 
 namespace eses::detail {
 namespace {
@@ -65,7 +65,7 @@ void find_filled_points(const SurfaceModel& surface, const BlockGrid& grid,
   };
   for (const Box& box : cavities.boxes_unlike_outside()) {
     if (!overlap(box, grid.box)) continue;
-    std::array<IndexRange, 3> range;
+    std::array<AxisRange, 3> range;
     for (std::size_t axis = 0; axis < 3; ++axis)
       range[axis] = points_within(grid, axis, box.low[axis], box.high[axis]);
     for_each_word(left, left.words, range, [&](const WordPosition& word, std::uint64_t bits) {

@@ -1,7 +1,7 @@
 /// Intersections of several grid lines with a sphere. One square root gives the intersections of
 /// all edges of a line. Highway includes this file once for each instruction set.
 
-#include "solve/index_range.hpp"
+#include "solve/axis_range.hpp"
 #include "system/points-inl.hpp"
 
 #if defined(ESES_SOLVE_LINE_SPHERE_INL_) == defined(HWY_TARGET_TOGGLE)
@@ -34,8 +34,8 @@ void meet_lines(const BlockGrid& grid, const SpherePart& sphere, IsOnPatch&& is_
   constexpr double tangent = -1e-12;  // slack for lines that graze the sphere, square angstrom
   const Doubles doubles;
   const auto lanes = static_cast<std::int64_t>(hn::Lanes(doubles));
-  const IndexRange rows = own_points_within(grid, row, sphere.box.low[row], sphere.box.high[row]);
-  const IndexRange columns =
+  const AxisRange rows = own_points_within(grid, row, sphere.box.low[row], sphere.box.high[row]);
+  const AxisRange columns =
       own_points_within(grid, across, sphere.box.low[across], sphere.box.high[across]);
   const auto low = broadcast(sphere.box.low[axis]), high = broadcast(sphere.box.high[axis]);
   const auto center = broadcast(sphere.center[axis]);

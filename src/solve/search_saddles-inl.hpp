@@ -5,9 +5,9 @@
 #include <array>
 #include <cstdint>
 
+#include "solve/axis_range.hpp"
 #include "solve/candidates-inl.hpp"
 #include "solve/edge_saddle-inl.hpp"
-#include "solve/index_range.hpp"
 
 #if defined(ESES_SOLVE_SEARCH_SADDLES_INL_) == defined(HWY_TARGET_TOGGLE)
 #ifdef ESES_SOLVE_SEARCH_SADDLES_INL_
@@ -21,8 +21,8 @@ namespace eses::detail::HWY_NAMESPACE {
 
 // Returns the edges along an axis that the block owns and that meet a box.
 template <std::size_t axis>
-HWY_INLINE std::array<IndexRange, 3> edges_near(const BlockGrid& grid, const Box& box) {
-  std::array<IndexRange, 3> range;
+HWY_INLINE std::array<AxisRange, 3> edges_near(const BlockGrid& grid, const Box& box) {
+  std::array<AxisRange, 3> range;
   for (std::size_t a = 0; a < 3; ++a)
     range[a] = a == axis ? own_edges_within(grid, a, box.low[a], box.high[a])
                          : own_points_within(grid, a, box.low[a], box.high[a]);
@@ -67,7 +67,7 @@ struct ArcSearch : Candidates {
   // Adds the points in which edges cross a saddle patch. Only edges that meet its box are tested.
   void search(const ArcFeature& arc) {
     for_each_axis([&](auto axis) {
-      const std::array<IndexRange, 3> range = edges_near<axis()>(grid, arc.surface_box);
+      const std::array<AxisRange, 3> range = edges_near<axis()>(grid, arc.surface_box);
       for_each_word(inside, scratch.edges.changes[axis()], range,
                     [&](const WordPosition& word, std::uint64_t changes) {
                       gather_edges<axis()>(changes, word, arc.circle.center);
@@ -82,7 +82,7 @@ struct ArcSearch : Candidates {
 struct DoubtfulSearch : Candidates {
   // Appends the edges near the patch that start in a row of points to the batch.
   template <std::size_t axis>
-  void gather_row(const ArcFeature& arc, const IndexRange& x, std::int64_t y, std::int64_t z) {
+  void gather_row(const ArcFeature& arc, const AxisRange& x, std::int64_t y, std::int64_t z) {
     EdgeBatch& batch = scratch.batch;
     const Doubles doubles;
     const auto lanes = static_cast<std::int64_t>(hn::Lanes(doubles));
@@ -132,7 +132,7 @@ struct DoubtfulSearch : Candidates {
   // Edges that have both ends on one side, and leave the tube of the arc on the way up.
   void search(const ArcFeature& arc) {
     for_each_axis([&](auto axis) {
-      std::array<IndexRange, 3> range = edges_near<axis()>(grid, arc.surface_box);
+      std::array<AxisRange, 3> range = edges_near<axis()>(grid, arc.surface_box);
       range[axis()].end = std::min(range[axis()].end, grid.block.points[axis()] - 1);
       for (std::int64_t z = range[2].begin; z < range[2].end; ++z)
         for (std::int64_t y = range[1].begin; y < range[1].end; ++y)

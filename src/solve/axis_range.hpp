@@ -12,7 +12,7 @@
 namespace eses::detail {
 
 /// Indices [begin, end) along one axis, relative to the block's first point.
-struct IndexRange {
+struct AxisRange {
   std::int64_t begin, end;
 };
 
@@ -21,7 +21,7 @@ struct IndexRange {
 inline constexpr double range_slack = 1e-6;
 
 /// Returns the block's points between `low` and `high` (angstrom).
-inline IndexRange points_within(const BlockGrid& grid, std::size_t axis, double low, double high) {
+inline AxisRange points_within(const BlockGrid& grid, std::size_t axis, double low, double high) {
   const double inverse = grid.inverse_spacing;
   const auto first = static_cast<double>(grid.block.first[axis]);
   const auto points = static_cast<double>(grid.block.points[axis]);
@@ -32,21 +32,21 @@ inline IndexRange points_within(const BlockGrid& grid, std::size_t axis, double 
 }
 
 /// Returns the points that the block owns between `low` and `high` (angstrom).
-inline IndexRange own_points_within(const BlockGrid& grid, std::size_t axis, double low,
-                                    double high) {
-  const IndexRange range = points_within(grid, axis, low, high);
+inline AxisRange own_points_within(const BlockGrid& grid, std::size_t axis, double low,
+                                   double high) {
+  const AxisRange range = points_within(grid, axis, low, high);
   return {range.begin, std::min(range.end, grid.block.owned[axis])};
 }
 
 /// Returns the lower points of the edges along `axis` that the block owns and that meet the
 /// interval.
-inline IndexRange own_edges_within(const BlockGrid& grid, std::size_t axis, double low,
-                                   double high) {
+inline AxisRange own_edges_within(const BlockGrid& grid, std::size_t axis, double low,
+                                  double high) {
   return own_points_within(grid, axis, low - grid.grid.spacing, high);
 }
 
 /// Returns the columns of PointBits that contain these points.
-inline IndexRange columns_of(const IndexRange& x, std::int64_t columns) {
+inline AxisRange columns_of(const AxisRange& x, std::int64_t columns) {
   if (x.begin >= x.end) return {0, 0};
   // A point that two columns share also belongs to the previous one.
   return {std::max<std::int64_t>(0, (x.begin - 1) / PointBits::column_step),
@@ -54,7 +54,7 @@ inline IndexRange columns_of(const IndexRange& x, std::int64_t columns) {
 }
 
 /// Returns the bits of these points in a column.
-inline std::uint64_t column_bits(const IndexRange& x, std::int64_t column) {
+inline std::uint64_t column_bits(const AxisRange& x, std::int64_t column) {
   const std::int64_t first = column * PointBits::column_step;
   return low_bits(std::clamp<std::int64_t>(x.end - first, 0, PointBits::column_points)) &
          ~low_bits(std::clamp<std::int64_t>(x.begin - first, 0, PointBits::column_points));
@@ -70,8 +70,8 @@ struct WordPosition {
 /// and z. `bits` are these bits. `words` have the same layout as those of `layout`.
 template <class Action>
 void for_each_word(const PointBits& layout, std::span<const std::uint64_t> words,
-                   const std::array<IndexRange, 3>& range, Action&& action) {
-  const IndexRange columns = columns_of(range[0], layout.columns);
+                   const std::array<AxisRange, 3>& range, Action&& action) {
+  const AxisRange columns = columns_of(range[0], layout.columns);
   for (std::int64_t column = columns.begin; column < columns.end; ++column) {
     const std::uint64_t within = column_bits(range[0], column);
     for (std::int64_t z = range[2].begin; z < range[2].end; ++z)
