@@ -79,9 +79,9 @@ std::string label_text(const std::map<AtomIndex, AtomLabel>& labels, AtomIndex a
   return formatted("{}/{} {}/{}", chain, residue, number, name);
 }
 
-DiagnosticText describe(const Diagnostic& diagnostic, const LineOf& line_of,
-                        const std::filesystem::path& input,
-                        const std::map<AtomIndex, AtomLabel>& labels) {
+DiagnosticText describe_diagnostic(const Diagnostic& diagnostic, const LineOf& line_of,
+                                   const std::filesystem::path& input,
+                                   const std::map<AtomIndex, AtomLabel>& labels) {
   const Wording wording = wording_of(diagnostic.kind);
   DiagnosticText text;
   text.name = wording.name;
@@ -103,7 +103,7 @@ std::vector<DiagnosticText> describe(std::span<const Diagnostic> diagnostics, co
                                      const std::map<AtomIndex, AtomLabel>& labels) {
   std::vector<DiagnosticText> texts;
   for (const Diagnostic& diagnostic : diagnostics)
-    texts.push_back(describe(diagnostic, line_of, input, labels));
+    texts.push_back(describe_diagnostic(diagnostic, line_of, input, labels));
   return texts;
 }
 

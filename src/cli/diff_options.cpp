@@ -10,7 +10,7 @@
 namespace eses::detail::cli {
 namespace {
 
-constexpr char footer[] =
+constexpr char diff_footer[] =
     R"(Compared files, each as NAME or NAME.gz:
   bounding_box.txt            corners and number of points of the grid
   grid_info.txt               points: inside or outside
@@ -27,7 +27,7 @@ Exit codes:
   2  error in the command line, or in reading the files)";
 
 void add_options(CLI::App& app, DiffOptions& options) {
-  set_up(app, "eses-blocks diff [OPTIONS] DIR_A DIR_B", footer);
+  set_up(app, "eses-blocks diff [OPTIONS] DIR_A DIR_B", diff_footer);
   add_value(app, "DIR_A", "", "directory with output files of ESES or eses-blocks",
             options.directories[0], path_to("a directory"))
       ->required();

@@ -27,6 +27,7 @@
 #include "output/output_file.hpp"
 #include "output/sequential_writer.hpp"
 #include "system/formatted.hpp"
+#include "system/gzip.hpp"
 #include "system/parallel.hpp"
 
 namespace eses::detail::cli {
@@ -52,7 +53,7 @@ constexpr std::array tables{
 /// Returns the name of the table of an input file: its name without the suffix of its format.
 std::string table_name(const std::filesystem::path& input, const Table& table) {
   std::filesystem::path name = input == "-" ? "stdin" : input.filename();
-  if (name.extension() == ".gz") name = name.stem();
+  if (name.extension() == gzip_suffix) name = name.stem();
   return formatted("{}{}", name.stem().string(), table.suffix);
 }
 

@@ -17,7 +17,7 @@
 namespace eses::detail::cli {
 namespace {
 
-constexpr char footer[] =
+constexpr char measure_footer[] =
     R"(Nothing is sampled: areas and volumes have rounding errors only. Units are angstrom.
 Only pockets come from a grid.
 Atoms share the areas of saddle and concave patches by the power diagram of the spheres.
@@ -128,7 +128,7 @@ void set_pocket_options(const PocketValues& values, MeasureCommandOptions& optio
 }
 
 void add_options(CLI::App& app, PocketValues& pockets, MeasureCommandOptions& options) {
-  set_up(app, "eses-blocks measure [OPTIONS] FILE...", footer);
+  set_up(app, "eses-blocks measure [OPTIONS] FILE...", measure_footer);
   begin_group(app, "Surface");
   app.add_option("FILE")
       ->option_text("...")

@@ -41,7 +41,7 @@ constexpr double max_finite = std::numeric_limits<double>::max();
 
 constexpr char independent_flag[] = "--independent";
 
-constexpr char footer[] = R"(Output files:
+constexpr char surface_footer[] = R"(Output files:
   bounding_box.txt            corners and number of points of the grid
   grid_info.txt               every grid point: 1 inside, -1 outside
   intersection_info.txt       every crossing of a grid edge: position, normal, atoms
@@ -441,7 +441,7 @@ void add_options(CLI::App& app, CommandLine& line) {
          "  or:  eses-blocks diff [OPTIONS] DIR_A DIR_B\n"
          "  or:  eses-blocks measure [OPTIONS] FILE...\n"
          "  or:  eses-blocks msms -if FILE [OPTIONS]",
-         footer);
+         surface_footer);
   add_grid_options(app, line);
   add_file_options(app, line);
   add_structure_options(app, line.options.input().structure);

@@ -19,6 +19,7 @@
 #include "system/bytes_text.hpp"
 #include "system/dispatch.hpp"
 #include "system/formatted.hpp"
+#include "system/gzip.hpp"
 
 namespace eses::detail::cli {
 namespace {
@@ -100,7 +101,7 @@ std::string files_text(const FileSizes& sizes, const Outputs& outputs) {
     if (bytes > 0) parts.push_back(formatted("{} {} {}", name, quality, bytes_text(bytes)));
   };
   const std::string_view bound = outputs.gzip ? "about" : "at most";
-  const std::string_view suffix = outputs.gzip ? ".gz" : "";
+  const std::string_view suffix = outputs.gzip ? gzip_suffix : "";
   add(sizes.box, "exactly", formatted("bounding_box.txt{}", suffix));
   add(sizes.grid, bound, formatted("grid_info.txt{}", suffix));
   add(sizes.edges, "about", formatted("intersection_info.txt{}", suffix));

@@ -19,7 +19,7 @@
 namespace eses::detail::cli {
 namespace {
 
-constexpr char footer[] =
+constexpr char xyzr_footer[] =
     R"(The radii are those of MSMS for united atoms; hydrogens have 1.2 angstrom. Waters and
 hydrogens are included; eses-msms -noh ignores the hydrogens. Of several models or alternate
 locations, only one is read, as by the other commands.
@@ -45,7 +45,7 @@ InputFile parse_options(bool has_names, std::vector<std::string> arguments) {
   CLI::App app(formatted("Prints the atoms of a PDB or mmCIF file as spheres for MSMS{}.",
                          has_names ? ", with names" : ""),
                "eses-blocks " + name);
-  set_up(app, formatted("eses-blocks {} [OPTIONS] [FILE]", name), footer);
+  set_up(app, formatted("eses-blocks {} [OPTIONS] [FILE]", name), xyzr_footer);
   begin_group(app, "Options");
   add_value(app, "FILE", "", "PDB or mmCIF file; - for standard input [-]", input.path,
             path_to("a file"));

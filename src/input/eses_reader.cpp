@@ -13,6 +13,7 @@
 #include "grid/make_grid.hpp"
 #include "input/text_fields.hpp"
 #include "system/formatted.hpp"
+#include "system/gzip.hpp"
 
 namespace eses::detail {
 namespace {
@@ -190,7 +191,7 @@ std::optional<std::filesystem::path> find_eses_file(const std::filesystem::path&
   };
   std::filesystem::path path = directory / name_of(file);
   if (is_there(path)) return path;
-  path += ".gz";
+  path += gzip_suffix;
   if (is_there(path)) return path;
   return std::nullopt;
 }

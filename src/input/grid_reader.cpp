@@ -18,13 +18,13 @@
 #include "input/line_reader.hpp"
 #include "input/text_fields.hpp"
 #include "system/formatted.hpp"
+#include "system/gzip.hpp"
 
 namespace eses::detail {
 namespace {
 
 // Spacings that differ by a smaller relative amount are treated as equal. APBS prints seven digits.
 constexpr double spacing_precision = 2e-6;
-constexpr std::string_view gzip_suffix = ".gz";
 // Maximum number of lines before the data. Valid files have a few lines; the limit stops the search
 // in files of other formats.
 constexpr int max_header_lines = 1000;

@@ -9,8 +9,8 @@
 namespace eses::detail {
 namespace {
 
-constexpr std::size_t buffer_bytes = std::size_t{1} << 18;
-static_assert(max_line_length < buffer_bytes);
+constexpr std::size_t line_buffer_bytes = std::size_t{1} << 18;
+static_assert(max_line_length < line_buffer_bytes);
 
 }  // namespace
 
@@ -18,7 +18,7 @@ LineReader::LineReader(const std::filesystem::path& path)
     : name_(path.string()),
       file_(open_for_reading(path, name_)),
       source_(file_.value(), name_),
-      buffer_(buffer_bytes) {}
+      buffer_(line_buffer_bytes) {}
 
 bool LineReader::next(std::string_view& line) {
   const auto find_end = [this] {

@@ -7,6 +7,7 @@
 #include "eses/error.hpp"
 #include "input/text_fields.hpp"
 #include "system/formatted.hpp"
+#include "system/gzip.hpp"
 
 namespace eses::detail {
 namespace {
@@ -159,7 +160,7 @@ AtomFormat structure_format_of(std::string_view text) {
 
 std::string input_suffix(const std::filesystem::path& path) {
   std::string suffix = lower_case(path.extension().string());
-  return suffix == ".gz" ? input_suffix(path.stem()) : suffix;
+  return suffix == gzip_suffix ? input_suffix(path.stem()) : suffix;
 }
 
 void refuse_other_suffix(const std::filesystem::path& path) {

@@ -180,7 +180,7 @@ Problem parse_pqr_columns(std::string_view line, Record& record) {
 }
 
 /// Returns whether a field is an element symbol, optionally with a formal charge: `N`, `Zn`, `O1-`.
-bool is_element(std::string_view field) {
+bool is_element_field(std::string_view field) {
   std::size_t letters = 0;
   while (letters < field.size() && is_letter(field[letters])) ++letters;
   if (letters < 1 || letters > 2) return false;
@@ -194,7 +194,7 @@ bool is_element(std::string_view field) {
 std::string_view take_element(std::string_view& line) {
   std::string_view rest = line;
   std::string_view field = take_last(rest);
-  if (!is_element(field)) return {};
+  if (!is_element_field(field)) return {};
   line = rest;
   while (!is_letter(field.back())) field.remove_suffix(1);
   return field;
@@ -220,7 +220,7 @@ std::string describe(const Problem& problem, std::string_view line) {
 constexpr std::size_t occupancy_width = 6, b_factor_width = 6;
 constexpr std::size_t b_factor_column = end_of_coordinates + occupancy_width;
 constexpr std::size_t end_of_b_factor = b_factor_column + b_factor_width;
-constexpr double max_usual_radius = 4;  // angstrom; most B-factors are larger
+constexpr double max_radius_of_pqr = 4;  // angstrom; most B-factors are larger
 
 /// Reads a number that fills a column of `width` characters and has this number of decimals.
 bool read_fixed(std::string_view line, std::size_t column, std::size_t width, std::size_t decimals,
@@ -264,7 +264,7 @@ struct RecordCounts {
     const bool has_columns = has_pdb_columns(line, occupancy);
     pdb_columns += static_cast<std::uint64_t>(has_columns);
     Record record;
-    if (parse_pqr(line, record) || record.atom.radius > max_usual_radius) return;
+    if (parse_pqr(line, record) || record.atom.radius > max_radius_of_pqr) return;
     ++pqr;
     only_pqr += static_cast<std::uint64_t>(!has_columns || occupancy < 0);
     with_radius += static_cast<std::uint64_t>(record.atom.radius >= min_usual_radius);
@@ -322,7 +322,7 @@ void PdbLikeness::add(std::string_view line) {
   if (occupancy < 0 || occupancy > 1) return;
   ++layout;
   // Some programs write 0 for both.
-  if (occupancy == 1 || b_factor > max_usual_radius || (occupancy == 0 && b_factor == 0)) ++values;
+  if (occupancy == 1 || b_factor > max_radius_of_pqr || (occupancy == 0 && b_factor == 0)) ++values;
 }
 
 AtomFormat format_of_records(std::string_view text) {

@@ -18,7 +18,7 @@
 namespace eses::detail {
 namespace {
 
-constexpr std::size_t buffer_bytes = std::size_t{1} << 16;
+constexpr std::size_t source_buffer_bytes = std::size_t{1} << 16;
 
 [[noreturn]] void fail_with_system_error(std::string_view action, std::string_view name, int code) {
   if (code == ENOMEM) throw std::bad_alloc();
@@ -85,7 +85,7 @@ struct TextSource::Inflation {
 };
 
 TextSource::TextSource(int descriptor, std::string name)
-    : descriptor_(descriptor), name_(std::move(name)), buffer_(buffer_bytes) {}
+    : descriptor_(descriptor), name_(std::move(name)), buffer_(source_buffer_bytes) {}
 
 TextSource::~TextSource() = default;
 

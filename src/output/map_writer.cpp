@@ -8,6 +8,7 @@
 #include <stdexcept>
 
 #include "system/formatted.hpp"
+#include "system/gzip.hpp"
 
 namespace eses::detail {
 namespace {
@@ -111,7 +112,7 @@ MapFormat required_map_format(std::string_view name) {
 }
 
 std::string dielectric_name(std::string_view prefix, MapQuantity quantity, bool gzip) {
-  return formatted("{}{}.dx{}", prefix, "xyz"[edge_axis(quantity)], gzip ? ".gz" : "");
+  return formatted("{}{}.dx{}", prefix, "xyz"[edge_axis(quantity)], gzip ? gzip_suffix : "");
 }
 
 std::vector<MapChoice> chosen_maps(const Outputs& outputs) {

@@ -19,13 +19,13 @@
 #include "output/mesh_format.hpp"
 #include "system/bytes_text.hpp"
 #include "system/formatted.hpp"
+#include "system/gzip.hpp"
 #include "system/hints.hpp"
 #include "system/resources.hpp"
 
 namespace eses::detail {
 namespace {
 
-constexpr std::string_view gzip_suffix = ".gz";
 constexpr char residues_name[] = "residue_area.csv";
 constexpr char chains_name[] = "chain_area.csv";
 constexpr char atoms_name[] = "atoms.csv";

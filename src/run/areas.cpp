@@ -56,8 +56,8 @@ std::vector<AreaShare> shares_alone(AtomShares shares, const RunPlan& plan) {
 }
 
 // Passes this process's lines of partition_area.txt to `sink`, compressed if necessary.
-void append_area_texts(const AtomAreas& atoms, bool is_gzipped, const std::function<void()>& check,
-                       const TextSink& sink) {
+void append_area_texts(const AreasOfRange& atoms, bool is_gzipped,
+                       const std::function<void()>& check, const TextSink& sink) {
   std::optional<Gzip> gzip;
   if (is_gzipped) gzip.emplace();
   const std::span<const double> areas = atoms.areas;
@@ -73,7 +73,7 @@ void append_area_texts(const AtomAreas& atoms, bool is_gzipped, const std::funct
 }
 
 // Returns the areas of the atoms in `wanted`. Other processes may have some of them.
-std::vector<double> fetch_areas(const IndexRange& wanted, const AtomAreas& known,
+std::vector<double> fetch_areas(const IndexRange& wanted, const AreasOfRange& known,
                                 const Processes& processes) {
   const IndexRange range = known.range();
   std::vector<std::vector<double>> to;
@@ -160,7 +160,7 @@ void append_residues_read(const RunPlan& plan, std::span<const double> areas,
 
 // Returns the areas of the atoms that this process has read: of all atoms in a single process, else
 // areas that are fetched into `fetched`. All processes must call it.
-std::span<const double> areas_of_read_atoms(const AtomAreas& areas, const RunPlan& plan,
+std::span<const double> areas_of_read_atoms(const AreasOfRange& areas, const RunPlan& plan,
                                             const Processes& processes,
                                             std::vector<double>& fetched) {
   if (processes.count() == 1) return areas.areas;
@@ -190,25 +190,25 @@ void append_atoms(const RunPlan& plan, std::span<const double> areas, bool with_
 
 }  // namespace
 
-AtomAreas add_up_areas(AtomShares shares, const RunPlan& plan, const Processes& processes) {
+AreasOfRange add_up_areas(AtomShares shares, const RunPlan& plan, const Processes& processes) {
   const std::vector<AreaShare> sums = processes.count() == 1
                                           ? shares_alone(std::move(shares), plan)
                                           : exchange_shares(std::move(shares), plan, processes);
-  AtomAreas areas{atoms_of(processes.rank(), plan, processes).begin, {}};
+  AreasOfRange areas{atoms_of(processes.rank(), plan, processes).begin, {}};
   areas.areas.reserve(sums.size());
   for (const AreaShare sum : sums)
     areas.areas.push_back(atom_area(sum, plan.whole_plan.grid.spacing));
   return areas;
 }
 
-double total_area(const AtomAreas& areas, const Processes& processes) {
+double total_area(const AreasOfRange& areas, const Processes& processes) {
   return processes.chain(0, [&](double sum) {
     for (const double area : areas.areas) sum += area;
     return sum;
   });
 }
 
-std::uint64_t write_areas(const AtomAreas& areas, bool gzip, OutputFile* file,
+std::uint64_t write_areas(const AreasOfRange& areas, bool gzip, OutputFile* file,
                           const std::function<void()>& check, const Processes& processes) {
   SharedFile shared(processes, file);
   const std::uint64_t bytes = shared.write_by_rank(
@@ -217,8 +217,9 @@ std::uint64_t write_areas(const AtomAreas& areas, bool gzip, OutputFile* file,
   return bytes;
 }
 
-std::uint64_t write_area_tables(const AtomAreas& areas, const RunPlan& plan, OutputFile* residues,
-                                OutputFile* chains, const Processes& processes) {
+std::uint64_t write_area_tables(const AreasOfRange& areas, const RunPlan& plan,
+                                OutputFile* residues, OutputFile* chains,
+                                const Processes& processes) {
   std::vector<double> fetched;
   const std::span<const double> read_areas = areas_of_read_atoms(areas, plan, processes, fetched);
   SharedFile shared(processes, residues);
@@ -239,7 +240,7 @@ std::uint64_t write_area_tables(const AtomAreas& areas, const RunPlan& plan, Out
   return all.bytes + processes.sum(chain_bytes);
 }
 
-std::uint64_t write_atom_table(const AtomAreas& areas, const RunPlan& plan, OutputFile* file,
+std::uint64_t write_atom_table(const AreasOfRange& areas, const RunPlan& plan, OutputFile* file,
                                const std::function<void()>& check, const Processes& processes) {
   std::vector<double> fetched;
   const std::span<const double> read_areas = areas_of_read_atoms(areas, plan, processes, fetched);

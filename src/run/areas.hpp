@@ -22,7 +22,7 @@ struct AtomShares {
 };
 
 /// The areas of the atoms [first, first + size) of the file, in square angstrom.
-struct AtomAreas {
+struct AreasOfRange {
   std::uint64_t first = 0;
   std::vector<double> areas;
 
@@ -31,27 +31,28 @@ struct AtomAreas {
 
 /// Adds up the shares of all processes, which must all call it. Returns the areas of this process's
 /// atoms.
-AtomAreas add_up_areas(AtomShares shares, const RunPlan& plan, const Processes& processes);
+AreasOfRange add_up_areas(AtomShares shares, const RunPlan& plan, const Processes& processes);
 
 /// Returns the sum of all areas (square angstrom). All processes must call it. Areas are added in
 /// the order of the atoms, because floating-point sums depend on the order.
-double total_area(const AtomAreas& areas, const Processes& processes);
+double total_area(const AreasOfRange& areas, const Processes& processes);
 
 /// Writes partition_area.txt and returns its length in bytes. All processes must call it. The first
 /// process passes the output file, the others pass null. `check` is called repeatedly, and may end
 /// the run by an exception.
-std::uint64_t write_areas(const AtomAreas& areas, bool gzip, OutputFile* file,
+std::uint64_t write_areas(const AreasOfRange& areas, bool gzip, OutputFile* file,
                           const std::function<void()>& check, const Processes& processes);
 
 /// Writes the tables of residues and chains and returns their length in bytes. All processes must
 /// call it. The first process passes the output files, the others pass null.
-std::uint64_t write_area_tables(const AtomAreas& areas, const RunPlan& plan, OutputFile* residues,
-                                OutputFile* chains, const Processes& processes);
+std::uint64_t write_area_tables(const AreasOfRange& areas, const RunPlan& plan,
+                                OutputFile* residues, OutputFile* chains,
+                                const Processes& processes);
 
 /// Writes atoms.csv and returns its length in bytes. All processes must call it. The first process
 /// passes the output file, the others pass null. `check` is called repeatedly, and may end the run
 /// by an exception.
-std::uint64_t write_atom_table(const AtomAreas& areas, const RunPlan& plan, OutputFile* file,
+std::uint64_t write_atom_table(const AreasOfRange& areas, const RunPlan& plan, OutputFile* file,
                                const std::function<void()>& check, const Processes& processes);
 
 }  // namespace eses::detail

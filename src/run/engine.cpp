@@ -176,7 +176,7 @@ SweepFiles sweep_files(const RunPlan& plan, const std::optional<mesh::MeshText>&
 
 // Completes all files except the bounding box. Returns their length in bytes.
 std::uint64_t write_files(const RunTask& task, const RunPlan& plan,
-                          const std::optional<mesh::MeshText>& mesh, const AtomAreas& areas,
+                          const std::optional<mesh::MeshText>& mesh, const AreasOfRange& areas,
                           Merge& merge, OutputFiles* files, const std::function<void()>& check,
                           const Processes& processes) {
   const Outputs& outputs = task.outputs;
@@ -268,7 +268,7 @@ RunResult execute(const RunTask& task, const RunPlan& plan, const RunPaths& path
   fill_totals(is_void ? complement(merge.totals(), plan.whole_plan.tiling.region.point_count())
                       : merge.totals(),
               plan.whole_plan.grid.spacing, summary);
-  AtomAreas areas = add_up_areas(std::move(shares), plan, processes);
+  AreasOfRange areas = add_up_areas(std::move(shares), plan, processes);
   summary.area = total_area(areas, processes);
   if (result.exact && summary.verification) verify_volume(task, plan, check, summary);
   if (!has_faults(summary)) {

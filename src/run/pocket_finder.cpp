@@ -13,7 +13,7 @@ namespace eses::detail {
 namespace {
 
 // Centers are connected if they are at most this many spacings apart.
-constexpr std::int64_t connected = 2;
+constexpr std::int64_t connected_within = 2;
 
 // Farthest center of a point in a pocket, in spacings. Half a spacing makes up for the centers
 // between the points of the grid.
@@ -51,7 +51,7 @@ PocketFinder::PocketFinder(const Grid& grid, double probe_radius, int threads)
       words_(static_cast<std::size_t>((grid.size[0] + 63) / 64)),
       planes_within_reach_(planes_in(reach_of(grid, probe_radius))) {
   const double reach = reach_of(grid, probe_radius);
-  const std::int64_t far = std::max(planes_within_reach_, connected);
+  const std::int64_t far = std::max(planes_within_reach_, connected_within);
   const auto square = [](std::int64_t x) { return static_cast<double>(x * x); };
   const auto squared_length = [&](const Offset& offset) {
     return square(offset.x) + square(offset.y) + square(offset.z);
@@ -65,7 +65,7 @@ PocketFinder::PocketFinder(const Grid& grid, double probe_radius, int threads)
         const Offset offset{x, y, z};
         const double squared = squared_length(offset);
         if (squared <= reach * reach) within_reach_.push_back(offset);
-        if (squared <= square(connected) && std::tuple(z, y, x) < std::tuple(0, 0, 0))
+        if (squared <= square(connected_within) && std::tuple(z, y, x) < std::tuple(0, 0, 0))
           before_.push_back(offset);
       }
     }

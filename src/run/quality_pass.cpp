@@ -20,7 +20,7 @@ struct VertexHead {
 };
 
 // Buffered bytes of the result.
-constexpr std::size_t buffer_bytes = std::size_t{1} << 20;
+constexpr std::size_t write_buffer_bytes = std::size_t{1} << 20;
 
 template <class T>
 T load(const char* from) {
@@ -100,7 +100,7 @@ std::size_t QualityPass::add_batch(std::span<const char> bytes) {
   }
   for (; next < end; next += sizeof(mesh::LocalTriangle))
     mesh_.add_triangle(mesh::global_triangle(first_vertex_, load<mesh::LocalTriangle>(next)));
-  flush(buffer_bytes);
+  flush(write_buffer_bytes);
   return sizeof head + head.bytes;
 }
 

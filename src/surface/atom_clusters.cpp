@@ -11,7 +11,7 @@ AtomClusters::AtomClusters(const SurfaceModel& surface)
   heights_.resize((order_.size() + atoms_per_cluster - 1) / atoms_per_cluster);
   for (ClusterIndex cluster = 0; cluster < count(); ++cluster) {
     HeightRange& heights = heights_[cluster];
-    heights = {std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
+    heights = no_heights;
     for (const AtomIndex i : members(cluster)) {
       const SasSphere sphere = surface.sas_sphere(i);
       heights.low = std::min(heights.low, sphere.center.z - sphere.radius);

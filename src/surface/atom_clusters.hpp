@@ -6,6 +6,7 @@
 /// time is proportional to the cross-section of the molecule.
 
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -20,6 +21,10 @@ using ClusterIndex = std::uint32_t;
 struct HeightRange {
   double low = 0, high = 0;
 };
+
+/// The range that contains no height.
+inline constexpr HeightRange no_heights{std::numeric_limits<double>::infinity(),
+                                        -std::numeric_limits<double>::infinity()};
 
 /// The division of all atoms into clusters of equal size.
 class AtomClusters {

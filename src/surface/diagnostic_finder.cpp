@@ -13,7 +13,7 @@ namespace {
 constexpr double max_usual_radius = 4;       // angstrom
 constexpr double nanometre_radius = 0.4;     // radius of a large atom in nanometres
 constexpr double max_hydrogen_radius = 1.4;  // angstrom
-constexpr AtomIndex none = std::numeric_limits<AtomIndex>::max();
+constexpr AtomIndex no_partner = std::numeric_limits<AtomIndex>::max();
 
 bool is_close(const Atom& a, const Atom& b) {
   return a.radius > 0 && b.radius > 0 &&
@@ -59,7 +59,7 @@ DiagnosticFinder::DiagnosticFinder(std::span<const Atom> atoms,
     : atoms_(atoms),
       is_own_(std::move(is_own)),
       are_small_(std::all_of(atoms.begin(), atoms.end(), has_nanometre_radius)),
-      outer_(atoms.size(), none) {}
+      outer_(atoms.size(), no_partner) {}
 
 void DiagnosticFinder::add(DiagnosticKind kind, AtomIndex atom, AtomIndex other,
                            DiagnosticTally& tally) const {
@@ -75,7 +75,7 @@ void DiagnosticFinder::inspect_duplicate(AtomIndex i, AtomIndex first,
 // Reports a pair of atoms for the later one.
 void DiagnosticFinder::inspect(AtomIndex i, std::span<const AtomIndex> near,
                                DiagnosticTally& tally) {
-  AtomIndex close = none;
+  AtomIndex close = no_partner;
   for (const AtomIndex j : near) {
     if (is_close(atoms_[i], atoms_[j])) {
       if (j < i) close = std::min(close, j);
@@ -83,7 +83,7 @@ void DiagnosticFinder::inspect(AtomIndex i, std::span<const AtomIndex> near,
       atomic_update(outer_[j], i, std::less());
     }
   }
-  if (close != none) add(DiagnosticKind::close, i, close, tally);
+  if (close != no_partner) add(DiagnosticKind::close, i, close, tally);
   inspect_radius(i, tally);
 }
 
@@ -98,7 +98,7 @@ void DiagnosticFinder::inspect_radius(AtomIndex i, DiagnosticTally& tally) const
 DiagnosticTally DiagnosticFinder::find_nested() const {
   DiagnosticTally nested;
   for (AtomIndex i = 0; i < atoms_.size(); ++i) {
-    if (outer_[i] == none) continue;
+    if (outer_[i] == no_partner) continue;
     const bool is_large = atoms_[i].radius > max_hydrogen_radius;
     add(is_large ? DiagnosticKind::nested : DiagnosticKind::nested_usual, i, outer_[i], nested);
   }

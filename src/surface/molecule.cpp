@@ -80,7 +80,7 @@ bool contains(const Atom& outer, const Atom& inner) {
   return norm(outer.center - inner.center) <= outer.radius - inner.radius + tolerance::containment;
 }
 
-constexpr AtomIndex none = std::numeric_limits<AtomIndex>::max();
+constexpr AtomIndex no_container = std::numeric_limits<AtomIndex>::max();
 
 // Orders distinct atoms independently of their indices, the largest first.
 bool precedes(const Atom& a, const Atom& b) {
@@ -90,7 +90,8 @@ bool precedes(const Atom& a, const Atom& b) {
   return values(a) < values(b);
 }
 
-// For each atom, the first one in the order of `precedes` that precedes and contains it, or `none`.
+// For each atom, the first one in the order of `precedes` that precedes and contains it, or
+// `no_container`.
 using Containers = std::vector<AtomIndex>;
 
 // Records atom `i` as a container of the atoms of `near` that it contains. Several threads may call
@@ -98,7 +99,7 @@ using Containers = std::vector<AtomIndex>;
 void record_contained(std::span<const Atom> atoms, AtomIndex i, std::span<const AtomIndex> near,
                       Containers& containers) {
   const auto comes_first = [&](AtomIndex a, AtomIndex b) {
-    return b == none || precedes(atoms[a], atoms[b]);
+    return b == no_container || precedes(atoms[a], atoms[b]);
   };
   for (const AtomIndex j : near)
     if (contains(atoms[i], atoms[j]) && precedes(atoms[i], atoms[j]))
@@ -121,7 +122,7 @@ void mark_contained(std::span<const Atom> atoms, const CellList& cells,
                     const Containers& containers, std::vector<std::uint8_t>& is_contained) {
   std::vector<AtomIndex> inner, found;
   for (AtomIndex i = 0; i < atoms.size(); ++i)
-    if (containers[i] != none) inner.push_back(i);
+    if (containers[i] != no_container) inner.push_back(i);
   std::sort(inner.begin(), inner.end(),
             [&](AtomIndex a, AtomIndex b) { return precedes(atoms[a], atoms[b]); });
   for (const AtomIndex i : inner)
@@ -183,7 +184,7 @@ struct Molecule::Parts {
                      const CheckCallback& check) {
     DiagnosticFinder finder(atoms, is_own);
     std::vector<DiagnosticTally> tallies(loop_range_count(atoms.size()));
-    Containers containers(atoms.size(), none);
+    Containers containers(atoms.size(), no_container);
     for_loop_ranges(atoms.size(), threads, [&](std::size_t range, AtomIndex begin, AtomIndex end) {
       inspect_range(begin, end, first_equal, containers, finder, tallies[range]);
       check();

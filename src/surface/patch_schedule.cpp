@@ -1,15 +1,8 @@
 #include "surface/patch_schedule.hpp"
 
 #include <algorithm>
-#include <limits>
 
 namespace eses::detail {
-namespace {
-
-constexpr double infinity = std::numeric_limits<double>::infinity();
-
-}  // namespace
-
 PatchSchedule::PatchSchedule(const SurfaceModel& surface, const HeightRange& heights_to_solve,
                              bool has_bounds)
     : patches_(surface, has_bounds),
@@ -18,7 +11,7 @@ PatchSchedule::PatchSchedule(const SurfaceModel& surface, const HeightRange& hei
       heights_to_solve_(heights_to_solve),
       stages_(patches_.clusters().count(), Stage::none),
       is_passed_(patches_.clusters().count()),
-      highest_(-infinity) {
+      highest_(no_heights.high) {
   find_heights_with_arcs();
 }
 
@@ -36,7 +29,7 @@ bool PatchSchedule::needs_arcs(ClusterIndex cluster) const {
 }
 
 void PatchSchedule::find_heights_with_arcs() {
-  heights_with_arcs_ = {infinity, -infinity};
+  heights_with_arcs_ = no_heights;
   for (ClusterIndex cluster = 0; cluster < stages_.size(); ++cluster) {
     if (!must_complete(cluster)) continue;
     const HeightRange& heights = patches_.clusters().heights(cluster);

@@ -19,7 +19,7 @@ constexpr int max_attempts = 12;
 constexpr double margin = 1e-7;
 
 // A point in which a great circle crosses an arc.
-struct Crossing {
+struct ArcCrossing {
   double angle;     // along the great circle, in [0, 2 pi)
   bool leaves_cap;  // whether the circle runs into a face
   DisjointSets::Element node;
@@ -53,7 +53,7 @@ std::optional<GreatCircle> circle_through(Vec3 start, Vec3 other) {
 
 // Appends the crossings of a great circle with an arc. Returns whether the circle keeps the margin.
 bool add_crossings(const GreatCircle& circle, const SphereArc& on,
-                   std::vector<Crossing>& crossings) {
+                   std::vector<ArcCrossing>& crossings) {
   const double c = on.cap.cosine;
   const double along = dot(circle.start, on.cap.axis), across = dot(circle.side, on.cap.axis);
   const double reach = std::hypot(along, across);
@@ -78,12 +78,12 @@ bool add_crossings(const GreatCircle& circle, const SphereArc& on,
 // Replaces `crossings` by all crossings of a great circle, in the order of their angles. Returns
 // whether the circle keeps the margin, and faces and caps alternate.
 bool find_crossings(const GreatCircle& circle, std::span<const SphereArc> arcs,
-                    std::vector<Crossing>& crossings) {
+                    std::vector<ArcCrossing>& crossings) {
   crossings.clear();
   for (const SphereArc& arc : arcs)
     if (!add_crossings(circle, arc, crossings)) return false;
   std::sort(crossings.begin(), crossings.end(),
-            [](const Crossing& a, const Crossing& b) { return a.angle < b.angle; });
+            [](const ArcCrossing& a, const ArcCrossing& b) { return a.angle < b.angle; });
   for (std::size_t k = 0; k < crossings.size(); ++k)
     if (crossings[k].leaves_cap == crossings[(k + 1) % crossings.size()].leaves_cap) return false;
   return true;
@@ -125,7 +125,7 @@ SphereArc on_second_sphere(const Arc& arc, const ContactCircle& circle, const Sa
 
 void connect_faces(std::span<const SphereArc> arcs,
                    const std::function<void(DisjointSets::Element, DisjointSets::Element)>& unite) {
-  std::vector<Crossing> crossings;
+  std::vector<ArcCrossing> crossings;
   std::vector<DisjointSets::Element> seen;
   for (int attempt = 0; attempt < max_attempts; ++attempt) {
     bool is_certain = true;
@@ -152,7 +152,7 @@ void connect_faces(std::span<const SphereArc> arcs,
 }
 
 std::optional<DisjointSets::Element> node_of_face(std::span<const SphereArc> arcs, Vec3 direction) {
-  std::vector<Crossing> crossings;
+  std::vector<ArcCrossing> crossings;
   for (int attempt = 0; attempt < max_attempts; ++attempt) {
     const SphereArc& arc = arcs[static_cast<std::size_t>(attempt) % arcs.size()];
     const auto circle = circle_through(direction, point_at(arc, trial_fraction(attempt)));

@@ -12,7 +12,7 @@
 namespace eses::detail {
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 // The sample is small, so that the survey takes little time compared with the patches of all atoms.
 constexpr std::size_t min_samples = 128, max_samples = 2048, atoms_per_sample = 16;
 constexpr std::size_t sampled_boxes = 12;
@@ -84,8 +84,6 @@ std::vector<Vec3> exposed_directions(const CapList& caps, double radius,
   return exposed;
 }
 
-double squared(double x) { return x * x; }
-
 // Converts the differences between consecutive bins to cumulative sums of the values of all bins.
 void integrate(std::vector<double>& steps) {
   std::partial_sum(steps.begin(), steps.end(), steps.begin());
@@ -115,7 +113,8 @@ SurfaceSurvey::SurfaceSurvey(const Molecule& molecule, double probe_radius, cons
 
 // Returns the sampling weight of an atom, which is proportional to the area of its SAS sphere.
 double SurfaceSurvey::size_of(std::size_t patched) const {
-  return squared(surface_.atoms[patched_atom(patched)].radius + surface_.probe_radius);
+  const double radius = surface_.atoms[patched_atom(patched)].radius + surface_.probe_radius;
+  return radius * radius;
 }
 
 void SurfaceSurvey::prepare_bins() {

@@ -9,6 +9,9 @@
 
 namespace eses::detail {
 
+/// The end of the name of a compressed file.
+inline constexpr std::string_view gzip_suffix = ".gz";
+
 inline constexpr std::string_view gzip_magic = "\x1f\x8b";
 
 /// Argument of deflateInit2 and inflateInit2: the largest window, plus 16 for the gzip format.

@@ -10,8 +10,6 @@
 namespace eses::detail::verify {
 namespace {
 
-/// Lengths, in angstrom, below which a direction is lost in rounding.
-constexpr double no_direction = 1e-12;
 /// Centres that are nearer to each other than this are the same, in angstrom.
 constexpr double same_center = 1e-6;
 constexpr double epsilon = std::numeric_limits<double>::epsilon();

@@ -30,6 +30,9 @@
 
 namespace eses::detail::verify {
 
+/// Lengths, in angstrom, below which a direction is lost in rounding.
+inline constexpr double no_direction = 1e-12;
+
 /// The atoms and the probe radius that define a surface.
 struct Definition {
   std::span<const Atom> atoms;

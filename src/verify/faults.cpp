@@ -31,8 +31,6 @@ double near_seam(double probe) {
 }
 /// Centres that are compared with that of a crossing, with a tolerance in angstrom.
 constexpr Access touching_probe{0, 1e-9, 0};
-/// Lengths, in angstrom, below which a direction is lost in rounding.
-constexpr double no_direction = 1e-12;
 
 std::string name_of(const GridIndex& index) {
   return formatted("{} {} {}", index[0], index[1], index[2]);
