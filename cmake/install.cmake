@@ -20,11 +20,6 @@ set_target_properties(eses PROPERTIES
 
 install(TARGETS eses EXPORT eses-targets
         LIBRARY COMPONENT development ARCHIVE COMPONENT development)
-if(ESES_INSTALLED_BYTECODE AND NOT BUILD_SHARED_LIBS)
-  install(CODE "execute_process(COMMAND ${CMAKE_OBJCOPY} --wildcard --remove-section=.gnu.lto_*
-    \"\$ENV{DESTDIR}\${CMAKE_INSTALL_PREFIX}/${CMAKE_INSTALL_LIBDIR}/$<TARGET_FILE_NAME:eses>\"
-    COMMAND_ERROR_IS_FATAL ANY)" COMPONENT development)
-endif()
 if(ESES_BUILD_PROGRAM)
   install(TARGETS eses-blocks COMPONENT program)
   # The program finds by these names that it replaces MSMS and its scripts.

@@ -12,7 +12,7 @@
 namespace eses::detail {
 namespace {
 
-constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
+constexpr std::uint32_t not_numbered = std::numeric_limits<std::uint32_t>::max();
 
 // The exchange of keys with the processes that are responsible for them.
 class KeyExchange {
@@ -70,11 +70,11 @@ class KeyExchange {
 
   // Returns for each id the lowest rank that sent the key.
   std::vector<std::uint32_t> first_senders() const {
-    std::vector<std::uint32_t> first(id_count(), none);
+    std::vector<std::uint32_t> first(id_count(), not_numbered);
     auto id = ids_.begin();
     for (std::uint32_t rank = 0; rank < received_.size(); ++rank)
       for (std::uint64_t q = 0; q < received_[rank]; ++q, ++id)
-        if (first[*id] == none) first[*id] = rank;
+        if (first[*id] == not_numbered) first[*id] = rank;
     return first;
   }
 
@@ -140,13 +140,13 @@ KeyNumbers number_keys(std::span<const std::string> keys, const Processes& proce
   for (std::size_t k = 0; k < keys.size(); ++k)
     if (first[k] == static_cast<std::uint32_t>(processes.rank())) numbers.first_here.push_back(k);
   numbers.first = static_cast<std::uint32_t>(processes.sum_before(numbers.first_here.size()));
-  std::vector<std::uint32_t> assigned(keys.size(), none);
+  std::vector<std::uint32_t> assigned(keys.size(), not_numbered);
   for (std::size_t q = 0; q < numbers.first_here.size(); ++q)
     assigned[numbers.first_here[q]] = numbers.first + static_cast<std::uint32_t>(q);
   const std::vector<std::uint32_t> received = exchange.send(assigned);
   std::vector<std::uint32_t> of_id(exchange.id_count());
   for (std::size_t q = 0; q < received.size(); ++q)
-    if (received[q] != none) of_id[exchange.ids()[q]] = received[q];
+    if (received[q] != not_numbered) of_id[exchange.ids()[q]] = received[q];
   numbers.of_key = exchange.send_back(of_id);
   return numbers;
 }

@@ -10,18 +10,18 @@ namespace {
 constexpr double golden = 1.6180339887498949;
 
 // The vertices of an icosahedron with edges of length 2.
-constexpr std::array<Vec3, 12> corners{{{-1, golden, 0},
-                                        {1, golden, 0},
-                                        {-1, -golden, 0},
-                                        {1, -golden, 0},
-                                        {0, -1, golden},
-                                        {0, 1, golden},
-                                        {0, -1, -golden},
-                                        {0, 1, -golden},
-                                        {golden, 0, -1},
-                                        {golden, 0, 1},
-                                        {-golden, 0, -1},
-                                        {-golden, 0, 1}}};
+constexpr std::array<Vec3, 12> icosahedron{{{-1, golden, 0},
+                                            {1, golden, 0},
+                                            {-1, -golden, 0},
+                                            {1, -golden, 0},
+                                            {0, -1, golden},
+                                            {0, 1, golden},
+                                            {0, -1, -golden},
+                                            {0, 1, -golden},
+                                            {golden, 0, -1},
+                                            {golden, 0, 1},
+                                            {-golden, 0, -1},
+                                            {-golden, 0, 1}}};
 
 // Returns the angular radius of the circle through three directions.
 double circumradius(Vec3 a, Vec3 b, Vec3 c) {
@@ -41,16 +41,16 @@ CoveringDirections make_covering_directions(int frequency) {
   CoveringDirections covering;
   const double edge = 2;
   const auto are_neighbours = [&](std::size_t a, std::size_t b) {
-    return std::fabs(norm(corners[a] - corners[b]) - edge) < 1e-9;
+    return std::fabs(norm(icosahedron[a] - icosahedron[b]) - edge) < 1e-9;
   };
-  for (std::size_t a = 0; a < corners.size(); ++a)
-    for (std::size_t b = a + 1; b < corners.size(); ++b)
-      for (std::size_t c = b + 1; c < corners.size(); ++c) {
+  for (std::size_t a = 0; a < icosahedron.size(); ++a)
+    for (std::size_t b = a + 1; b < icosahedron.size(); ++b)
+      for (std::size_t c = b + 1; c < icosahedron.size(); ++c) {
         if (!are_neighbours(a, b) || !are_neighbours(b, c) || !are_neighbours(a, c)) continue;
         const auto point = [&](int i, int j) {
           const double u = static_cast<double>(i) / frequency;
           const double v = static_cast<double>(j) / frequency;
-          return normalized((1 - u - v) * corners[a] + u * corners[b] + v * corners[c]);
+          return normalized((1 - u - v) * icosahedron[a] + u * icosahedron[b] + v * icosahedron[c]);
         };
         for (int i = 0; i <= frequency; ++i)
           for (int j = 0; i + j <= frequency; ++j) {

@@ -26,7 +26,7 @@ constexpr std::size_t part_bytes = std::size_t{1} << 18;
 static_assert(max_line_length < part_bytes);
 
 // The largest index is reserved for "no atom".
-constexpr std::size_t max_atoms = std::numeric_limits<AtomIndex>::max();
+constexpr std::size_t max_atoms_of_file = std::numeric_limits<AtomIndex>::max();
 
 // ------------------------------------------------------------------------------------------ xyzr
 
@@ -158,8 +158,8 @@ void parse_lines(std::string_view text, const AtomLines& lines, LinesRead& read,
       fail_at_line(name, number,
                    is_pqr ? describe_pqr(problem, line) : describe_xyzr(problem, line, rest));
     }
-    if (result.atoms.size() == max_atoms)
-      fail_at_line(name, number, formatted("more than {} atoms", max_atoms));
+    if (result.atoms.size() == max_atoms_of_file)
+      fail_at_line(name, number, formatted("more than {} atoms", max_atoms_of_file));
     result.atoms.push_back(record.atom);
     result.lines.push_back(number);
     if (!is_pqr) continue;

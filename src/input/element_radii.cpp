@@ -20,7 +20,7 @@ struct ElementRadii {
 // doi:10.1039/c3dt50599e. Compilations that cite Bondi give platinum 1.75 or 1.72; the table has
 // 1.75, as FreeSASA does. Column `freesasa`: the radii that FreeSASA 2.1.2 uses for atoms that its
 // sets do not name.
-constexpr std::array<ElementRadii, 103> table{{
+constexpr std::array<ElementRadii, 103> radii_by_element{{
     {"H", 1.20, 1.10},  {"He", 1.40, 1.40}, {"Li", 1.81, 1.81}, {"Be", 1.53, 1.53},
     {"B", 1.92, 1.92},  {"C", 1.70, 1.70},  {"N", 1.55, 1.55},  {"O", 1.52, 1.52},
     {"F", 1.47, 1.47},  {"Ne", 1.54, 1.54}, {"Na", 2.27, 2.27}, {"Mg", 1.73, 1.73},
@@ -49,11 +49,11 @@ constexpr std::array<ElementRadii, 103> table{{
     {"Md", 0.00, 1.60}, {"No", 0.00, 1.59}, {"Lr", 0.00, 1.58},
 }};
 
-constexpr std::size_t no_element = table.size();
+constexpr std::size_t no_element = radii_by_element.size();
 
 std::size_t index_of(std::string_view symbol) {
-  for (std::size_t i = 0; i < table.size(); ++i)
-    if (table[i].symbol == symbol) return i;
+  for (std::size_t i = 0; i < radii_by_element.size(); ++i)
+    if (radii_by_element[i].symbol == symbol) return i;
   return no_element;
 }
 
@@ -63,8 +63,8 @@ std::size_t index_of_element(std::string_view symbol) {
 }
 
 std::optional<double> radius_at(std::size_t index, double ElementRadii::*column) {
-  if (index == no_element || table[index].*column == 0) return std::nullopt;
-  return table[index].*column;
+  if (index == no_element || radii_by_element[index].*column == 0) return std::nullopt;
+  return radii_by_element[index].*column;
 }
 
 }  // namespace

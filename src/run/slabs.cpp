@@ -27,7 +27,7 @@ constexpr double seconds_per_point_text = 2e-9;
 constexpr double seconds_per_crossing_of_mesh = 0.3e-6;
 constexpr double seconds_per_point_of_map = 3e-9;
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
+constexpr double endless = std::numeric_limits<double>::infinity();
 
 // Maximum number of bins of planes. It limits the memory for grids with very many planes.
 constexpr std::int64_t max_bins = 1 << 16;
@@ -167,7 +167,7 @@ SentAtoms send_atoms(const AtomPart& part, const GridPlan& plan, const Outputs& 
     const Atom& atom = part.atoms[i];
     // The first atom is sent to all slabs with planes, so that each of them has an atom.
     const bool matters_to_all = part.first + i == 0;
-    const double reach = matters_to_all ? infinity : influence(atom, max_radius, probe, outputs);
+    const double reach = matters_to_all ? endless : influence(atom, max_radius, probe, outputs);
     auto slab = std::partition_point(reached.begin(), reached.end(), [&](const Reached& one) {
       return one.high < atom.center.z - reach;
     });
@@ -182,7 +182,7 @@ SentAtoms send_atoms(const AtomPart& part, const GridPlan& plan, const Outputs& 
 // Returns a function that decides whether a slab owns an atom. Each atom is owned by one slab.
 std::function<bool(const Atom&)> ownership(const GridPlan& plan, std::span<const PlaneRange> slabs,
                                            std::size_t rank) {
-  double low = -infinity, high = infinity;
+  double low = -endless, high = endless;
   for (std::size_t other = 0; other < slabs.size(); ++other) {
     if (slabs[other].is_empty()) continue;
     if (other < rank) low = plan.grid.coordinate(2, slabs[rank].begin);

@@ -28,13 +28,16 @@ InstructionSet widest_available() {
   return InstructionSet::baseline;
 }
 
-constexpr std::array<std::string_view, 4> names{"baseline", "sse4", "avx2", "avx512"};
+constexpr std::array<std::string_view, 4> instruction_set_names{"baseline", "sse4", "avx2",
+                                                                "avx512"};
 
 InstructionSet widest_allowed() {
   const char* const wish = std::getenv(instruction_set_variable);
-  const auto* const name = std::find(names.begin(), names.end(), wish != nullptr ? wish : "");
-  return name == names.end() ? InstructionSet::avx512
-                             : static_cast<InstructionSet>(name - names.begin());
+  const auto* const name = std::find(instruction_set_names.begin(), instruction_set_names.end(),
+                                     wish != nullptr ? wish : "");
+  return name == instruction_set_names.end()
+             ? InstructionSet::avx512
+             : static_cast<InstructionSet>(name - instruction_set_names.begin());
 }
 
 }  // namespace
@@ -44,10 +47,13 @@ InstructionSet instruction_set() {
   return chosen;
 }
 
-std::string_view name_of(InstructionSet set) { return names[static_cast<std::size_t>(set)]; }
+std::string_view name_of(InstructionSet set) {
+  return instruction_set_names[static_cast<std::size_t>(set)];
+}
 
 bool is_instruction_set(std::string_view name) {
-  return std::find(names.begin(), names.end(), name) != names.end();
+  return std::find(instruction_set_names.begin(), instruction_set_names.end(), name) !=
+         instruction_set_names.end();
 }
 
 }  // namespace eses::detail

@@ -129,12 +129,6 @@ class Install(TestCase):
         self.assertIn("typeinfo for eses::MemoryLimitError", names)
         self.assertNotIn("MPI_", done.stdout)
 
-    def test_library_holds_no_bytecode_of_the_compiler(self):
-        done = run("objdump", "--section-headers", self.static_library())
-        self.assertDone(done)
-        self.assertIn(".text", done.stdout)
-        self.assertNotIn(".gnu.lto_", done.stdout)
-
     def test_all_files_are_installed(self):
         doc = "share/doc/eses-blocks"
         for name in ("bin/eses-blocks", "share/bash-completion/completions/eses-blocks",
