@@ -171,6 +171,21 @@ TEST_CASE("api: a region has the points and crossings of the whole grid", "[api]
       [&](const eses::Crossing& crossing) { return region.contains(crossing.upper()); });
   CHECK(part.mesh()->vertices.size() == static_cast<std::size_t>(in_cells));
   CHECK(!part.mesh()->faces.empty());
+  const auto require_crossings = [](const Result& result, const eses::Mesh& mesh,
+                                    double tolerance) {
+    REQUIRE(mesh.crossings.size() == mesh.vertices.size());
+    CHECK(std::ranges::adjacent_find(mesh.crossings, std::greater_equal<>()) ==
+          mesh.crossings.end());
+    for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
+      const eses::Crossing& crossing = result.crossings()[mesh.crossings[v]];
+      REQUIRE(norm(crossing.position - mesh.vertices[v]) <= tolerance * result.grid().spacing);
+      REQUIRE(crossing.normal == mesh.normals[v]);
+    }
+  };
+  for (const Result* const result : {&whole, &part}) {
+    require_crossings(*result, make_mesh(*result), 1.1e-4);
+    require_crossings(*result, make_quality_mesh(*result), 1.1e-6);
+  }
 }
 
 TEST_CASE("api: blocks have each point and each crossing once", "[api]") {

@@ -19,6 +19,7 @@
 #include "eses/measure.hpp"
 #include "eses/read_atoms.hpp"
 #include "mesh/shells.hpp"
+#include "support/atom_sets.hpp"
 #include "support/sandbox.hpp"
 
 namespace fs = std::filesystem;
@@ -163,6 +164,53 @@ TEST_CASE("msms: the number of vertices follows from the density", "[msms]") {
     const double found = static_cast<double>(Pair(box.directory() / "m").vertices.size());
     CHECK(found / (4 * pi * 400) == Catch::Approx(density).epsilon(0.03));
   }
+}
+
+TEST_CASE("msms: vertices have their closest spheres, and triangles have no small angles",
+          "[msms]") {
+  const Sandbox box;
+  const std::vector<Atom> atoms = make_chain(60, 4);
+  std::string text;
+  for (const auto& [center, radius] : atoms)
+    text += fmt::format("{:.17g} {:.17g} {:.17g} {:.17g}\n", center.x, center.y, center.z, radius);
+  write_file(box.directory() / "chain", text);
+  REQUIRE(box.run({"msms", "-if", "chain", "-of", "m", "-density", "10"}).code == 0);
+  const Pair mesh(box.directory() / "m");
+  CHECK(mesh.volume() > 0);
+  const double probe_radius = 1.5;
+  std::set<std::size_t> counts;
+  for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
+    const Fields& line = mesh.vertices[v];
+    const Vec3 point = mesh.position(v),
+               probe = point + probe_radius *
+                                   Vec3{std::stod(line[3]), std::stod(line[4]), std::stod(line[5])};
+    std::vector<double> touched;  // distances of the vertex from the spheres that the probe touches
+    for (const Atom& atom : atoms) {
+      const double gap = norm(probe - atom.center) - atom.radius - probe_radius;
+      REQUIRE(gap > -1e-9);
+      if (gap < 1e-9) touched.push_back(norm(point - atom.center) - atom.radius);
+    }
+    const Atom& closest = atoms.at(std::stoul(line[7]) - 1);
+    REQUIRE_FALSE(touched.empty());
+    REQUIRE(norm(point - closest.center) - closest.radius ==
+            Catch::Approx(*std::min_element(touched.begin(), touched.end())).margin(1e-9));
+    counts.insert(touched.size());
+    REQUIRE(line[8] == (touched.size() == 1 ? "3" : touched.size() == 2 ? "1" : "2"));
+  }
+  CHECK(counts == std::set<std::size_t>{1, 2, 3});
+  std::size_t small = 0;
+  for (const Fields& line : mesh.triangles) {
+    std::array<Vec3, 3> t;
+    for (std::size_t i = 0; i < 3; ++i) t[i] = mesh.position(std::stoul(line[i]) - 1);
+    double smallest = pi;
+    for (std::size_t i = 0; i < 3; ++i) {
+      const Vec3 u = t[(i + 1) % 3] - t[i], v = t[(i + 2) % 3] - t[i];
+      smallest = std::min(smallest, std::atan2(norm(cross(u, v)), dot(u, v)));
+    }
+    if (smallest < pi / 9) ++small;
+  }
+  // A mesh of marching cubes has about a quarter.
+  CHECK(static_cast<double>(small) < 0.005 * static_cast<double>(mesh.triangles.size()));
 }
 
 TEST_CASE("msms: names of atoms are in vertices and areas", "[msms]") {

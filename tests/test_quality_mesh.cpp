@@ -225,6 +225,13 @@ TEST_CASE("quality mesh: all formats have the same triangles", "[mesh][quality]"
   CHECK(farthest < 1e-5);
 }
 
+TEST_CASE("quality mesh: the header of MSMS has the density of the vertices", "[mesh][quality]") {
+  const QualityRun improved = run_mesh(atoms_of("1ubq.xyzr"), {}, true, {.file = "mesh.vert"});
+  const auto [vertices, spheres, density, probe_radius] = improved.mesh.msms_header;
+  CHECK(vertices == static_cast<double>(improved.mesh.positions.size()));
+  CHECK(vertices / improved.summary.area == Catch::Approx(density).epsilon(0.02));
+}
+
 TEST_CASE("quality mesh: parts of the grid meet at the same border", "[mesh][quality]") {
   const std::vector<Atom> atoms = make_chain(120, 31);
   Parameters parameters;

@@ -130,7 +130,7 @@ def read_obj(path):
 
 def read_off(path):
     with open(path, encoding="ascii") as source:
-        words = source.read().split()
+        words = [word for line in source for word in line.partition("#")[0].split()]
     if not words or words[0] != "OFF":
         raise ValueError
     vertices, faces = int(words[1]), int(words[2])

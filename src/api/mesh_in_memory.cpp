@@ -63,6 +63,7 @@ class RowMaker {
       row.edges.push_back(mesh::edge_key(
           static_cast<std::uint64_t>(crossing.lower[0] - region_.begin[0]), crossing.axis));
       add_vertex(grid_, crossing, clearance_, mesh_);
+      mesh_.crossings.push_back(next_);
       if (component_of_) mesh_.components.push_back(component_of_(crossing));
     }
   }
@@ -98,6 +99,7 @@ Mesh improve(const Mesh& plain, std::span<const RowBegin> rows, const eses::Grid
                                         mesh.normals.push_back(plain.normals[vertex]);
                                         mesh.atoms.push_back(plain.atoms[vertex]);
                                         mesh.patches.push_back(plain.patches[vertex]);
+                                        mesh.crossings.push_back(plain.crossings[vertex]);
                                         if (!plain.components.empty())
                                           mesh.components.push_back(plain.components[vertex]);
                                       },

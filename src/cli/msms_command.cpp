@@ -233,8 +233,8 @@ struct ComponentWriter {
   void write_header(bool has_faces, std::uint64_t count, const TextSink& sink) const {
     if (!options.has_header) return;
     BufferedText text(sink);
-    mesh::append_msms_header(text, has_faces, count, input.used.size(), options.probe_radius,
-                             surface.spacing);
+    mesh::append_msms_header(text, has_faces, count, input.used.size(), options.density,
+                             options.probe_radius);
     text.flush();
   }
 

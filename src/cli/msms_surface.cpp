@@ -105,8 +105,6 @@ void divide_areas(const AtomAreas& areas, std::span<const Atom> spheres,
 
 }  // namespace
 
-double spacing_for(double density) { return std::sqrt(mesh::crossings_per_area / density); }
-
 std::uint32_t MsmsSurface::component_at(std::span<const AtomIndex> atoms) const {
   std::vector<std::vector<std::uint64_t>> counts(components.all.size(),
                                                  std::vector<std::uint64_t>(atoms.size()));
@@ -133,18 +131,18 @@ std::uint32_t MsmsSurface::component_at(std::span<const AtomIndex> atoms) const 
 
 MsmsSurface make_msms_surface(std::vector<Atom> spheres, const MsmsOptions& options) {
   MsmsSurface result;
-  result.spacing = spacing_for(options.density);
+  const double spacing = std::sqrt(mesh::vertices_per_area(true) / options.density);
   const Surface surface(std::move(spheres), {.probe_radius = options.probe_radius});
   // The grid may lack up to one spacing of its upper margin.
-  const Grid grid = make_grid(surface, {.spacing = result.spacing, .margin = 2 * result.spacing});
-  Result computed = compute(surface, grid, {.inside = false, .crossings = true, .mesh = true});
-  const Mesh& mesh = *computed.mesh();
+  const Grid grid = make_grid(surface, {.spacing = spacing, .margin = 2 * spacing});
+  const Result computed = compute(surface, grid, {.inside = true, .crossings = true});
+  const Mesh mesh = make_quality_mesh(computed);
   if (mesh.vertices.empty())
     throw Error(formatted("no triangles at -density {}; use a higher density", options.density));
   result.triangles = mesh.faces;
   for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
     const mesh::Vertex& vertex =
-        result.vertices.emplace_back(vertex_of(mesh, i, computed.crossings()[i]));
+        result.vertices.emplace_back(vertex_of(mesh, i, computed.crossings()[mesh.crossings[i]]));
     result.closest_atoms.push_back(adjacent_atom(vertex, [&](AtomIndex atom) {
       const Atom& sphere = surface.atoms()[atom];
       return norm(vertex.position - sphere.center) - sphere.radius;

@@ -30,7 +30,6 @@ struct MsmsSurface {
   std::vector<MsmsAreas> areas;  ///< analytical, by component
   /// Areas by atom and component, without pairs that do not occur.
   std::map<std::pair<AtomIndex, std::uint32_t>, MsmsAreas> atom_areas;
-  double spacing = 0;  ///< of the grid of the triangles, in angstrom
 
   /// Returns the index of the component that touches all of these atoms: the cavity wall with most
   /// vertices on them, otherwise the outer surface with most vertices on them. Throws Error if
@@ -38,11 +37,8 @@ struct MsmsSurface {
   std::uint32_t component_at(std::span<const AtomIndex> atoms) const;
 };
 
-/// Returns the spacing of the grid for which the triangles have about `density` vertices in a
-/// square angstrom.
-double spacing_for(double density);
-
-/// Computes the surface of spheres. Throws Error if it has no vertices.
+/// Computes the surface of spheres on a grid for which the triangles of quality have about the
+/// chosen density of vertices. Throws Error if there are none.
 MsmsSurface make_msms_surface(std::vector<Atom> spheres, const MsmsOptions& options);
 
 }  // namespace eses::detail::cli

@@ -69,8 +69,8 @@ class FacingCells {
 
   /// Adds a triangle in a cell of the grid. See `add`.
   void add_small(const TrianglePoints& t, Directions directions) {
-    const Bounds bounds(t);
-    const Vec3 middle = 0.5 * (bounds.low + bounds.high);
+    // The middle of the triangle is in the same cell of the grid, and cells have whole cells of it.
+    const Vec3 middle = (1.0 / 3) * (t[0] + t[1] + t[2]);
     const std::int64_t z = cell_of(middle, 2);
     clear_up_to(z);
     cells_[static_cast<std::size_t>(cell_at(cell_of(middle, 0), cell_of(middle, 1), z))] |=

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <span>
 #include <utility>
 
 namespace eses::detail::mesh {
@@ -79,7 +80,6 @@ void QualityMesh::add_vertex(const PlainVertex& vertex) {
 }
 
 void QualityMesh::add_triangle(const Triangle& triangle) {
-  Face face;
   std::int32_t plane = std::numeric_limits<std::int32_t>::min();
   for (const std::uint64_t number : triangle) plane = std::max(plane, at(number).z);
   if (!has_plane_) {
@@ -88,15 +88,18 @@ void QualityMesh::add_triangle(const Triangle& triangle) {
     has_plane_ = true;
   }
   if (plane > plane_) advance_to(plane);
-  for (std::size_t i = 0; i < triangle.size(); ++i)
-    face.vertices[i] = static_cast<Index>(triangle[i] - first_number_);
-  face.plane = plane_;
   if (face_planes_.empty() || face_planes_.back().z != plane_)
     face_planes_.push_back({plane_, static_cast<Index>(faces_.size())});
   const auto first = static_cast<Index>(4 * faces_.size());
-  faces_.push_back(face);
-  for (Index corner = first; corner < first + 3; ++corner) link(corner);
-  const TrianglePoints t = points(face.vertices);
+  Face& face = faces_.emplace_back();
+  face.plane = plane_;
+  TrianglePoints t;
+  for (Index i = 0; i < 3; ++i) {
+    face.vertices[i] = static_cast<Index>(triangle[i] - first_number_);
+    Vertex& vertex = vertices_[face.vertices[i]];
+    t[i] = vertex.position;
+    link(first + i, vertex, face);
+  }
   cells_.add_small(t, directions_not_faced(area_vector(t)));
 }
 
@@ -104,11 +107,14 @@ void QualityMesh::finish() {
   if (has_plane_) advance_to(plane_ + freeze_planes + kept_planes);
 }
 
-void QualityMesh::link(Index corner) {
-  Vertex& vertex = vertices_[vertex_at(corner)];
-  faces_[corner >> 2].next[corner & 3] = vertex.first_corner;
+// Adds a corner to the list of its vertex.
+void QualityMesh::link(Index corner, Vertex& vertex, Face& face) {
+  face.next[corner & 3] = vertex.first_corner;
   vertex.first_corner = corner;
   ++vertex.valence;
+}
+void QualityMesh::link(Index corner) {
+  link(corner, vertices_[vertex_at(corner)], faces_[corner >> 2]);
 }
 
 void QualityMesh::unlink(Index corner) {
@@ -394,6 +400,9 @@ void QualityMesh::list_near_faces(const Bounds& bounds) {
   Bounds wide_bounds = bounds;
   wide_bounds.extend(bounds.low - Vec3{reach, reach, reach});
   wide_bounds.extend(bounds.high + Vec3{reach, reach, reach});
+  const auto is_near = [&](const Vertex& vertex) {
+    return wide_bounds.overlaps(Bounds(vertex.position));
+  };
   // Rounding may move a vertex beyond its row or plane.
   const auto index = [&](double coordinate, std::size_t axis, std::int64_t begin, int offset) {
     return static_cast<std::int64_t>(
@@ -420,20 +429,21 @@ void QualityMesh::list_near_faces(const Bounds& bounds) {
       auto next = std::partition_point(
           begin_of(y), end, [&](const Vertex& vertex) { return vertex.position.x < low_x; });
       for (; next != end && next->position.x <= high_x; ++next) {
-        if (!wide_bounds.overlaps(Bounds(next->position))) continue;
+        if (!is_near(*next)) continue;
         for (Index corner = next->first_corner; corner != none; corner = next_corner(corner)) {
-          const Bounds box(points(faces_[corner >> 2].vertices));
-          if (box.overlaps(bounds)) near_faces_.push_back({corner >> 2, box});
+          const Corners& triangle = faces_[corner >> 2].vertices;
+          // The first corner that is near lists the triangle.
+          const auto earlier = std::span(triangle).first(corner & 3);
+          if (std::ranges::any_of(earlier, [&](Index v) { return is_near(vertices_[v]); }))
+            continue;
+          const Bounds box(points(triangle));
+          if (box.overlaps(bounds) &&
+              std::ranges::find(old_faces_, corner >> 2) == old_faces_.end())
+            near_faces_.push_back({corner >> 2, box});
         }
       }
     }
   }
-  std::ranges::sort(near_faces_, {}, &NearFace::face);
-  const auto repeated = std::ranges::unique(near_faces_, {}, &NearFace::face);
-  near_faces_.erase(repeated.begin(), repeated.end());
-  std::erase_if(near_faces_, [&](const NearFace& near) {
-    return std::find(old_faces_.begin(), old_faces_.end(), near.face) != old_faces_.end();
-  });
 }
 
 // Returns whether two triangles have common points besides common corners and edges.

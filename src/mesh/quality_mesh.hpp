@@ -131,11 +131,9 @@ class QualityMesh {
 
   const Vertex& at(std::uint64_t number) const { return vertices_[number - first_number_]; }
   const Vec3& position(Index vertex) const { return vertices_[vertex].position; }
-  // Returns the corner after a corner of a triangle.
-  static Index after(Index corner) {
-    return (corner & ~Index{3}) | ((Index{1} << (corner & 3)) & 3);
-  }
-  static Index before(Index corner) { return after(after(corner)); }
+  // Return the corner after and before a corner of a triangle.
+  static Index after(Index corner) { return (corner & 3) < 2 ? corner + 1 : corner - 2; }
+  static Index before(Index corner) { return (corner & 3) > 0 ? corner - 1 : corner + 2; }
   Index vertex_at(Index corner) const { return faces_[corner >> 2].vertices[corner & 3]; }
   Index next_corner(Index corner) const { return faces_[corner >> 2].next[corner & 3]; }
   TrianglePoints points(const Corners& triangle) const {
@@ -148,6 +146,7 @@ class QualityMesh {
   bool can_have(const Face& face, Index vertex) const;
   Index corner_across(Index corner) const;
 
+  static void link(Index corner, Vertex& vertex, Face& face);
   void link(Index corner);
   void unlink(Index corner);
 

@@ -159,8 +159,8 @@ void MeshText::write_header_end(const MeshCounts& counts, const VertexBox& box,
       append_off_counts(text, counts);
       break;
     case MeshFormat::msms:
-      append_msms_header(text, false, counts.vertices, source_.atom_count, source_.probe_radius,
-                         source_.spacing);
+      append_msms_header(text, false, counts.vertices, source_.atom_count, source_.density,
+                         source_.probe_radius);
       break;
     case MeshFormat::vtp:
       append_vtp_before_data(text, vtp_fields(), counts);
@@ -181,8 +181,8 @@ void MeshText::write_header_end(const MeshCounts& counts, const VertexBox& box,
 
 void MeshText::write_face_header(const MeshCounts& counts, const TextSink& sink) const {
   BufferedText text(sink);
-  append_msms_header(text, true, counts.triangles, source_.atom_count, source_.probe_radius,
-                     source_.spacing);
+  append_msms_header(text, true, counts.triangles, source_.atom_count, source_.density,
+                     source_.probe_radius);
   text.flush();
 }
 

@@ -44,7 +44,7 @@ struct MeshSource {
   std::span<const Atom> atoms;   ///< by slab index
   std::uint64_t atom_count = 0;  ///< number of atoms of the whole molecule
   double probe_radius = 0;       ///< angstrom
-  double spacing = 0;            ///< angstrom
+  double density = 0;            ///< expected number of vertices in a square angstrom
   Vec3 center;                   ///< centre of the grid, in angstrom
   VertexPotential potential = {};
 };

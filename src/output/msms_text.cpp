@@ -14,8 +14,7 @@ char msms_type(std::uint8_t patch) { return patch == 1 ? '3' : patch == 2 ? '1' 
 }  // namespace
 
 void append_msms_header(BufferedText& text, bool has_faces, std::uint64_t count,
-                        std::uint64_t atom_count, double probe_radius, double spacing) {
-  const double density = crossings_per_area / (spacing * spacing);
+                        std::uint64_t atom_count, double density, double probe_radius) {
   text.append(
       "# solvent excluded surface {}, eses-blocks; format of MSMS; angstrom\n"
       "#{} #sphere density probe_r\n{:>12} {:>7} {:>5.2f} {:>5.2f}\n",

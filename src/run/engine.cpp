@@ -13,6 +13,7 @@
 #include "distributed/packed_texts.hpp"
 #include "eses/error.hpp"
 #include "output/mesh_writer.hpp"
+#include "output/msms_text.hpp"
 #include "output/output_files.hpp"
 #include "output/sequential_writer.hpp"
 #include "run/areas.hpp"
@@ -72,6 +73,7 @@ std::optional<mesh::MeshText> mesh_text(const RunTask& task, const RunPlan& plan
   mesh::VertexPotential potential;
   if (plan.potential)
     potential = {&*plan.potential, mesh->potential->offset, mesh->potential->limit};
+  const double spacing = plan.whole_plan.grid.spacing;
   return mesh::MeshText(
       required_mesh_format(*mesh), mesh->color,
       {.groups = groups,
@@ -79,7 +81,7 @@ std::optional<mesh::MeshText> mesh_text(const RunTask& task, const RunPlan& plan
        .atoms = plan.slab.molecule.atoms(),
        .atom_count = plan.atoms,
        .probe_radius = plan.whole_plan.parameters.probe_radius,
-       .spacing = plan.whole_plan.grid.spacing,
+       .density = mesh::vertices_per_area(mesh->quality) / (spacing * spacing),
        .center = 0.5 * (plan.whole_plan.grid.origin + plan.whole_plan.grid.upper()),
        .potential = potential});
 }

@@ -124,7 +124,7 @@ class Callers(TestCase):
         self.assertEqual(list(areas), list(dict.fromkeys(names)))
         row = done.stdout.split("SAS\n")[1].split("\n")[0].split()
         self.assertAlmostEqual(sum(areas.values()), float(row[5]), 1)
-        self.assertAlmostEqual(len(vertices) / float(row[5]), 3, delta=0.3)
+        self.assertAlmostEqual(len(vertices) / float(row[5]), 3, delta=0.1)
 
     def test_call_and_reader_of_pyvol(self):
         """PyVOL reads all components but the first one from NAME_1.face and so on."""
