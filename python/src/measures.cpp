@@ -98,17 +98,17 @@ TypeError
 class MeasureArrays {
  public:
   MeasureArrays(py::ssize_t frames, py::ssize_t atoms, const MeasureOptions& options)
-      : euler_numbers_({frames}),
+      : euler_numbers_(make_array<std::int64_t>(frames)),
         has_van_der_waals_(options.van_der_waals),
         has_weights_(!options.weights.empty()),
-        are_smooth_({frames}) {
-    for (Doubles& numbers : numbers_) numbers = Doubles({frames});
+        are_smooth_(make_array<bool>(frames)) {
+    for (Doubles& numbers : numbers_) numbers = make_array<double>(frames);
     if (options.by_atom)
       for (Doubles& areas : areas_.emplace()) areas = Doubles({frames, atoms});
     if (options.gradients) gradients_.resize(has_weights_ ? gradient_count : gradient_count - 2);
     for (GradientArrays& gradient : gradients_)
       gradient = {Doubles({frames, atoms, py::ssize_t{3}}), Doubles({frames, atoms}),
-                  Doubles({frames})};
+                  make_array<double>(frames)};
   }
 
   // Stores the result of a frame. Several threads may store different frames, without the
