@@ -9,7 +9,6 @@
 
 #include "surface/atom_loops.hpp"
 #include "surface/normal_cone.hpp"
-#include "system/splitmix64.hpp"
 
 namespace eses::detail {
 namespace {
@@ -63,8 +62,7 @@ class SamePlaces {
  private:
   using Cell = std::array<std::uint64_t, 3>;  // cubes with sides of 1 angstrom
   static constexpr std::uint32_t none = 0xffffffff;
-  static constexpr int cell_bits = 21;
-  static constexpr double cell_count = 1 << cell_bits;  // those at the ends are larger
+  static constexpr double cell_count = 1 << 21;  // along an axis; those at the ends are larger
 
   static Cell cell_of(Vec3 point, double offset) {
     Cell cell;
@@ -73,8 +71,10 @@ class SamePlaces {
           std::clamp(point[axis] + offset + 0.5 * cell_count, 0.0, cell_count - 1));
     return cell;
   }
+  // Cells along x have consecutive buckets, so that they share cache lines. The factors are powers
+  // of 2 divided by the golden ratio, which spread the rows.
   std::size_t bucket_of(std::uint64_t x, std::uint64_t y, std::uint64_t z) const {
-    return splitmix64(x | y << cell_bits | z << 2 * cell_bits) & (first_.size() - 1);
+    return (x + 0x9e37 * y + 0x9e3779b9 * z) & (first_.size() - 1);
   }
 
   std::span<const Vec3> points_;
