@@ -1,6 +1,7 @@
 // Tests of measure_frames. Expected values are closed forms of spheres.
 
 #include <numbers>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -77,8 +78,39 @@ TEST_CASE("exceptions of callbacks end the loop unchanged", "[measure]") {
   }
 }
 
+// Six atoms just hold a probe. With more room, its void is larger.
+TEST_CASE("cavities of frames are filled", "[measure]") {
+  constexpr double probe = 0.7;
+  const std::vector<double> six(6, 1.0);
+  const FrameReader read = [](std::size_t frame, std::span<Atom> atoms) {
+    for (std::size_t k = 0; k < 6; ++k) {
+      atoms[k].center = {};
+      atoms[k].center[k / 2] =
+          (k % 2 == 0 ? 1 : -1) * (1 + probe + 0.05 * static_cast<double>(frame));
+    }
+  };
+  const double sphere = 4 * std::numbers::pi / 3 * probe * probe * probe;
+  const auto volumes_of = [&](std::optional<double> max_void) {
+    std::vector<double> volumes(2);
+    measure_frames(2, six, read,
+                   [&volumes](std::size_t frame, const Measures& measures) {
+                     volumes[frame] = measures.ses_volume;
+                   },
+                   {.threads = 1}, {.probe_radius = probe, .max_filled_void = max_void});
+    return volumes;
+  };
+  const auto open = volumes_of({}), first = volumes_of(1.01 * sphere), both = volumes_of(100);
+  CHECK(first[0] - open[0] == Catch::Approx(sphere).epsilon(1e-6));
+  CHECK(both[0] == first[0]);
+  CHECK(first[1] == open[1]);
+  CHECK(both[1] - open[1] > 1.01 * sphere);
+}
+
 TEST_CASE("options are checked before the first frame", "[measure]") {
   for (const std::size_t count : {0, 1}) {
+    const auto ignore = [](std::size_t, const Measures&) {};
+    CHECK_THROWS_AS(measure_frames(count, radii, read_pair, ignore, {}, {.max_filled_void = -1}),
+                    std::invalid_argument);
     CHECK(failure_of(count, read_pair, {.probe_radius = -1}) ==
           "the probe radius must be 0 or between 0.01 and 1000 angstrom, and is -1");
     CHECK(failure_of(count, read_pair, {.threads = -1}) ==

@@ -369,10 +369,14 @@ TEST_CASE("mesh components: the program writes only the mesh", "[mesh][cli]") {
   const Outcome json = sandbox.run(with({"--component", "outside", "--json"}));
   REQUIRE(json.code == 0);
   check_json(sandbox, json.out, "r['mesh']['component']", "0");
-  const Outcome missing = sandbox.run(with({"--component", "4"}));
-  CHECK(missing.code == 1);
-  CHECK(contains(missing.err,
-                 file + ": there is no cavity 4; the molecule has 3 cavities for this probe\n"));
+  for (const Arguments& more : {Arguments{}, Arguments{"--dry-run"}}) {
+    Arguments arguments = with({"--component", "4"});
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const Outcome missing = sandbox.run(arguments);
+    CHECK(missing.code == 1);
+    CHECK(contains(missing.err,
+                   file + ": there is no cavity 4; the molecule has 3 cavities for this probe\n"));
+  }
   check_usage_error(sandbox, {file, "--component", "1"}, "--component needs --mesh");
   check_usage_error(sandbox, with({"--component", "-1"}),
                     "--component is '-1', expected outside, or a whole number of at least 0");

@@ -396,5 +396,6 @@ def measure_frames(
     by_atom: bool = False,
     derivatives: bool = False,
     weights: Optional[npt.ArrayLike] = None,
+    fill_cavities: Union[bool, float] = False,
     threads: int = 0,
 ) -> FrameMeasures: ...

@@ -25,6 +25,13 @@ inline Vec3 as_vector(const Triple& values) { return {values[0], values[1], valu
 /// The two corners of a range of points or blocks. The second corner is not included.
 using IndexRange = std::array<GridIndex, 2>;
 
+/// Makes an array of `count` values. The constructor of pybind11 before 2.12 that takes a count
+/// makes all strides 0 with numpy 2. The one that takes a shape does not.
+template <class Value>
+py::array_t<Value> make_array(py::ssize_t count) {
+  return py::array_t<Value>(py::array::ShapeContainer{count});
+}
+
 /// Returns the rows of a field of structs as a read-only array that shares their memory and keeps
 /// `owner` alive. `first` is the field of the first of `count` structs that are `stride` bytes
 /// apart. A field with several values becomes a row of `columns` values.

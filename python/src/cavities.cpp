@@ -1,6 +1,5 @@
 #include "cavities.hpp"
 
-#include <pybind11/numpy.h>
 #include <pybind11/stl.h>
 
 #include <algorithm>
@@ -9,13 +8,12 @@
 #include <optional>
 #include <vector>
 
+#include "arrays.hpp"
 #include "interrupts.hpp"
 #include "threads.hpp"
 
 namespace eses::python {
 namespace {
-
-namespace py = pybind11;
 
 constexpr const char* cavities_text =
     R"(cavities(self, probe_radius=None, *, threads=0)
@@ -91,14 +89,14 @@ MemoryError
     If the grid needs more memory than there is.)";
 
 py::array point_array(Vec3 point) {
-  py::array_t<double> array(3);
+  auto array = make_array<double>(3);
   for (std::size_t axis = 0; axis < 3; ++axis)
     array.mutable_at(static_cast<py::ssize_t>(axis)) = point[axis];
   return array;
 }
 
 py::array index_array(const std::vector<AtomIndex>& indices) {
-  py::array_t<std::int64_t> array(static_cast<py::ssize_t>(indices.size()));
+  auto array = make_array<std::int64_t>(static_cast<py::ssize_t>(indices.size()));
   std::copy(indices.begin(), indices.end(), array.mutable_data());
   return array;
 }

@@ -90,7 +90,7 @@ Grid make(const Triple& origin, double spacing, const GridIndex& shape) {
 
 py::array_t<double> coordinates(const Grid& grid, std::size_t axis) {
   if (axis > 2) throw py::value_error("axis must be 0, 1 or 2, not " + std::to_string(axis));
-  py::array_t<double> values(grid.size[axis]);
+  auto values = make_array<double>(grid.size[axis]);
   auto value = values.mutable_unchecked<1>();
   for (std::int64_t i = 0; i < grid.size[axis]; ++i) value(i) = grid.coordinate(axis, i);
   return values;

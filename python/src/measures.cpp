@@ -14,6 +14,7 @@
 #include "arrays.hpp"
 #include "interrupts.hpp"
 #include "measure_records.hpp"
+#include "surface.hpp"
 #include "threads.hpp"
 
 namespace eses::python {
@@ -57,7 +58,7 @@ ValueError
     If an argument is out of its range.)";
 
 constexpr const char* measure_frames_text =
-    R"(measure_frames(frames, radii, probe_radius=1.4, *, van_der_waals=False, by_atom=False, derivatives=False, weights=None, threads=0)
+    R"(measure_frames(frames, radii, probe_radius=1.4, *, van_der_waals=False, by_atom=False, derivatives=False, weights=None, fill_cavities=False, threads=0)
 --
 
 Measure areas and volumes of each frame of a trajectory, several frames at a time.
@@ -78,6 +79,9 @@ van_der_waals, by_atom, derivatives : bool, optional
     or 192 with weights.
 weights : array_like, optional
     (N,) weights of the atoms, the same for all frames.
+fill_cavities : bool or float, optional
+    As for ``Surface``: whether the cavities of each frame are filled, or the maximum volume of the
+    voids that are, in cubic angstrom.
 threads : int, optional
     Number of threads; 0 for all that the process may use.
 
@@ -98,17 +102,17 @@ TypeError
 class MeasureArrays {
  public:
   MeasureArrays(py::ssize_t frames, py::ssize_t atoms, const MeasureOptions& options)
-      : euler_numbers_({frames}),
+      : euler_numbers_(make_array<std::int64_t>(frames)),
         has_van_der_waals_(options.van_der_waals),
         has_weights_(!options.weights.empty()),
-        are_smooth_({frames}) {
-    for (Doubles& numbers : numbers_) numbers = Doubles({frames});
+        are_smooth_(make_array<bool>(frames)) {
+    for (Doubles& numbers : numbers_) numbers = make_array<double>(frames);
     if (options.by_atom)
       for (Doubles& areas : areas_.emplace()) areas = Doubles({frames, atoms});
     if (options.gradients) gradients_.resize(has_weights_ ? gradient_count : gradient_count - 2);
     for (GradientArrays& gradient : gradients_)
       gradient = {Doubles({frames, atoms, py::ssize_t{3}}), Doubles({frames, atoms}),
-                  Doubles({frames})};
+                  make_array<double>(frames)};
   }
 
   // Stores the result of a frame. Several threads may store different frames, without the
@@ -296,7 +300,7 @@ Record<MeasuresKind> measure_surface(const Surface& surface, std::optional<doubl
 Record<FrameMeasuresKind> measure_all_frames(const py::object& frames, const py::object& radii,
                                              double probe_radius, bool van_der_waals, bool by_atom,
                                              bool derivatives, const py::object& weights,
-                                             int threads) {
+                                             const FillChoice& fill_cavities, int threads) {
   const Frames source(frames);
   const std::vector<double> radius_of =
       make_atom_values(radii, "radii", static_cast<std::size_t>(source.atom_count()));
@@ -314,7 +318,7 @@ Record<FrameMeasuresKind> measure_all_frames(const py::object& frames, const py:
         [&arrays](std::size_t frame, const eses::Measures& measures) {
           arrays.store(frame, measures);
         },
-        options);
+        options, {.max_filled_void = max_filled_void(fill_cavities)});
   }
   return arrays.take<FrameMeasuresKind>();
 }
@@ -331,7 +335,7 @@ void bind_measures(py::module_& module, py::class_<Surface>& surface) {
              py::arg("radii"), py::arg("probe_radius") = 1.4, py::kw_only(),
              py::arg("van_der_waals") = false, py::arg("by_atom") = false,
              py::arg("derivatives") = false, py::arg("weights") = py::none(),
-             py::arg("threads") = 0);
+             py::arg("fill_cavities") = false, py::arg("threads") = 0);
 }
 
 }  // namespace eses::python

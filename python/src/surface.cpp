@@ -172,14 +172,8 @@ constexpr const char* diagnostic_text =
 
 constexpr double default_margin = 0.8;  // angstrom
 
-std::optional<double> max_filled_void(const std::variant<double, bool>& fill_cavities) {
-  if (const double* const volume = std::get_if<double>(&fill_cavities)) return *volume;
-  if (!std::get<bool>(fill_cavities)) return std::nullopt;
-  return std::numeric_limits<double>::infinity();
-}
-
 // Returns the value of the argument `fill_cavities` for a surface.
-std::variant<double, bool> fill_choice(const Surface& surface) {
+FillChoice fill_choice(const Surface& surface) {
   const std::optional<double> max_void = surface.max_filled_void();
   if (!max_void) return false;
   if (std::isinf(*max_void)) return true;
@@ -187,7 +181,7 @@ std::variant<double, bool> fill_choice(const Surface& surface) {
 }
 
 Surface make_surface(const py::object& centers, const py::object& radii, double probe_radius,
-                     const std::variant<double, bool>& fill_cavities, int threads) {
+                     const FillChoice& fill_cavities, int threads) {
   std::vector<Atom> atoms = make_atoms(centers, radii);
   const py::gil_scoped_release unlocked;
   Interrupts interrupts;
@@ -315,6 +309,12 @@ void bind_diagnostic(py::module_& module) {
 
 }  // namespace
 
+std::optional<double> max_filled_void(const FillChoice& fill_cavities) {
+  if (const double* const volume = std::get_if<double>(&fill_cavities)) return *volume;
+  if (!std::get<bool>(fill_cavities)) return std::nullopt;
+  return std::numeric_limits<double>::infinity();
+}
+
 void bind_surface(py::module_& module) {
   bind_diagnostic(module);
   py::class_<Surface> type(module, "Surface", class_text);
@@ -367,8 +367,8 @@ void bind_surface(py::module_& module) {
                                   self.attr("probe_radius"), self.attr("fill_cavities"));
           },
           [](const py::tuple& state) {
-            const auto [centers, radii, probe_radius, fill_cavities] = unpack_state<
-                std::tuple<py::object, py::object, double, std::variant<double, bool>>>(state);
+            const auto [centers, radii, probe_radius, fill_cavities] =
+                unpack_state<std::tuple<py::object, py::object, double, FillChoice>>(state);
             return make_surface(centers, radii, probe_radius, fill_cavities, 1);
           }));
   protect_instances(type);

@@ -50,6 +50,25 @@ def test_filled_cavities_are_inside():
         eses.Surface(centers, radii, fill_cavities=-1.0)
 
 
+def test_cavities_of_frames_are_filled():
+    """Six atoms just hold a probe in the first frame, and leave more space in the second one."""
+    probe = 0.7
+    frames = np.stack([octahedron(1 + probe), octahedron(1.1 + probe)])
+    voids = [eses.Surface(frame, np.ones(7), probe_radius=probe).cavities()[0]["void_volume"]
+             for frame in frames]
+    assert voids[0] == pytest.approx(4 / 3 * math.pi * probe**3, rel=1e-6) and voids[1] > 1.1 * voids[0]
+
+    def volumes(**how):
+        return eses.measure_frames(frames, np.ones(7), probe, **how).ses_volume
+
+    np.testing.assert_allclose(volumes(fill_cavities=True) - volumes(), voids, rtol=1e-9)
+    np.testing.assert_allclose(volumes(fill_cavities=voids[0] * 1.01) - volumes(), [voids[0], 0],
+                               rtol=1e-9, atol=1e-9)
+    np.testing.assert_array_equal(volumes(fill_cavities=False), volumes())
+    with pytest.raises(ValueError, match="^the maximum void"):
+        volumes(fill_cavities=-1.0)
+
+
 def test_a_ring_has_a_pocket_with_two_mouths():
     turns = np.linspace(0, 2 * math.pi, 60, endpoint=False)
     centers = 5.2 * np.column_stack([np.cos(turns), np.sin(turns), 0 * turns])

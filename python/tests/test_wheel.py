@@ -1,6 +1,7 @@
-"""Tests a wheel that pip builds from the sources, in a fresh virtual environment.
+"""Tests the package in a fresh virtual environment: a wheel that pip builds from the sources, and the
+module of the build tree with the newest numpy.
 
-The test is skipped if neither PyPI nor a mirror of it can be reached.
+The tests are skipped if neither PyPI nor a mirror of it can be reached.
 """
 
 import os
@@ -66,3 +67,14 @@ def test_wheel_is_built_and_installed(environment, tmp_path):
     package, is_right, module = done.stdout.split()
     assert is_right == "True"
     assert package.startswith(str(environment)) and module.startswith(str(environment))
+
+
+def test_module_of_the_build_tree_works_with_the_newest_numpy(environment, tmp_path):
+    """Old versions of pybind11 do not know the types of numpy 2."""
+    done = run(environment / "bin/pip", "install", "--no-cache-dir", "numpy", "pytest")
+    assert done.returncode == 0, done.stderr
+    names = ("cavities", "grid", "measure", "result")
+    done = run(environment / "bin/python", "-m", "pytest", "-p", "no:cacheprovider", "-q",
+               *(PROJECT / f"python/tests/test_{name}.py" for name in names), cwd=tmp_path,
+               env=os.environ | {"PYTHONDONTWRITEBYTECODE": "1"})
+    assert done.returncode == 0, done.stdout

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "api/arguments.hpp"
+#include "run/plan.hpp"
 #include "system/formatted.hpp"
 #include "system/parallel.hpp"
 
@@ -28,8 +29,9 @@ struct Stopped {};
 class FrameMeasurement {
  public:
   FrameMeasurement(std::span<const double> radii, const FrameReader& read,
-                   const FrameReceiver& receive, const MeasureOptions& options)
-      : radii_(radii), read_(read), receive_(receive), options_(options) {}
+                   const FrameReceiver& receive, const MeasureOptions& options,
+                   const SurfaceOptions& surface)
+      : radii_(radii), read_(read), receive_(receive), options_(options), surface_(surface) {}
 
   void run(std::size_t frame_count) {
     const int threads = options_.threads > 0 ? options_.threads : detail::available_threads();
@@ -54,6 +56,7 @@ class FrameMeasurement {
   const FrameReader& read_;
   const FrameReceiver& receive_;
   const MeasureOptions& options_;
+  const SurfaceOptions& surface_;
   std::atomic<bool> is_stopped_ = false;
   std::atomic<std::size_t> failed_frame_ = no_frame;  // the first frame with a fault
   std::string failure_;                               // of this frame
@@ -93,7 +96,10 @@ void FrameMeasurement::measure_valid_frame(std::size_t frame, int threads,
   std::vector<Atom> atoms(radii_.size());
   for (std::size_t i = 0; i < atoms.size(); ++i) atoms[i].radius = radii_[i];
   guarded([&] { read_(frame, atoms); });
-  const Surface surface(std::move(atoms), {.threads = threads, .check = check_frame});
+  const Surface surface(std::move(atoms), {.probe_radius = surface_.probe_radius,
+                                           .max_filled_void = surface_.max_filled_void,
+                                           .threads = threads,
+                                           .check = check_frame});
   MeasureOptions options = options_;
   options.threads = threads;
   options.check = check_frame;
@@ -118,9 +124,12 @@ void FrameMeasurement::check(std::size_t frame) {
 }  // namespace
 
 void measure_frames(std::size_t frame_count, std::span<const double> radii, const FrameReader& read,
-                    const FrameReceiver& receive, const MeasureOptions& options) {
+                    const FrameReceiver& receive, const MeasureOptions& options,
+                    const SurfaceOptions& surface) {
   detail::require_valid(options);
-  FrameMeasurement(radii, read, receive, options).run(frame_count);
+  detail::require_valid(detail::Parameters{.probe_radius = surface.probe_radius,
+                                           .max_filled_void = surface.max_filled_void});
+  FrameMeasurement(radii, read, receive, options, surface).run(frame_count);
 }
 
 }  // namespace eses

@@ -291,6 +291,13 @@ bool needs_cavities(const RunTask& task) {
          (mesh && (mesh->component || mesh->color == MeshColor::component));
 }
 
+// Whether the cavities are searched. A dry run only has to know whether the component of the mesh
+// exists, because it fails where the run would fail.
+bool searches_cavities(const RunTask& task) {
+  return needs_cavities(task) &&
+         (!task.dry_run || (task.outputs.mesh && task.outputs.mesh->component));
+}
+
 // Throws Error, with the path of the input file, if the component of the mesh does not exist.
 FoundCavities find_cavities_of(const Molecule& molecule, const RunTask& task, int threads,
                                bool keeps_patches) {
@@ -320,7 +327,7 @@ void prepare_patches(const Molecule& molecule, const RunTask& task, int threads,
       bytes <= max_kept_bytes &&
       (parameters.max_memory == 0 || 8 * bytes <= static_cast<double>(parameters.max_memory));
   const bool is_whole = plan.cut_depth <= 0 && plan.region == plan.grid.whole();
-  if (!needs_cavities(task)) {
+  if (!searches_cavities(task)) {
     if (fits && is_whole) run.patches = schedule_patches(molecule, parameters.probe_radius);
     return;
   }
@@ -372,7 +379,7 @@ LabelTotals take_file(const InputFile& file, const RunTask& task, const Processe
   processes.all_or_throw([&] { run.whole_plan = {plan_grid(bounds, task.parameters), {}}; });
   open_checkpoint(task, part, processes, run);
   const int threads = threads_of(task, machine, processes);
-  if (needs_cavities(task) && processes.count() > 1) {
+  if (searches_cavities(task) && processes.count() > 1) {
     std::vector<Atom> atoms = processes.gather<Atom>(part.atoms);
     processes.all_or_throw([&] {
       run.cavities =

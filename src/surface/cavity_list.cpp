@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <iterator>
 #include <numbers>
 #include <numeric>
 
@@ -19,33 +20,30 @@ using std::numbers::pi;
 // order of equal ones (cubic angstrom).
 constexpr double same_volume = 1e-6;
 
-// Number of atoms whose neighbours are searched together.
-constexpr std::size_t atoms_per_search = 16;
-
-/// Connects the atoms whose SAS balls overlap.
+/// Connects the atoms whose SAS balls overlap. Of two such atoms in different sets, at least one is
+/// not in the set of any given atom, so there is no search for the neighbours of its members.
 DisjointSets connect_atoms(const SurfaceModel& surface) {
   DisjointSets sets(static_cast<DisjointSets::Element>(surface.atoms.size()));
+  const auto connect = [&](AtomIndex i, AtomIndex k) {
+    const Atom &first = surface.atoms[i], &second = surface.atoms[k];
+    const double reach = first.radius + second.radius + 2 * surface.probe_radius;
+    if (squared_norm(first.center - second.center) < reach * reach) sets.unite(i, k);
+  };
   const std::span<const AtomIndex> order = surface.cells().order();
+  for (std::size_t k = 1; k < order.size(); ++k) connect(order[k - 1], order[k]);
+  const AtomIndex given = order[order.size() / 2];
   std::vector<AtomIndex> found;
-  for (std::size_t begin = 0; begin < order.size(); begin += atoms_per_search) {
-    const auto group = order.subspan(begin, std::min(atoms_per_search, order.size() - begin));
-    Box box{surface.atoms[group[0]].center, surface.atoms[group[0]].center};
-    double max_radius = 0;
-    for (const AtomIndex i : group) {
-      box.include(surface.atoms[i].center);
-      max_radius = std::max(max_radius, surface.atoms[i].radius);
-    }
-    surface.cells().find_reaching(box, max_radius + 2 * surface.probe_radius + look_up_slack,
-                                  found);
-    for (const AtomIndex i : group)
-      for (const AtomIndex k : found) {
-        const double reach =
-            surface.atoms[i].radius + surface.atoms[k].radius + 2 * surface.probe_radius;
-        if (k < i &&
-            squared_norm(surface.atoms[i].center - surface.atoms[k].center) < reach * reach)
-          sets.unite(i, k);
-      }
-  }
+  const auto connect_neighbours = [&](AtomIndex i) {
+    if (i != given && sets.shorten(i) == sets.shorten(given)) return;
+    surface.cells().find_reaching(
+        surface.atoms[i].center, surface.atoms[i].radius + 2 * surface.probe_radius + look_up_slack,
+        found);
+    for (const AtomIndex k : found) connect(i, k);
+  };
+  // Outwards from the given atom, most atoms are near others that are already connected with it.
+  const auto middle = order.begin() + static_cast<std::ptrdiff_t>(order.size() / 2);
+  std::for_each(middle, order.end(), connect_neighbours);
+  std::for_each(std::reverse_iterator(middle), order.rend(), connect_neighbours);
   return sets;
 }
 

@@ -1,6 +1,8 @@
 #include "surface/components.hpp"
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <cmath>
 #include <limits>
 #include <utility>
@@ -33,6 +35,52 @@ struct ArcMatch {
   std::uint32_t arc, placement;
 };
 
+// The points that are within `end_search` of a place.
+class SamePlaces {
+ public:
+  explicit SamePlaces(std::span<const Vec3> points)
+      : points_(points), first_(std::bit_ceil(points.size() + 1), none), next_(points.size()) {
+    for (auto k = static_cast<std::uint32_t>(points.size()); k-- > 0;) {
+      const Cell cell = cell_of(points[k], 0);
+      next_[k] = std::exchange(first_[bucket_of(cell[0], cell[1], cell[2])], k);
+    }
+  }
+
+  // Calls `action(index, squared distance)` at least once for each such point.
+  template <class Action>
+  void for_each(Vec3 place, Action&& action) const {
+    const Cell low = cell_of(place, -end_search), high = cell_of(place, end_search);
+    for (std::uint64_t x = low[0]; x <= high[0]; ++x)
+      for (std::uint64_t y = low[1]; y <= high[1]; ++y)
+        for (std::uint64_t z = low[2]; z <= high[2]; ++z)
+          for (std::uint32_t k = first_[bucket_of(x, y, z)]; k != none; k = next_[k])
+            if (const double squared = squared_norm(points_[k] - place);
+                squared < end_search * end_search)
+              action(k, squared);
+  }
+
+ private:
+  using Cell = std::array<std::uint64_t, 3>;  // cubes with sides of 1 angstrom
+  static constexpr std::uint32_t none = 0xffffffff;
+  static constexpr double cell_count = 1 << 21;  // along an axis; those at the ends are larger
+
+  static Cell cell_of(Vec3 point, double offset) {
+    Cell cell;
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      cell[axis] = static_cast<std::uint64_t>(
+          std::clamp(point[axis] + offset + 0.5 * cell_count, 0.0, cell_count - 1));
+    return cell;
+  }
+  // Cells along x have consecutive buckets, so that they share cache lines. The factors are powers
+  // of 2 divided by the golden ratio, which spread the rows.
+  std::size_t bucket_of(std::uint64_t x, std::uint64_t y, std::uint64_t z) const {
+    return (x + 0x9e37 * y + 0x9e3779b9 * z) & (first_.size() - 1);
+  }
+
+  std::span<const Vec3> points_;
+  std::vector<std::uint32_t> first_, next_;  // lists of the points in cells with the same bucket
+};
+
 // Returns whether there may be places that no arc connects although probes pass between them.
 bool may_hide_arcs(const SurfaceModel& surface, const ClusterPatches& patches) {
   return !surface.has_slack || !patches.is_regular;
@@ -40,7 +88,7 @@ bool may_hide_arcs(const SurfaceModel& surface, const ClusterPatches& patches) {
 
 // Finds the placements at the ends of the arcs of a cluster.
 void find_ends(const SurfaceModel& surface, const ClusterPatches& patches, const SweepLayer& layer,
-               std::vector<ArcMatch>& matches) {
+               const SamePlaces& placements, std::vector<ArcMatch>& matches) {
   matches.clear();
   const bool may_be_hidden = may_hide_arcs(surface, patches);
   for (std::uint32_t k = 0; k < patches.arcs.size(); ++k) {
@@ -52,8 +100,7 @@ void find_ends(const SurfaceModel& surface, const ClusterPatches& patches, const
       const Vec3 end = circle.center + circle.radius * radial;
       double min_squared = std::numeric_limits<double>::infinity();
       ArcMatch best{k, 0};
-      layer.tree.for_each_within(end, end_search, [&](std::uint32_t number) {
-        const double squared = squared_norm(layer.centers[number] - end);
+      placements.for_each(end, [&](std::uint32_t number, double squared) {
         if (may_be_hidden && squared < connected * connected) matches.push_back({k, number});
         const auto& atoms = layer.placements[number]->atoms;
         if (squared >= min_squared ||
@@ -216,9 +263,11 @@ void ComponentFinder::connect_arcs(const SweepLayer& layer) {
   for_each_complete(layer, [&](ClusterIndex cluster, const ClusterPatches&) {
     if (are_connected_[cluster] == 0) chosen.push_back(cluster);
   });
+  const SamePlaces placements(layer.centers);
   std::vector<std::vector<ArcMatch>> matches(chosen.size());
   for_each_index(chosen.size(), layer.threads, [&](std::size_t k) {
-    find_ends(surface_, layer.schedule.patches().of_cluster(chosen[k]), layer, matches[k]);
+    find_ends(surface_, layer.schedule.patches().of_cluster(chosen[k]), layer, placements,
+              matches[k]);
   });
   for (std::size_t k = 0; k < chosen.size(); ++k) {
     for (const ArcMatch& match : matches[k])
@@ -230,8 +279,9 @@ void ComponentFinder::connect_arcs(const SweepLayer& layer) {
     if (!may_hide_arcs(surface_, patches)) return;
     const std::uint32_t first = layer.first_placement[cluster];
     for (std::uint32_t k = first; k < first + patches.placements.size(); ++k)
-      layer.tree.for_each_within(layer.centers[k], connected, [&](std::uint32_t other) {
-        sets_.unite(placement_node_[k], placement_node_[other]);
+      placements.for_each(layer.centers[k], [&](std::uint32_t other, double squared) {
+        if (squared < connected * connected)
+          sets_.unite(placement_node_[k], placement_node_[other]);
       });
   });
   if (surface_.has_slack) return;

@@ -17,7 +17,6 @@
 #include "geometry/sphere_part.hpp"
 #include "surface/patch_schedule.hpp"
 #include "surface/patch_sums.hpp"
-#include "surface/point_tree.hpp"
 #include "surface/sphere_faces.hpp"
 #include "system/disjoint_sets.hpp"
 
@@ -107,7 +106,6 @@ struct SweepLayer {
   std::span<const Vec3> centers;                      ///< of the placements
   std::span<const std::uint32_t> first_placement;     ///< by cluster
   std::span<const std::uint32_t> same_place;  ///< by placement: the first one in the same place
-  const PointTree& tree;                      ///< of the centres
   int threads;
 };
 

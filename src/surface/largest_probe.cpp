@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -129,18 +130,18 @@ class Search {
     return wall ? std::optional(components_.walls[*wall].component) : std::nullopt;
   }
 
-  bool is_settled(const Cell& cell, double size) const {
+  bool is_settled(Vec3 center, double size) const {
     return std::any_of(settled_.begin(), settled_.end(), [&](const SettledBall& ball) {
-      return norm(cell.center - ball.center) + size <= ball.radius;
+      return norm(center - ball.center) + size <= ball.radius;
     });
   }
 
   // Adds a cell, unless it cannot improve the result.
   void add(Cell cell, const std::vector<NearAtom>& atoms) {
-    cell.gap = evaluate(atoms, cell.center).gap_to(cell.center);
     const double size = cell.size();
-    if (cell.bound() <= best_.radius + max_error || size < min_cell || is_settled(cell, size))
-      return;
+    if (size < min_cell || is_settled(cell.center, size)) return;
+    cell.gap = evaluate(atoms, cell.center).gap_to(cell.center);
+    if (cell.bound() <= best_.radius + max_error) return;
     bool has_adjacent = false;
     for (const NearAtom& atom : atoms) {
       if (atom.gap_to(cell.center) > cell.gap + 2 * size) continue;
@@ -155,7 +156,7 @@ class Search {
 
   void visit(Cell& cell) {
     const double size = cell.size();
-    if (is_settled(cell, size)) return;
+    if (is_settled(cell.center, size)) return;
     if (cell.gap > surface_.probe_radius) {
       const auto component = component_at(evaluate(cell.near, cell.center), cell.center);
       if (component && *component != component_ && cell.gap - surface_.probe_radius > size) return;
@@ -187,7 +188,22 @@ class Search {
       for (std::size_t b = a + 1; b < count; ++b)
         for (std::size_t c = b + 1; c < count; ++c)
           for (std::size_t d = c + 1; d < count; ++d)
-            try_maximum({near[a], near[b], near[c], near[d]}, cell.center);
+            if (const std::array atoms{near[a], near[b], near[c], near[d]};
+                is_worth_trying(atoms, cell.size()))
+              try_maximum(atoms, cell.center);
+  }
+
+  // Returns whether no much larger cell has tried the same atoms: they have mostly the same point.
+  bool is_worth_trying(const std::array<NearAtom, 4>& atoms, double size) {
+    constexpr double much_smaller = 0.25;
+    std::array<AtomIndex, 4> indices{};
+    std::transform(atoms.begin(), atoms.end(), indices.begin(),
+                   [](const NearAtom& atom) { return atom.index; });
+    std::sort(indices.begin(), indices.end());
+    const auto [tried, is_new] = tried_.try_emplace(indices, size);
+    if (!is_new && size > much_smaller * tried->second) return false;
+    tried->second = size;
+    return true;
   }
 
   // Newton's method for the point with equal gaps to four atoms.
@@ -220,7 +236,8 @@ class Search {
     double min_distance = std::numeric_limits<double>::infinity();
     for (const NearAtom& atom : atoms)
       min_distance = std::min(min_distance, norm(point - atom.center));
-    settled_.push_back({point, 1.999 * depth * min_distance});
+    const SettledBall ball{point, 1.999 * depth * min_distance};
+    if (!is_settled(point, ball.radius)) settled_.push_back(ball);
   }
 
   const SurfaceModel& surface_;
@@ -229,6 +246,7 @@ class Search {
   std::vector<NearAtom> all_;
   std::vector<Cell> open_;  // a heap
   std::vector<SettledBall> settled_;
+  std::map<std::array<AtomIndex, 4>, double> tried_;  // size of the last cell that tried atoms
   LargestProbe best_;
   int evaluations_ = 0;
 };

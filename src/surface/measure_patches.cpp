@@ -352,7 +352,7 @@ bool PatchMeasurement::measure_layer(ClusterIndex begin, ClusterIndex end) {
 void PatchMeasurement::connect_patches(ClusterIndex begin, ClusterIndex end, double complete_to) {
   components_->begin_layer({schedule_, begin, end,
                             schedule_.patches().clusters().count_below(complete_to), placements_,
-                            centers_, first_placement_, node_, tree_, settings_.threads});
+                            centers_, first_placement_, node_, settings_.threads});
 }
 
 void PatchMeasurement::keep_placements(ClusterIndex begin, ClusterIndex end) {
@@ -400,7 +400,8 @@ void PatchMeasurement::index_placements() {
     }
   }
   // Without a probe, no placement cuts the patch of another one.
-  if (probe() > 0 || components_ || !surface_.has_slack) tree_.reset(centers_);
+  const bool has_cuts = probe() > 0 && sought_ == Sought::measures;
+  if (has_cuts || !surface_.has_slack) tree_.reset(centers_);
   node_.resize(placements_.size());
   std::iota(node_.begin(), node_.end(), 0U);
   if (surface_.has_slack) return;

@@ -32,6 +32,12 @@ class DisjointSets {
     return element;
   }
 
+  /// Returns the same root, and shortens the path to it.
+  Element shorten(Element element) {
+    while (parents_[element] != element) element = parents_[element] = parents_[parents_[element]];
+    return element;
+  }
+
   /// Unites the sets of two elements. Shortens the paths to their roots.
   void unite(Element a, Element b) {
     const Element first = shorten(a), second = shorten(b);
@@ -49,11 +55,6 @@ class DisjointSets {
   }
 
  private:
-  Element shorten(Element element) {
-    while (parents_[element] != element) element = parents_[element] = parents_[parents_[element]];
-    return element;
-  }
-
   std::vector<Element> parents_;
 };
 

@@ -170,15 +170,19 @@ class Render(TestCase):
         """A hollow cube of atoms, whose middle line crosses wall, cavity and wall."""
         places = [(x, y, z) for x in range(5) for y in range(5) for z in range(5)
                   if {0, 4} & {x, y, z}]
-        rows = self.picture_of([(2.5 * x, 2.5 * y, 2.5 * z, 1.8) for x, y, z in places],
-                               more=("--azimuth", 0, "--elevation", 0, "--cavities", "--flat"))
-        middle = [color for color in rows[len(rows) // 2][:-22] if color != WHITE]
-        parts = ["cavity" if red > blue + 80 else "section" for red, _, blue in middle]
-        cavity = [at for at, part in enumerate(parts) if part == "cavity"]
-        # The cube has the side 4 * 2.5 + 2 * 1.8 = 13.6. The cavity reaches to atoms at 0 and 10.
-        self.assertEqual(cavity, list(range(cavity[0], cavity[-1] + 1)))
-        self.assertAlmostEqual(len(cavity) / len(parts), (10 - 2 * 1.8) / 13.6, delta=0.06)
-        self.assertAlmostEqual(cavity[0], len(parts) - 1 - cavity[-1], delta=2)
+        for options in ((), ("--color", "patch")):
+            with self.subTest(options=options):
+                rows = self.picture_of(
+                    [(2.5 * x, 2.5 * y, 2.5 * z, 1.8) for x, y, z in places], *options,
+                    more=("--azimuth", 0, "--elevation", 0, "--cavities", "--flat"))
+                middle = [color for color in rows[len(rows) // 2][:-22] if color != WHITE]
+                parts = ["cavity" if red > blue + 80 else "section" for red, _, blue in middle]
+                cavity = [at for at, part in enumerate(parts) if part == "cavity"]
+                # The cube has the side 4 * 2.5 + 2 * 1.8 = 13.6. The cavity reaches to atoms at 0
+                # and 10.
+                self.assertEqual(cavity, list(range(cavity[0], cavity[-1] + 1)))
+                self.assertAlmostEqual(len(cavity) / len(parts), (10 - 2 * 1.8) / 13.6, delta=0.06)
+                self.assertAlmostEqual(cavity[0], len(parts) - 1 - cavity[-1], delta=2)
 
     def test_meshes_without_cavities_are_not_cut(self):
         mesh = self.folder / "a.ply"
