@@ -73,11 +73,19 @@ void collect_caps(const SurfaceModel& surface, AtomIndex i, AtomPatchScratch& sc
 
 // Keeps the relevant caps, by size, followed by the caps that are needed only to cover.
 void keep_caps(AtomPatchScratch& scratch) {
-  scratch.kept_caps.clear();
+  const CapList& all = scratch.caps;
+  CapList& kept = scratch.kept_caps;
+  kept.make_room(scratch.burial.relevant.size() + scratch.burial.covering.size());
+  kept.clear();
   scratch.kept_neighbours.clear();
   for (const auto* list : {&scratch.burial.relevant, &scratch.burial.covering})
     for (const std::uint32_t k : *list) {
-      scratch.kept_caps.push_back(scratch.caps[k]);
+      kept.x[kept.count] = all.x[k];
+      kept.y[kept.count] = all.y[k];
+      kept.z[kept.count] = all.z[k];
+      kept.height[kept.count] = all.height[k];
+      kept.blocking_height[kept.count] = all.blocking_height[k];
+      ++kept.count;
       scratch.kept_neighbours.push_back(scratch.neighbour(k));
     }
   if (scratch.kept_caps.size() > max_uncrowded)

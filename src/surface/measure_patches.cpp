@@ -135,15 +135,13 @@ struct MeasureScratch {
   std::vector<AtomIndex> touched;
   std::vector<AtomIndex> borders;   // atoms whose caps follow those of the patch in `shared_caps`
   std::vector<std::uint32_t> node;  // placements that coincide
-  std::vector<std::uint32_t> near;  // placements within `near_distance` of `near_center`
-  Vec3 near_center;
-  double near_distance = -1;                 // angstrom
+  std::vector<std::uint32_t> near;  // placements near a patch
   std::vector<std::uint32_t> cutters;        // placements that cut the cone
   std::vector<Vec3> tangent;                 // directions to placements that just touch the patch
   std::vector<PlacementParts> cutter_parts;  // parts of the cutters, if there are gradients
   struct {
     std::vector<AtomIndex> atoms;
-    SphereList spheres;       // of the atoms that are not contained in others
+    SphereList spheres;       // of atoms that are not contained in others
     SpherePositions meeting;  // those that meet a sphere
   } neighbours;
 };
@@ -245,8 +243,8 @@ class PatchMeasurement {
   void keep_placements(ClusterIndex begin, ClusterIndex end);
   void build_patches(double up_to);
   void index_placements();
-  bool is_regular_cluster(ClusterIndex cluster) const;
-  bool touches_others(const Arc& arc, std::span<const AtomIndex> neighbours) const;
+  bool is_regular_cluster(ClusterIndex cluster, MeasureScratch& scratch) const;
+  Vec3 middle_probe(const Arc& arc) const;
   void measure_cluster(ClusterIndex cluster, MeasureScratch& scratch, ClusterTerms& terms) const;
   void add_terms(ClusterIndex cluster, const ClusterTerms& terms);
   PatchSums add_arc(const Arc& arc, ClusterTerms& terms) const;
@@ -263,7 +261,6 @@ class PatchMeasurement {
   void add_cutters(std::uint32_t number, Vec3 center, double distance,
                    MeasureScratch& scratch) const;
   bool may_cut(Vec3 to_other, double squared, const MeasureScratch& scratch) const;
-  void find_near(Vec3 center, double distance, MeasureScratch& scratch) const;
   SpherePart part_of_atom(AtomIndex owner, MeasureScratch& scratch) const;
   void share_among_atoms(const SpherePart& part, MeasureScratch& scratch,
                          ClusterTerms& terms) const;
@@ -322,17 +319,18 @@ bool PatchMeasurement::measure_layer(ClusterIndex begin, ClusterIndex end) {
   if (components_) connect_patches(begin, end, high + 2 * (probe() + look_up_slack));
   std::atomic<bool> is_regular = true;
   terms_.resize(std::max<std::size_t>(terms_.size(), end - begin));
-  parallel_for(
-      end - begin, std::min<int>(settings_.threads, static_cast<int>(end - begin)),
-      [&](std::int64_t k, int thread) {
-        const auto index = static_cast<std::size_t>(k);
-        const ClusterIndex cluster = begin + static_cast<ClusterIndex>(k);
-        if (sought_ == Sought::measures && surface_.has_slack && !is_regular_cluster(cluster))
-          is_regular = false;
-        if (!is_regular) return;
-        terms_[index].clear();
-        measure_cluster(cluster, scratch_[static_cast<std::size_t>(thread)], terms_[index]);
-      });
+  parallel_for(end - begin, std::min<int>(settings_.threads, static_cast<int>(end - begin)),
+               [&](std::int64_t k, int thread) {
+                 const auto index = static_cast<std::size_t>(k);
+                 const ClusterIndex cluster = begin + static_cast<ClusterIndex>(k);
+                 MeasureScratch& scratch = scratch_[static_cast<std::size_t>(thread)];
+                 if (sought_ == Sought::measures && surface_.has_slack &&
+                     !is_regular_cluster(cluster, scratch))
+                   is_regular = false;
+                 if (!is_regular) return;
+                 terms_[index].clear();
+                 measure_cluster(cluster, scratch, terms_[index]);
+               });
   if (!is_regular) return false;
   // The order of the sums does not depend on the threads.
   for (ClusterIndex cluster = begin; cluster < end; ++cluster)
@@ -457,32 +455,30 @@ PlacementParts PatchMeasurement::parts_of(std::uint32_t number) const {
 
 // Returns whether no decision about the cluster's patches depends on the slack. If the circles of
 // several pairs of atoms coincide, the arcs of all pairs coincide, too. Then the probe at the
-// middle of each arc touches further atoms.
-bool PatchMeasurement::is_regular_cluster(ClusterIndex cluster) const {
+// middle of each arc touches further atoms, which are neighbours of the face of the first one.
+bool PatchMeasurement::is_regular_cluster(ClusterIndex cluster, MeasureScratch& scratch) const {
   const ClusterPatches& patches = schedule_.patches().of_cluster(cluster);
   if (!patches.is_regular) return false;
+  auto& [atoms, spheres, touched] = scratch.neighbours;
   for (std::size_t m = 0; m + 1 < patches.arc_begin.size(); ++m) {
-    const auto neighbours =
-        std::span(patches.face_neighbours)
-            .subspan(patches.face_begin[m], patches.face_begin[m + 1] - patches.face_begin[m]);
-    for (std::uint32_t a = patches.arc_begin[m]; a < patches.arc_begin[m + 1]; ++a)
-      if (touches_others(patches.arcs[a], neighbours)) return false;
+    const AtomPatches of_atom{&patches, static_cast<std::uint32_t>(m)};
+    if (of_atom.arcs().empty()) continue;
+    spheres.clear();
+    for (const AtomIndex k : of_atom.face_neighbours()) spheres.push_back(surface_.sas_sphere(k));
+    for (const Arc& arc : of_atom.arcs()) {
+      const Vec3 center = middle_probe(arc);
+      find_near_box({center, center}, 2 * tolerance::accessible, spheres, touched);
+      if (touched.count > 1) return false;  // more than the second atom of the arc
+    }
   }
   return true;
 }
 
-// Returns whether the probe at the middle of an arc touches a third atom, which is one of
-// `neighbours`.
-bool PatchMeasurement::touches_others(const Arc& arc, std::span<const AtomIndex> neighbours) const {
-  const SasSphere first = surface_.sas_sphere(arc.first);
-  const ContactCircle circle = make_contact_circle(first, surface_.sas_sphere(arc.second));
-  const Vec3 middle = middle_of(arc, circle.axis);
-  const Vec3 center = circle.center + circle.radius * middle;
-  return std::any_of(neighbours.begin(), neighbours.end(), [&](AtomIndex k) {
-    if (k == arc.second) return false;
-    const double reach = surface_.atoms[k].radius + probe() + 2 * tolerance::accessible;
-    return squared_norm(center - surface_.atoms[k].center) < reach * reach;
-  });
+// Returns the centre of the probe at the middle of an arc.
+Vec3 PatchMeasurement::middle_probe(const Arc& arc) const {
+  const ContactCircle circle =
+      make_contact_circle(surface_.sas_sphere(arc.first), surface_.sas_sphere(arc.second));
+  return circle.center + circle.radius * middle_of(arc, circle.axis);
 }
 
 void PatchMeasurement::measure_cluster(ClusterIndex cluster, MeasureScratch& scratch,
@@ -495,7 +491,6 @@ void PatchMeasurement::measure_cluster(ClusterIndex cluster, MeasureScratch& scr
     }
     return;
   }
-  scratch.near_distance = -1;
   if (settings_.gradients && surface_.has_slack)
     terms.is_smooth = !has_tangent_spheres(cluster, scratch);
   for (std::size_t k = 0; k < patches.arcs.size(); ++k)
@@ -817,9 +812,9 @@ void PatchMeasurement::add_cutters(std::uint32_t number, Vec3 center, double dis
   const double reach = distance + tolerance::touching;
   scratch.cutters.clear();
   scratch.tangent.clear();
-  find_near(center, reach, scratch);
+  scratch.near.clear();
+  tree_.for_each_within(center, reach, [&](std::uint32_t k) { scratch.near.push_back(k); });
   for (const std::uint32_t other : scratch.near) {
-    if (squared_norm(centers_[other] - center) >= reach * reach) continue;
     if (other == number || node_[other] != other) continue;
     const Vec3 to_other = centers_[other] - from;
     const double squared = squared_norm(to_other);
@@ -844,18 +839,6 @@ bool PatchMeasurement::has_tangent_patch(const MeasureScratch& scratch) const {
       return dot(direction, cap.axis) > cap.cosine + slack;
     });
   });
-}
-
-// Makes sure that `scratch.near` has all placements within a distance. Consecutive searches are
-// mostly near each other, so one search with a greater distance serves several of them.
-void PatchMeasurement::find_near(Vec3 center, double distance, MeasureScratch& scratch) const {
-  constexpr double margin = 4;  // angstrom
-  if (norm(center - scratch.near_center) + distance <= scratch.near_distance) return;
-  scratch.near.clear();
-  scratch.near_center = center;
-  scratch.near_distance = distance + margin;
-  tree_.for_each_within(center, scratch.near_distance,
-                        [&](std::uint32_t other) { scratch.near.push_back(other); });
 }
 
 // Returns the part of a concave patch that belongs to an atom. A direction n belongs to the touched
