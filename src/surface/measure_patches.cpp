@@ -239,6 +239,7 @@ class PatchMeasurement {
   }
 
   bool measure_layer(ClusterIndex begin, ClusterIndex end);
+  bool measure_clusters(ClusterIndex begin, ClusterIndex end);
   void connect_patches(ClusterIndex begin, ClusterIndex end, double complete_to);
   void keep_placements(ClusterIndex begin, ClusterIndex end);
   void build_patches(double up_to);
@@ -305,7 +306,7 @@ class PatchMeasurement {
   PointTree tree_;
 
   std::vector<MeasureScratch> scratch_;  // by thread
-  std::vector<ClusterTerms> terms_;      // by cluster of the layer
+  std::vector<ClusterTerms> terms_;      // by cluster that is measured
 };
 
 bool PatchMeasurement::measure_layer(ClusterIndex begin, ClusterIndex end) {
@@ -317,6 +318,23 @@ bool PatchMeasurement::measure_layer(ClusterIndex begin, ClusterIndex end) {
   build_patches(high + probe() + look_up_slack);
   index_placements();
   if (components_) connect_patches(begin, end, high + 2 * (probe() + look_up_slack));
+  // One thread adds the terms of a cluster while they are in its cache.
+  const ClusterIndex at_once = settings_.threads == 1 ? 1 : end - begin;
+  for (ClusterIndex next = begin; next < end; next += at_once)
+    if (!measure_clusters(next, std::min(next + at_once, end))) return false;
+  if (components_) {
+    if (sought_ == Sought::components) keep_placements(begin, end);
+    components_->end_layer();
+  }
+  double low = infinity;
+  for (ClusterIndex cluster = end; cluster < clusters.count(); ++cluster)
+    low = std::min(low, clusters.heights(cluster).low);
+  schedule_.pass(low - probe() - look_up_slack);
+  return true;
+}
+
+// Measures clusters of a layer. Returns false if a decision depends on the slack.
+bool PatchMeasurement::measure_clusters(ClusterIndex begin, ClusterIndex end) {
   std::atomic<bool> is_regular = true;
   terms_.resize(std::max<std::size_t>(terms_.size(), end - begin));
   parallel_for(end - begin, std::min<int>(settings_.threads, static_cast<int>(end - begin)),
@@ -335,14 +353,6 @@ bool PatchMeasurement::measure_layer(ClusterIndex begin, ClusterIndex end) {
   // The order of the sums does not depend on the threads.
   for (ClusterIndex cluster = begin; cluster < end; ++cluster)
     add_terms(cluster, terms_[cluster - begin]);
-  if (components_) {
-    if (sought_ == Sought::components) keep_placements(begin, end);
-    components_->end_layer();
-  }
-  double low = infinity;
-  for (ClusterIndex cluster = end; cluster < clusters.count(); ++cluster)
-    low = std::min(low, clusters.heights(cluster).low);
-  schedule_.pass(low - probe() - look_up_slack);
   return true;
 }
 
@@ -637,7 +647,7 @@ PatchSums PatchMeasurement::add_arc(const Arc& arc, ClusterTerms& terms) const {
   if (!divides_areas()) return sums;
   const SaddleBorder border = find_border(outline, circle, first.radius, second.radius);
   const double first_area =
-      saddle_integrals(outline, {outline.contact.low, border.angle}, circle.axis, swept).area;
+      saddle_integrals(outline, {outline.contact.low, border.point}, circle.axis, swept).area;
   terms.shares.push_back({arc.first, first_area, 0});
   terms.shares.push_back({arc.second, std::max(0.0, whole.area - first_area), 0});
   return sums;
