@@ -46,13 +46,21 @@ void look_up_neighbours(const SurfaceModel& surface, std::span<const Atom> group
                         AtomPatchScratch& scratch) {
   surface.cells().find_reaching(
       box_of(group), max_radius(group) + 2 * surface.probe_radius + look_up_slack, scratch.found);
-  scratch.near.clear();
-  scratch.near_spheres.clear();
+  SphereList& spheres = scratch.near_spheres;
+  spheres.make_room(scratch.found.size());
+  scratch.near.resize(scratch.found.size());
+  std::size_t count = 0;
   for (const AtomIndex j : scratch.found) {
-    if (surface.molecule.is_contained(j)) continue;
-    scratch.near.push_back(j);
-    scratch.near_spheres.push_back(surface.sas_sphere(j));
+    const SasSphere sphere = surface.sas_sphere(j);
+    scratch.near[count] = j;
+    spheres.x[count] = sphere.center.x;
+    spheres.y[count] = sphere.center.y;
+    spheres.z[count] = sphere.center.z;
+    spheres.radius[count] = sphere.radius;
+    count += surface.molecule.is_contained(j) ? 0 : 1;
   }
+  scratch.near.resize(count);
+  spheres.count = count;
 }
 
 // Selects the found atoms whose SAS sphere may meet that of an atom of a smaller group.

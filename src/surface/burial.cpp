@@ -7,7 +7,6 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
 #include <numeric>
 #include <span>
@@ -36,20 +35,6 @@ constexpr std::size_t size_steps = 66;
 struct PatchCosines {
   double inverse_radius, cosine, sine;
 };
-
-// For each set of the 8 elements of 16 bits in 16 bytes, the bytes of its elements, one after
-// another.
-using ByteIndices = std::array<std::uint8_t, 16>;
-constexpr std::array<ByteIndices, 256> make_selections() {
-  std::array<ByteIndices, 256> selections{};
-  for (std::size_t set = 0; set < selections.size(); ++set) {
-    std::size_t next = 0;
-    for (std::size_t byte = 0; byte < 16; ++byte)
-      if ((set >> (byte / 2) & 1) != 0) selections[set][next++] = static_cast<std::uint8_t>(byte);
-  }
-  return selections;
-}
-constexpr std::array<ByteIndices, 256> selections = make_selections();
 
 }  // namespace
 }  // namespace eses::detail
@@ -98,43 +83,6 @@ struct CapLimits {
   }
 };
 
-// Stores the directions that are set in the mask at the position `to` of a list, one after another.
-// Returns their number.
-HWY_INLINE std::size_t store_selected(const Directions& directions, LaneMask mask,
-                                      DirectionList& list, std::size_t to) {
-  const Lanes lanes;
-#if HWY_TARGET == HWY_AVX2 || HWY_TARGET == HWY_SSE4
-  // There is no such instruction. For 16 bytes, it is a permutation from a table.
-  const hn::Full128<std::int16_t> block;
-  const std::uint32_t bits = mask_bits(lanes, mask);
-  std::size_t next = to;
-  const auto store_block = [&](auto x, auto y, auto z, std::uint32_t set) {
-    const auto bytes = hn::LoadU(hn::Full128<std::uint8_t>(), selections[set].data());
-    const auto store = [&](auto values, std::vector<std::int16_t>& components) {
-      hn::StoreU(hn::TableLookupBytes(values, hn::BitCast(block, bytes)), block, &components[next]);
-    };
-    store(x, list.x);
-    store(y, list.y);
-    store(z, list.z);
-    next += static_cast<std::size_t>(std::popcount(set));
-  };
-#if HWY_TARGET == HWY_AVX2
-  const auto low = [&](hn::Vec<Lanes> values) { return hn::LowerHalf(block, values); };
-  const auto high = [&](hn::Vec<Lanes> values) { return hn::UpperHalf(block, values); };
-  store_block(low(directions.x), low(directions.y), low(directions.z), bits & 0xff);
-  store_block(high(directions.x), high(directions.y), high(directions.z), bits >> 8);
-#else
-  store_block(directions.x, directions.y, directions.z, bits);
-#endif
-  return next - to;
-#else
-  const std::size_t count = compress_store(lanes, directions.x, mask, &list.x[to]);
-  compress_store(lanes, directions.y, mask, &list.y[to]);
-  compress_store(lanes, directions.z, mask, &list.z[to]);
-  return count;
-#endif
-}
-
 // Fills a vector after the first `count` components with the first one.
 HWY_INLINE void pad(std::vector<std::int16_t>& components, std::size_t count) {
   hn::StoreU(hn::Set(Lanes(), components[0]), Lanes(), &components[count]);
@@ -162,7 +110,10 @@ std::size_t keep_unsettled(BurialCaps& caps, std::span<const std::uint32_t> orde
       if (hn::AllFalse(lanes, left)) break;
     }
     if (hn::AllFalse(lanes, left)) continue;
-    kept += store_selected(directions, left, to, kept);
+    const std::size_t n = compress_store(lanes, directions.x, left, &to.x[kept]);
+    compress_store(lanes, directions.y, left, &to.y[kept]);
+    compress_store(lanes, directions.z, left, &to.z[kept]);
+    kept += n;
   }
   if (kept > 0)
     for (auto* components : {&to.x, &to.y, &to.z}) pad(*components, kept);
