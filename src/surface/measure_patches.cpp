@@ -27,6 +27,8 @@
 #include "surface/patch_sums.hpp"
 #include "surface/point_tree.hpp"
 #include "surface/saddle.hpp"
+#include "surface/tangent_spheres.hpp"
+#include "surface/void_volumes.hpp"
 
 namespace eses::detail {
 namespace {
@@ -59,10 +61,6 @@ constexpr std::array<Accessibility, 5> without_slack{{{false, tolerance::accessi
 // cones of placements at the ends of such a short arc do not overlap. Those of placements on the
 // two sides of a narrow gap do, but the shrinkage makes a gap closed or wider.
 constexpr double min_cutting_distance = 1e-6;
-
-// SAS spheres that overlap by at most this separate if the probe is smaller by
-// tolerance::accessible. There are no derivatives for their circle (angstrom).
-constexpr double separated_overlap = 2 * tolerance::accessible;
 
 // A cap that misses a cone by less than this counts as one that cuts it (angstrom). The value is
 // far above rounding errors, so no cap that cuts it is missed.
@@ -139,11 +137,8 @@ struct MeasureScratch {
   std::vector<std::uint32_t> cutters;        // placements that cut the cone
   std::vector<Vec3> tangent;                 // directions to placements that just touch the patch
   std::vector<PlacementParts> cutter_parts;  // parts of the cutters, if there are gradients
-  struct {
-    std::vector<AtomIndex> atoms;
-    SphereList spheres;       // of atoms that are not contained in others
-    SpherePositions meeting;  // those that meet a sphere
-  } neighbours;
+  SphereList neighbours;                     // of the face of an atom
+  SpherePositions touched_neighbours;
 };
 
 // Returns the middle of the box around the centres.
@@ -268,10 +263,6 @@ class PatchMeasurement {
   void add_patch_gradient(const ProbePlacement& placement, PlacementParts parts,
                           const SpherePart& part, MeasureScratch& scratch,
                           ClusterTerms& terms) const;
-  bool has_tangent_spheres(ClusterIndex cluster, MeasureScratch& scratch) const;
-  bool touches_outside(AtomIndex i, AtomIndex j, std::span<const AtomIndex> near) const;
-  bool touches_inside(AtomIndex i, AtomIndex j, std::span<const AtomIndex> near) const;
-  bool touch_accessibly(AtomIndex i, AtomIndex j, std::span<const AtomIndex> near) const;
   bool has_tangent_patch(const MeasureScratch& scratch) const;
   void add_node_gradient(std::uint32_t number, MeasureScratch& scratch, ClusterTerms& terms) const;
   void add_face_gradient(AtomIndex i, double angle);
@@ -469,7 +460,8 @@ PlacementParts PatchMeasurement::parts_of(std::uint32_t number) const {
 bool PatchMeasurement::is_regular_cluster(ClusterIndex cluster, MeasureScratch& scratch) const {
   const ClusterPatches& patches = schedule_.patches().of_cluster(cluster);
   if (!patches.is_regular) return false;
-  auto& [atoms, spheres, touched] = scratch.neighbours;
+  SphereList& spheres = scratch.neighbours;
+  SpherePositions& touched = scratch.touched_neighbours;
   for (std::size_t m = 0; m + 1 < patches.arc_begin.size(); ++m) {
     const AtomPatches of_atom{&patches, static_cast<std::uint32_t>(m)};
     if (of_atom.arcs().empty()) continue;
@@ -502,7 +494,7 @@ void PatchMeasurement::measure_cluster(ClusterIndex cluster, MeasureScratch& scr
     return;
   }
   if (settings_.gradients && surface_.has_slack)
-    terms.is_smooth = !has_tangent_spheres(cluster, scratch);
+    terms.is_smooth = !has_tangent_spheres(surface_, weights_, schedule_.patches(), cluster);
   for (std::size_t k = 0; k < patches.arcs.size(); ++k)
     terms.add(add_arc(patches.arcs[k], terms),
               components_ ? components_->root_of_arc(cluster, k) : 0);
@@ -542,72 +534,6 @@ void PatchMeasurement::add_terms(ClusterIndex cluster, const ClusterTerms& terms
     result_.by_atom.saddle[share.atom] += share.saddle;
     result_.by_atom.concave[share.atom] += share.concave;
   }
-}
-
-// Returns whether areas have a kink because the SAS sphere of an exposed atom of the cluster and
-// another one just touch in an accessible point.
-bool PatchMeasurement::has_tangent_spheres(ClusterIndex cluster, MeasureScratch& scratch) const {
-  const ClusterPatches& patches = schedule_.patches().of_cluster(cluster);
-  const std::span<const AtomIndex> members = schedule_.patches().clusters().members(cluster);
-  Box box = empty_box();
-  double radius = 0;
-  for (std::size_t m = 0; m < members.size(); ++m) {
-    if (patches.exposure[m] != AtomExposure::exposed) continue;
-    box.include(surface_.atoms[members[m]].center);
-    radius = std::max(radius, surface_.atoms[members[m]].radius);
-  }
-  if (box.low.x > box.high.x) return false;  // no atom is exposed
-  auto& [near, spheres, meeting] = scratch.neighbours;
-  surface_.cells().find_reaching(box, radius + 2 * probe() + look_up_slack, near);
-  const auto contained = std::stable_partition(
-      near.begin(), near.end(), [&](AtomIndex k) { return !surface_.molecule.is_contained(k); });
-  const std::span<const AtomIndex> kept(near.begin(), contained);
-  spheres.clear();
-  for (const AtomIndex k : kept) spheres.push_back(surface_.sas_sphere(k));
-  for (std::size_t m = 0; m < members.size(); ++m) {
-    if (patches.exposure[m] != AtomExposure::exposed) continue;
-    const AtomIndex i = members[m];
-    find_meeting(surface_.sas_sphere(i), spheres, meeting, -separated_overlap);
-    for (std::size_t n = 0; n < meeting.count; ++n)
-      if (touches_outside(i, kept[static_cast<std::size_t>(meeting.at[n])], kept)) return true;
-    if (std::any_of(contained, near.end(), [&](AtomIndex j) { return touches_inside(i, j, kept); }))
-      return true;
-  }
-  return false;
-}
-
-// Returns whether the SAS sphere of an atom touches that of an exposed atom `i` from outside.
-bool PatchMeasurement::touches_outside(AtomIndex i, AtomIndex j,
-                                       std::span<const AtomIndex> near) const {
-  const SasSphere first = surface_.sas_sphere(i), second = surface_.sas_sphere(j);
-  const double overlap = first.radius + second.radius - norm(second.center - first.center);
-  return overlap <= separated_overlap && touch_accessibly(i, j, near);
-}
-
-// Returns whether the SAS sphere of a contained atom touches that of an exposed atom `i` from
-// inside and has another weight, or is the same.
-bool PatchMeasurement::touches_inside(AtomIndex i, AtomIndex j,
-                                      std::span<const AtomIndex> near) const {
-  const Atom &outer = surface_.atoms[i], &inner = surface_.atoms[j];
-  const double excess = outer.radius - inner.radius;
-  const bool has_other_weight = weights_[i] != weights_[j];
-  if (excess > tolerance::containment && !has_other_weight) return false;
-  const double distance = norm(inner.center - outer.center);
-  if (distance + std::fabs(excess) <= tolerance::containment) return true;
-  return has_other_weight && std::fabs(excess - distance) <= tolerance::containment &&
-         touch_accessibly(i, j, near);
-}
-
-// Returns whether the point in which two SAS spheres touch is accessible.
-bool PatchMeasurement::touch_accessibly(AtomIndex i, AtomIndex j,
-                                        std::span<const AtomIndex> near) const {
-  const SasSphere sphere = surface_.sas_sphere(i);
-  const Vec3 point =
-      sphere.center + sphere.radius * normalized(surface_.atoms[j].center - sphere.center);
-  return std::none_of(near.begin(), near.end(), [&](AtomIndex k) {
-    const SasSphere other = surface_.sas_sphere(k);
-    return k != i && k != j && norm(point - other.center) < other.radius - tolerance::touching;
-  });
 }
 
 PatchSums PatchMeasurement::add_arc(const Arc& arc, ClusterTerms& terms) const {
@@ -991,89 +917,6 @@ void PatchMeasurement::list_cavities() {
                   settings_.largest_probes, result_.cavities, result_.pieces);
 }
 
-// The boxes of the placements of the same cavity differ by less than this (angstrom). Placements at
-// narrow windows move by up to sqrt(2 R accessible).
-constexpr double same_shape = 1e-3;
-
-// Coordinates larger than this are rounded too much for placements that are close together
-// (angstrom).
-constexpr double far_away = 1024;
-
-// The atoms with a face in each component, and the box of its placements. Component 0 is left out.
-struct ComponentShape {
-  std::vector<AtomIndex> atoms;
-  Box box = empty_box();
-};
-
-std::vector<ComponentShape> shapes_of(const SurfaceModel& surface, const Components& components) {
-  std::vector<ComponentShape> shapes(components.count);
-  const auto add = [&](std::uint32_t component, AtomIndex i) {
-    std::vector<AtomIndex>& atoms = shapes[component].atoms;
-    if (component != Components::outside && (atoms.empty() || atoms.back() != i))
-      atoms.push_back(i);
-  };
-  for (AtomIndex i = 0; i < surface.atoms.size(); ++i)
-    components.for_each_wall_of(
-        i, [&](std::uint32_t wall) { add(components.walls[wall].component, i); });
-  for (const Wall& wall : components.walls) {
-    ComponentShape& shape = shapes[wall.component];
-    if (wall.component == Components::outside) continue;
-    shape.box = united(shape.box, wall.box);
-    if (!wall.atom) shape.atoms = touched_atoms(surface, 0.5 * (wall.box.low + wall.box.high));
-  }
-  return shapes;
-}
-
-// Returns the largest difference of coordinates. That of empty boxes is 0.
-double largest_difference(const Box& a, const Box& b) {
-  double largest = 0;
-  for (std::size_t axis = 0; axis < 3; ++axis)
-    largest = std::max(
-        {largest, std::fabs(a.low[axis] - b.low[axis]), std::fabs(a.high[axis] - b.high[axis])});
-  return largest;
-}
-
-// Measures the voids of all cavities. Only atoms with faces in a cavity matter for it: without the
-// others, it is still a component. Returns the cavities in the order of the components from 1, with
-// their voids and atoms only.
-std::vector<Cavity> measure_voids(const SurfaceModel& surface, const MeasureSettings& settings,
-                                  const std::vector<ComponentShape>& shapes) {
-  std::vector<AtomIndex> chosen;
-  for (const ComponentShape& shape : shapes)
-    chosen.insert(chosen.end(), shape.atoms.begin(), shape.atoms.end());
-  std::sort(chosen.begin(), chosen.end());
-  chosen.erase(std::unique(chosen.begin(), chosen.end()), chosen.end());
-  if (chosen.empty()) return {};
-  std::vector<Atom> atoms;
-  for (const AtomIndex i : chosen) atoms.push_back(surface.atoms[i]);
-  std::vector<Cavity> found =
-      measure_patches(Molecule(std::move(atoms)), {.probe_radius = settings.probe_radius,
-                                                   .cavities = true,
-                                                   .threads = settings.threads,
-                                                   .check = settings.check,
-                                                   .largest_probes = false})
-          .cavities;
-  for (Cavity& cavity : found)
-    for (AtomIndex& i : cavity.atoms) i = chosen[i];
-  std::vector<Cavity> cavities;
-  for (std::size_t c = 1; c < shapes.size(); ++c) {
-    // The cavity with the same atoms in the same place.
-    const Box box = grown(shapes[c].box, settings.probe_radius);
-    double min_difference = same_shape;
-    Cavity& cavity = cavities.emplace_back();
-    cavity.void_volume = 4 * pi / 3 * std::pow(settings.probe_radius, 3);
-    cavity.atoms = shapes[c].atoms;
-    for (const Cavity& candidate : found) {
-      if (candidate.atoms != shapes[c].atoms) continue;
-      const double difference = largest_difference({candidate.low, candidate.high}, box);
-      if (difference > min_difference) continue;
-      min_difference = difference;
-      cavity.void_volume = candidate.void_volume;
-    }
-  }
-  return cavities;
-}
-
 SurfaceModel make_surface(const Molecule& molecule, double probe_radius,
                           const Accessibility& accessibility) {
   SurfaceModel surface(molecule, probe_radius - accessibility.shrinkage);
@@ -1093,7 +936,7 @@ std::shared_ptr<const CavityMap> find_cavities(const std::shared_ptr<ScheduledSu
   sweep.run();
   const Components components = sweep.take_components();
   const SurfaceModel& model = surface->surface;
-  const std::vector<Cavity> cavities = measure_voids(model, settings, shapes_of(model, components));
+  const std::vector<Cavity> cavities = measure_voids(model, settings, components);
   std::vector<ComponentNumber> number_of(components.count);
   std::vector<double> volumes;
   for (const std::size_t c : order_by_void(cavities)) {
@@ -1142,6 +985,10 @@ std::unique_ptr<PatchMeasurement> measure_consistently(const Molecule& molecule,
 Measures measure_here(const Molecule& molecule, const MeasureSettings& settings) {
   return measure_consistently(molecule, settings)->take_result();
 }
+
+// Coordinates larger than this are rounded too much for placements that are close together
+// (angstrom).
+constexpr double far_away = 1024;
 
 bool is_far_away(const Molecule& molecule) { return norm(middle_of(molecule.atoms())) >= far_away; }
 
