@@ -13,8 +13,9 @@
 
 namespace eses::detail {
 
-/// Numbers as a structure of arrays, for vector instructions.
+/// Number of points or boxes in a node of a PointTree.
 inline constexpr std::size_t tree_fan_out = 8;
+/// A number for each of them, for vector instructions.
 using TreeLanes = std::array<double, tree_fan_out>;
 
 /// Boxes of a PointTree. Unused ones are empty.
