@@ -30,12 +30,13 @@ HWY_INLINE std::size_t select_positions(Vec3 origin, const SphereList& spheres,
     const Points offset{load(&spheres.x[i]) - broadcast(origin.x),
                         load(&spheres.y[i]) - broadcast(origin.y),
                         load(&spheres.z[i]) - broadcast(origin.z)};
-    const auto selected = hn::And(is_selected(offset, load(&spheres.radius[i])),
-                                  hn::FirstN(doubles, spheres.count - i));
+    const auto selected = is_selected(offset, load(&spheres.radius[i]));
     if (hn::AllFalse(doubles, selected)) continue;
     found += compress_store(lanes, hn::Iota(lanes, static_cast<std::int64_t>(i)),
                             hn::RebindMask(lanes, selected), positions + found);
   }
+  // The last vector may have elements after the last sphere.
+  while (found > 0 && positions[found - 1] >= static_cast<std::int64_t>(spheres.count)) --found;
   hn::StoreU(hn::Zero(lanes), lanes, positions + found);
   return found;
 }

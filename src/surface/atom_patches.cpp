@@ -46,13 +46,21 @@ void look_up_neighbours(const SurfaceModel& surface, std::span<const Atom> group
                         AtomPatchScratch& scratch) {
   surface.cells().find_reaching(
       box_of(group), max_radius(group) + 2 * surface.probe_radius + look_up_slack, scratch.found);
-  scratch.near.clear();
-  scratch.near_spheres.clear();
+  SphereList& spheres = scratch.near_spheres;
+  spheres.make_room(scratch.found.size());
+  scratch.near.resize(scratch.found.size());
+  std::size_t count = 0;
   for (const AtomIndex j : scratch.found) {
-    if (surface.molecule.is_contained(j)) continue;
-    scratch.near.push_back(j);
-    scratch.near_spheres.push_back(surface.sas_sphere(j));
+    const SasSphere sphere = surface.sas_sphere(j);
+    scratch.near[count] = j;
+    spheres.x[count] = sphere.center.x;
+    spheres.y[count] = sphere.center.y;
+    spheres.z[count] = sphere.center.z;
+    spheres.radius[count] = sphere.radius;
+    count += surface.molecule.is_contained(j) ? 0 : 1;
   }
+  scratch.near.resize(count);
+  spheres.count = count;
 }
 
 // Selects the found atoms whose SAS sphere may meet that of an atom of a smaller group.
@@ -73,11 +81,19 @@ void collect_caps(const SurfaceModel& surface, AtomIndex i, AtomPatchScratch& sc
 
 // Keeps the relevant caps, by size, followed by the caps that are needed only to cover.
 void keep_caps(AtomPatchScratch& scratch) {
-  scratch.kept_caps.clear();
+  const CapList& all = scratch.caps;
+  CapList& kept = scratch.kept_caps;
+  kept.make_room(scratch.burial.relevant.size() + scratch.burial.covering.size());
+  kept.clear();
   scratch.kept_neighbours.clear();
   for (const auto* list : {&scratch.burial.relevant, &scratch.burial.covering})
     for (const std::uint32_t k : *list) {
-      scratch.kept_caps.push_back(scratch.caps[k]);
+      kept.x[kept.count] = all.x[k];
+      kept.y[kept.count] = all.y[k];
+      kept.z[kept.count] = all.z[k];
+      kept.height[kept.count] = all.height[k];
+      kept.blocking_height[kept.count] = all.blocking_height[k];
+      ++kept.count;
       scratch.kept_neighbours.push_back(scratch.neighbour(k));
     }
   if (scratch.kept_caps.size() > max_uncrowded)

@@ -61,12 +61,6 @@ struct Directions {
 struct AxisAndLimit {
   hn::Vec<Lanes> x, y, z, limit;
 
-  HWY_INLINE AxisAndLimit(const DirectionList& axes, std::int16_t cosine_limit, std::size_t cap)
-      : x(hn::Set(Lanes(), axes.x[cap])),
-        y(hn::Set(Lanes(), axes.y[cap])),
-        z(hn::Set(Lanes(), axes.z[cap])),
-        limit(hn::Set(Lanes(), cosine_limit)) {}
-
   HWY_INLINE LaneMask accepts(const Directions& to) const {
     const auto scaled_cosine =
         hn::Add(hn::Add(hn::MulHigh(to.x, x), hn::MulHigh(to.y, y)), hn::MulHigh(to.z, z));
@@ -74,22 +68,44 @@ struct AxisAndLimit {
   }
 };
 
+// The axes of caps and one of their limits, as pointers. Other data that a loop stores could change
+// the pointers of vectors, which then would be loaded for each cap.
+struct CapLimits {
+  const std::int16_t *x, *y, *z, *limit;
+
+  CapLimits(const BurialCaps& caps, const std::vector<std::int16_t>& limits)
+      : x(caps.axes.x.data()), y(caps.axes.y.data()), z(caps.axes.z.data()), limit(limits.data()) {}
+
+  HWY_INLINE AxisAndLimit operator[](std::uint32_t cap) const {
+    const Lanes lanes;
+    return {hn::Set(lanes, x[cap]), hn::Set(lanes, y[cap]), hn::Set(lanes, z[cap]),
+            hn::Set(lanes, limit[cap])};
+  }
+};
+
+// Fills a vector after the first `count` components with the first one.
+HWY_INLINE void pad(std::vector<std::int16_t>& components, std::size_t count) {
+  hn::StoreU(hn::Set(Lanes(), components[0]), Lanes(), &components[count]);
+}
+
 // Copies the first `count` directions whose patch none of the caps in `order` settles, and returns
-// their number. Marks the caps that settled a patch. The directions are padded to whole vectors.
-// Both lists may be the same, as elements are read before they are overwritten.
+// their number. Marks the caps that settled a patch. The directions are padded to whole vectors,
+// those of the result with copies of the first one. Both lists may be the same, as elements are
+// read before they are overwritten.
 std::size_t keep_unsettled(BurialCaps& caps, std::span<const std::uint32_t> order,
                            const DirectionList& from, std::size_t count, DirectionList& to) {
   const Lanes lanes;
   const std::size_t width = hn::Lanes(lanes);
+  const CapLimits limits(caps, caps.settled);
+  std::uint8_t* const is_used = caps.is_used.data();
   std::size_t kept = 0;
   for (std::size_t begin = 0; begin < count; begin += width) {
     const Directions directions(from, begin);
     LaneMask left = hn::FirstN(lanes, count - begin);
     for (const std::uint32_t k : order) {
-      const auto settled =
-          hn::And(AxisAndLimit(caps.axes, caps.settled[k], k).accepts(directions), left);
+      const auto settled = hn::And(limits[k].accepts(directions), left);
       if (hn::AllFalse(lanes, settled)) continue;
-      caps.is_used[k] = 1;
+      is_used[k] = 1;
       left = hn::AndNot(settled, left);
       if (hn::AllFalse(lanes, left)) break;
     }
@@ -99,16 +115,17 @@ std::size_t keep_unsettled(BurialCaps& caps, std::span<const std::uint32_t> orde
     compress_store(lanes, directions.z, left, &to.z[kept]);
     kept += n;
   }
+  if (kept > 0)
+    for (auto* components : {&to.x, &to.y, &to.z}) pad(*components, kept);
   return kept;
 }
 
-// Returns whether the cap reaches one of the first `count` patches.
-bool reaches_any(const AxisAndLimit& cap, const DirectionList& patches, std::size_t count) {
+// Returns whether the cap reaches one of the first `count` patches, which are padded.
+HWY_INLINE bool reaches_any(const AxisAndLimit& cap, const DirectionList& patches,
+                            std::size_t count) {
   const Lanes lanes;
-  for (std::size_t i = 0; i < count; i += hn::Lanes(lanes)) {
-    const auto reached = hn::And(cap.accepts(Directions(patches, i)), hn::FirstN(lanes, count - i));
-    if (!hn::AllFalse(lanes, reached)) return true;
-  }
+  for (std::size_t i = 0; i < count; i += hn::Lanes(lanes))
+    if (!hn::AllFalse(lanes, cap.accepts(Directions(patches, i)))) return true;
   return false;
 }
 
@@ -116,8 +133,9 @@ bool reaches_any(const AxisAndLimit& cap, const DirectionList& patches, std::siz
 // patch.
 void list_kept(BurialScratch& scratch, std::size_t count) {
   const BurialCaps& caps = scratch.caps;
+  const CapLimits limits(caps, caps.touched);
   for (const std::uint32_t k : caps.order) {
-    if (reaches_any({caps.axes, caps.touched[k], k}, scratch.unsettled, count)) {
+    if (reaches_any(limits[k], scratch.unsettled, count)) {
       scratch.relevant.push_back(k);
     } else if (caps.is_used[k] != 0) {
       scratch.covering.push_back(k);

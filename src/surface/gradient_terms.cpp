@@ -64,24 +64,18 @@ struct SaddleWidth {
   double by_rho = 0, by_low = 0, by_high = 0, by_probe = 0;
 
   // Adds those of a part, times `weight`.
-  void add(const SaddleOutline& outline, OutlineRange range, double weight) {
+  void add(const SaddleOutline& outline, const OutlineRange& range, double weight) {
     const double rho = outline.rho, p = outline.probe;
-    const auto add_piece = [&](double low, double high) {
-      if (low >= high) return;
-      const double sine = std::sin(high) - std::sin(low), length = high - low;
+    outline.for_each_part(range, [&](const OutlineRange& part) {
+      const auto& [low, high] = part;
+      const double sine = high.sine - low.sine, length = part.length();
       area += weight * p * (rho * length - p * sine);
       by_rho += weight * p * length;
       by_probe += weight * (rho * length - 2 * p * sine);
       // At the cusp, the element of area is 0.
-      if (high == outline.contact.high) by_high += weight * p * (rho - p * std::cos(high));
-      if (low == outline.contact.low) by_low -= weight * p * (rho - p * std::cos(low));
-    };
-    if (outline.cusp == 0) {
-      add_piece(range.low, range.high);
-    } else {
-      add_piece(range.low, std::min(range.high, -outline.cusp));
-      add_piece(std::max(range.low, outline.cusp), range.high);
-    }
+      if (high.sine == outline.contact.high.sine) by_high += weight * p * (rho - p * high.cosine);
+      if (low.sine == outline.contact.low.sine) by_low -= weight * p * (rho - p * low.cosine);
+    });
   }
 };
 
@@ -98,10 +92,10 @@ struct DividedSaddle {
       width.add(outline, outline.contact, first_weight);
       return;
     }
-    width.add(outline, {outline.contact.low, border.angle}, first_weight);
-    width.add(outline, {border.angle, outline.contact.high}, second_weight);
-    const double cosine = std::cos(border.angle);
-    if (std::fabs(border.angle) < outline.cusp || cosine == 0) return;
+    width.add(outline, {outline.contact.low, border.point}, first_weight);
+    width.add(outline, {border.point, outline.contact.high}, second_weight);
+    const double cosine = border.point.cosine;
+    if (std::fabs(border.point.sine) < outline.cusp.sine || cosine == 0) return;
     by_sine = (first_weight - second_weight) * outline.probe *
               (outline.rho - outline.probe * cosine) / cosine;
   }
@@ -173,11 +167,12 @@ Vec3 add_overlap(const SurfaceModel& surface, Vec3 center, const std::array<Atom
   const ContactCircle circle =
       make_contact_circle(surface.sas_sphere(atoms[0]), surface.sas_sphere(atoms[1]));
   const SaddleOutline outline = make_outline(circle, surface.probe_radius);
-  if (outline.cusp == 0 || circle.radius == 0) return {};
+  if (outline.cusp.sine == 0 || circle.radius == 0) return {};
   const Vec3 inward = normalized(circle.center - center);
   const auto angle_of = [&](Vec3 n) { return std::atan2(dot(n, circle.axis), dot(n, inward)); };
   const auto [first, last] = std::minmax({angle_of(arc.start), angle_of(arc.end)});
-  const double low = std::max(first, -outline.cusp), high = std::min(last, outline.cusp);
+  const double cusp = std::atan2(outline.cusp.sine, outline.cusp.cosine);
+  const double low = std::max(first, -cusp), high = std::min(last, cusp);
   if (low >= high) return {};
   const double p = outline.probe;
   const double area = p * (outline.rho * (high - low) - p * (std::sin(high) - std::sin(low)));

@@ -27,6 +27,8 @@
 #include "surface/patch_sums.hpp"
 #include "surface/point_tree.hpp"
 #include "surface/saddle.hpp"
+#include "surface/tangent_spheres.hpp"
+#include "surface/void_volumes.hpp"
 
 namespace eses::detail {
 namespace {
@@ -59,10 +61,6 @@ constexpr std::array<Accessibility, 5> without_slack{{{false, tolerance::accessi
 // cones of placements at the ends of such a short arc do not overlap. Those of placements on the
 // two sides of a narrow gap do, but the shrinkage makes a gap closed or wider.
 constexpr double min_cutting_distance = 1e-6;
-
-// SAS spheres that overlap by at most this separate if the probe is smaller by
-// tolerance::accessible. There are no derivatives for their circle (angstrom).
-constexpr double separated_overlap = 2 * tolerance::accessible;
 
 // A cap that misses a cone by less than this counts as one that cuts it (angstrom). The value is
 // far above rounding errors, so no cap that cuts it is missed.
@@ -135,17 +133,12 @@ struct MeasureScratch {
   std::vector<AtomIndex> touched;
   std::vector<AtomIndex> borders;   // atoms whose caps follow those of the patch in `shared_caps`
   std::vector<std::uint32_t> node;  // placements that coincide
-  std::vector<std::uint32_t> near;  // placements within `near_distance` of `near_center`
-  Vec3 near_center;
-  double near_distance = -1;                 // angstrom
+  std::vector<std::uint32_t> near;  // placements near a patch
   std::vector<std::uint32_t> cutters;        // placements that cut the cone
   std::vector<Vec3> tangent;                 // directions to placements that just touch the patch
   std::vector<PlacementParts> cutter_parts;  // parts of the cutters, if there are gradients
-  struct {
-    std::vector<AtomIndex> atoms;
-    SphereList spheres;       // of the atoms that are not contained in others
-    SpherePositions meeting;  // those that meet a sphere
-  } neighbours;
+  SphereList neighbours;                     // of the face of an atom
+  SpherePositions touched_neighbours;
 };
 
 // Returns the middle of the box around the centres.
@@ -241,12 +234,13 @@ class PatchMeasurement {
   }
 
   bool measure_layer(ClusterIndex begin, ClusterIndex end);
+  bool measure_clusters(ClusterIndex begin, ClusterIndex end);
   void connect_patches(ClusterIndex begin, ClusterIndex end, double complete_to);
   void keep_placements(ClusterIndex begin, ClusterIndex end);
   void build_patches(double up_to);
   void index_placements();
-  bool is_regular_cluster(ClusterIndex cluster) const;
-  bool touches_others(const Arc& arc, std::span<const AtomIndex> neighbours) const;
+  bool is_regular_cluster(ClusterIndex cluster, MeasureScratch& scratch) const;
+  Vec3 middle_probe(const Arc& arc) const;
   void measure_cluster(ClusterIndex cluster, MeasureScratch& scratch, ClusterTerms& terms) const;
   void add_terms(ClusterIndex cluster, const ClusterTerms& terms);
   PatchSums add_arc(const Arc& arc, ClusterTerms& terms) const;
@@ -263,17 +257,12 @@ class PatchMeasurement {
   void add_cutters(std::uint32_t number, Vec3 center, double distance,
                    MeasureScratch& scratch) const;
   bool may_cut(Vec3 to_other, double squared, const MeasureScratch& scratch) const;
-  void find_near(Vec3 center, double distance, MeasureScratch& scratch) const;
   SpherePart part_of_atom(AtomIndex owner, MeasureScratch& scratch) const;
   void share_among_atoms(const SpherePart& part, MeasureScratch& scratch,
                          ClusterTerms& terms) const;
   void add_patch_gradient(const ProbePlacement& placement, PlacementParts parts,
                           const SpherePart& part, MeasureScratch& scratch,
                           ClusterTerms& terms) const;
-  bool has_tangent_spheres(ClusterIndex cluster, MeasureScratch& scratch) const;
-  bool touches_outside(AtomIndex i, AtomIndex j, std::span<const AtomIndex> near) const;
-  bool touches_inside(AtomIndex i, AtomIndex j, std::span<const AtomIndex> near) const;
-  bool touch_accessibly(AtomIndex i, AtomIndex j, std::span<const AtomIndex> near) const;
   bool has_tangent_patch(const MeasureScratch& scratch) const;
   void add_node_gradient(std::uint32_t number, MeasureScratch& scratch, ClusterTerms& terms) const;
   void add_face_gradient(AtomIndex i, double angle);
@@ -308,7 +297,7 @@ class PatchMeasurement {
   PointTree tree_;
 
   std::vector<MeasureScratch> scratch_;  // by thread
-  std::vector<ClusterTerms> terms_;      // by cluster of the layer
+  std::vector<ClusterTerms> terms_;      // by cluster that is measured
 };
 
 bool PatchMeasurement::measure_layer(ClusterIndex begin, ClusterIndex end) {
@@ -320,23 +309,10 @@ bool PatchMeasurement::measure_layer(ClusterIndex begin, ClusterIndex end) {
   build_patches(high + probe() + look_up_slack);
   index_placements();
   if (components_) connect_patches(begin, end, high + 2 * (probe() + look_up_slack));
-  std::atomic<bool> is_regular = true;
-  terms_.resize(std::max<std::size_t>(terms_.size(), end - begin));
-  parallel_for(
-      end - begin, std::min<int>(settings_.threads, static_cast<int>(end - begin)),
-      [&](std::int64_t k, int thread) {
-        const auto index = static_cast<std::size_t>(k);
-        const ClusterIndex cluster = begin + static_cast<ClusterIndex>(k);
-        if (sought_ == Sought::measures && surface_.has_slack && !is_regular_cluster(cluster))
-          is_regular = false;
-        if (!is_regular) return;
-        terms_[index].clear();
-        measure_cluster(cluster, scratch_[static_cast<std::size_t>(thread)], terms_[index]);
-      });
-  if (!is_regular) return false;
-  // The order of the sums does not depend on the threads.
-  for (ClusterIndex cluster = begin; cluster < end; ++cluster)
-    add_terms(cluster, terms_[cluster - begin]);
+  // One thread adds the terms of a cluster while they are in its cache.
+  const ClusterIndex at_once = settings_.threads == 1 ? 1 : end - begin;
+  for (ClusterIndex next = begin; next < end; next += at_once)
+    if (!measure_clusters(next, std::min(next + at_once, end))) return false;
   if (components_) {
     if (sought_ == Sought::components) keep_placements(begin, end);
     components_->end_layer();
@@ -345,6 +321,29 @@ bool PatchMeasurement::measure_layer(ClusterIndex begin, ClusterIndex end) {
   for (ClusterIndex cluster = end; cluster < clusters.count(); ++cluster)
     low = std::min(low, clusters.heights(cluster).low);
   schedule_.pass(low - probe() - look_up_slack);
+  return true;
+}
+
+// Measures clusters of a layer. Returns false if a decision depends on the slack.
+bool PatchMeasurement::measure_clusters(ClusterIndex begin, ClusterIndex end) {
+  std::atomic<bool> is_regular = true;
+  terms_.resize(std::max<std::size_t>(terms_.size(), end - begin));
+  parallel_for(end - begin, std::min<int>(settings_.threads, static_cast<int>(end - begin)),
+               [&](std::int64_t k, int thread) {
+                 const auto index = static_cast<std::size_t>(k);
+                 const ClusterIndex cluster = begin + static_cast<ClusterIndex>(k);
+                 MeasureScratch& scratch = scratch_[static_cast<std::size_t>(thread)];
+                 if (sought_ == Sought::measures && surface_.has_slack &&
+                     !is_regular_cluster(cluster, scratch))
+                   is_regular = false;
+                 if (!is_regular) return;
+                 terms_[index].clear();
+                 measure_cluster(cluster, scratch, terms_[index]);
+               });
+  if (!is_regular) return false;
+  // The order of the sums does not depend on the threads.
+  for (ClusterIndex cluster = begin; cluster < end; ++cluster)
+    add_terms(cluster, terms_[cluster - begin]);
   return true;
 }
 
@@ -458,32 +457,31 @@ PlacementParts PatchMeasurement::parts_of(std::uint32_t number) const {
 
 // Returns whether no decision about the cluster's patches depends on the slack. If the circles of
 // several pairs of atoms coincide, the arcs of all pairs coincide, too. Then the probe at the
-// middle of each arc touches further atoms.
-bool PatchMeasurement::is_regular_cluster(ClusterIndex cluster) const {
+// middle of each arc touches further atoms, which are neighbours of the face of the first one.
+bool PatchMeasurement::is_regular_cluster(ClusterIndex cluster, MeasureScratch& scratch) const {
   const ClusterPatches& patches = schedule_.patches().of_cluster(cluster);
   if (!patches.is_regular) return false;
+  SphereList& spheres = scratch.neighbours;
+  SpherePositions& touched = scratch.touched_neighbours;
   for (std::size_t m = 0; m + 1 < patches.arc_begin.size(); ++m) {
-    const auto neighbours =
-        std::span(patches.face_neighbours)
-            .subspan(patches.face_begin[m], patches.face_begin[m + 1] - patches.face_begin[m]);
-    for (std::uint32_t a = patches.arc_begin[m]; a < patches.arc_begin[m + 1]; ++a)
-      if (touches_others(patches.arcs[a], neighbours)) return false;
+    const AtomPatches of_atom{&patches, static_cast<std::uint32_t>(m)};
+    if (of_atom.arcs().empty()) continue;
+    spheres.clear();
+    for (const AtomIndex k : of_atom.face_neighbours()) spheres.push_back(surface_.sas_sphere(k));
+    for (const Arc& arc : of_atom.arcs()) {
+      const Vec3 center = middle_probe(arc);
+      find_near_box({center, center}, 2 * tolerance::accessible, spheres, touched);
+      if (touched.count > 1) return false;  // more than the second atom of the arc
+    }
   }
   return true;
 }
 
-// Returns whether the probe at the middle of an arc touches a third atom, which is one of
-// `neighbours`.
-bool PatchMeasurement::touches_others(const Arc& arc, std::span<const AtomIndex> neighbours) const {
-  const SasSphere first = surface_.sas_sphere(arc.first);
-  const ContactCircle circle = make_contact_circle(first, surface_.sas_sphere(arc.second));
-  const Vec3 middle = middle_of(arc, circle.axis);
-  const Vec3 center = circle.center + circle.radius * middle;
-  return std::any_of(neighbours.begin(), neighbours.end(), [&](AtomIndex k) {
-    if (k == arc.second) return false;
-    const double reach = surface_.atoms[k].radius + probe() + 2 * tolerance::accessible;
-    return squared_norm(center - surface_.atoms[k].center) < reach * reach;
-  });
+// Returns the centre of the probe at the middle of an arc.
+Vec3 PatchMeasurement::middle_probe(const Arc& arc) const {
+  const ContactCircle circle =
+      make_contact_circle(surface_.sas_sphere(arc.first), surface_.sas_sphere(arc.second));
+  return circle.center + circle.radius * middle_of(arc, circle.axis);
 }
 
 void PatchMeasurement::measure_cluster(ClusterIndex cluster, MeasureScratch& scratch,
@@ -496,9 +494,8 @@ void PatchMeasurement::measure_cluster(ClusterIndex cluster, MeasureScratch& scr
     }
     return;
   }
-  scratch.near_distance = -1;
   if (settings_.gradients && surface_.has_slack)
-    terms.is_smooth = !has_tangent_spheres(cluster, scratch);
+    terms.is_smooth = !has_tangent_spheres(surface_, weights_, schedule_.patches(), cluster);
   for (std::size_t k = 0; k < patches.arcs.size(); ++k)
     terms.add(add_arc(patches.arcs[k], terms),
               components_ ? components_->root_of_arc(cluster, k) : 0);
@@ -540,72 +537,6 @@ void PatchMeasurement::add_terms(ClusterIndex cluster, const ClusterTerms& terms
   }
 }
 
-// Returns whether areas have a kink because the SAS sphere of an exposed atom of the cluster and
-// another one just touch in an accessible point.
-bool PatchMeasurement::has_tangent_spheres(ClusterIndex cluster, MeasureScratch& scratch) const {
-  const ClusterPatches& patches = schedule_.patches().of_cluster(cluster);
-  const std::span<const AtomIndex> members = schedule_.patches().clusters().members(cluster);
-  Box box = empty_box();
-  double radius = 0;
-  for (std::size_t m = 0; m < members.size(); ++m) {
-    if (patches.exposure[m] != AtomExposure::exposed) continue;
-    box.include(surface_.atoms[members[m]].center);
-    radius = std::max(radius, surface_.atoms[members[m]].radius);
-  }
-  if (box.low.x > box.high.x) return false;  // no atom is exposed
-  auto& [near, spheres, meeting] = scratch.neighbours;
-  surface_.cells().find_reaching(box, radius + 2 * probe() + look_up_slack, near);
-  const auto contained = std::stable_partition(
-      near.begin(), near.end(), [&](AtomIndex k) { return !surface_.molecule.is_contained(k); });
-  const std::span<const AtomIndex> kept(near.begin(), contained);
-  spheres.clear();
-  for (const AtomIndex k : kept) spheres.push_back(surface_.sas_sphere(k));
-  for (std::size_t m = 0; m < members.size(); ++m) {
-    if (patches.exposure[m] != AtomExposure::exposed) continue;
-    const AtomIndex i = members[m];
-    find_meeting(surface_.sas_sphere(i), spheres, meeting, -separated_overlap);
-    for (std::size_t n = 0; n < meeting.count; ++n)
-      if (touches_outside(i, kept[static_cast<std::size_t>(meeting.at[n])], kept)) return true;
-    if (std::any_of(contained, near.end(), [&](AtomIndex j) { return touches_inside(i, j, kept); }))
-      return true;
-  }
-  return false;
-}
-
-// Returns whether the SAS sphere of an atom touches that of an exposed atom `i` from outside.
-bool PatchMeasurement::touches_outside(AtomIndex i, AtomIndex j,
-                                       std::span<const AtomIndex> near) const {
-  const SasSphere first = surface_.sas_sphere(i), second = surface_.sas_sphere(j);
-  const double overlap = first.radius + second.radius - norm(second.center - first.center);
-  return overlap <= separated_overlap && touch_accessibly(i, j, near);
-}
-
-// Returns whether the SAS sphere of a contained atom touches that of an exposed atom `i` from
-// inside and has another weight, or is the same.
-bool PatchMeasurement::touches_inside(AtomIndex i, AtomIndex j,
-                                      std::span<const AtomIndex> near) const {
-  const Atom &outer = surface_.atoms[i], &inner = surface_.atoms[j];
-  const double excess = outer.radius - inner.radius;
-  const bool has_other_weight = weights_[i] != weights_[j];
-  if (excess > tolerance::containment && !has_other_weight) return false;
-  const double distance = norm(inner.center - outer.center);
-  if (distance + std::fabs(excess) <= tolerance::containment) return true;
-  return has_other_weight && std::fabs(excess - distance) <= tolerance::containment &&
-         touch_accessibly(i, j, near);
-}
-
-// Returns whether the point in which two SAS spheres touch is accessible.
-bool PatchMeasurement::touch_accessibly(AtomIndex i, AtomIndex j,
-                                        std::span<const AtomIndex> near) const {
-  const SasSphere sphere = surface_.sas_sphere(i);
-  const Vec3 point =
-      sphere.center + sphere.radius * normalized(surface_.atoms[j].center - sphere.center);
-  return std::none_of(near.begin(), near.end(), [&](AtomIndex k) {
-    const SasSphere other = surface_.sas_sphere(k);
-    return k != i && k != j && norm(point - other.center) < other.radius - tolerance::touching;
-  });
-}
-
 PatchSums PatchMeasurement::add_arc(const Arc& arc, ClusterTerms& terms) const {
   const SasSphere first = surface_.sas_sphere(arc.first), second = surface_.sas_sphere(arc.second);
   const ContactCircle circle = make_contact_circle(first, second);
@@ -643,7 +574,7 @@ PatchSums PatchMeasurement::add_arc(const Arc& arc, ClusterTerms& terms) const {
   if (!divides_areas()) return sums;
   const SaddleBorder border = find_border(outline, circle, first.radius, second.radius);
   const double first_area =
-      saddle_integrals(outline, {outline.contact.low, border.angle}, circle.axis, swept).area;
+      saddle_integrals(outline, {outline.contact.low, border.point}, circle.axis, swept).area;
   terms.shares.push_back({arc.first, first_area, 0});
   terms.shares.push_back({arc.second, std::max(0.0, whole.area - first_area), 0});
   return sums;
@@ -818,9 +749,9 @@ void PatchMeasurement::add_cutters(std::uint32_t number, Vec3 center, double dis
   const double reach = distance + tolerance::touching;
   scratch.cutters.clear();
   scratch.tangent.clear();
-  find_near(center, reach, scratch);
+  scratch.near.clear();
+  tree_.for_each_within(center, reach, [&](std::uint32_t k) { scratch.near.push_back(k); });
   for (const std::uint32_t other : scratch.near) {
-    if (squared_norm(centers_[other] - center) >= reach * reach) continue;
     if (other == number || node_[other] != other) continue;
     const Vec3 to_other = centers_[other] - from;
     const double squared = squared_norm(to_other);
@@ -845,18 +776,6 @@ bool PatchMeasurement::has_tangent_patch(const MeasureScratch& scratch) const {
       return dot(direction, cap.axis) > cap.cosine + slack;
     });
   });
-}
-
-// Makes sure that `scratch.near` has all placements within a distance. Consecutive searches are
-// mostly near each other, so one search with a greater distance serves several of them.
-void PatchMeasurement::find_near(Vec3 center, double distance, MeasureScratch& scratch) const {
-  constexpr double margin = 4;  // angstrom
-  if (norm(center - scratch.near_center) + distance <= scratch.near_distance) return;
-  scratch.near.clear();
-  scratch.near_center = center;
-  scratch.near_distance = distance + margin;
-  tree_.for_each_within(center, scratch.near_distance,
-                        [&](std::uint32_t other) { scratch.near.push_back(other); });
 }
 
 // Returns the part of a concave patch that belongs to an atom. A direction n belongs to the touched
@@ -999,89 +918,6 @@ void PatchMeasurement::list_cavities() {
                   settings_.largest_probes, result_.cavities, result_.pieces);
 }
 
-// The boxes of the placements of the same cavity differ by less than this (angstrom). Placements at
-// narrow windows move by up to sqrt(2 R accessible).
-constexpr double same_shape = 1e-3;
-
-// Coordinates larger than this are rounded too much for placements that are close together
-// (angstrom).
-constexpr double far_away = 1024;
-
-// The atoms with a face in each component, and the box of its placements. Component 0 is left out.
-struct ComponentShape {
-  std::vector<AtomIndex> atoms;
-  Box box = empty_box();
-};
-
-std::vector<ComponentShape> shapes_of(const SurfaceModel& surface, const Components& components) {
-  std::vector<ComponentShape> shapes(components.count);
-  const auto add = [&](std::uint32_t component, AtomIndex i) {
-    std::vector<AtomIndex>& atoms = shapes[component].atoms;
-    if (component != Components::outside && (atoms.empty() || atoms.back() != i))
-      atoms.push_back(i);
-  };
-  for (AtomIndex i = 0; i < surface.atoms.size(); ++i)
-    components.for_each_wall_of(
-        i, [&](std::uint32_t wall) { add(components.walls[wall].component, i); });
-  for (const Wall& wall : components.walls) {
-    ComponentShape& shape = shapes[wall.component];
-    if (wall.component == Components::outside) continue;
-    shape.box = united(shape.box, wall.box);
-    if (!wall.atom) shape.atoms = touched_atoms(surface, 0.5 * (wall.box.low + wall.box.high));
-  }
-  return shapes;
-}
-
-// Returns the largest difference of coordinates. That of empty boxes is 0.
-double largest_difference(const Box& a, const Box& b) {
-  double largest = 0;
-  for (std::size_t axis = 0; axis < 3; ++axis)
-    largest = std::max(
-        {largest, std::fabs(a.low[axis] - b.low[axis]), std::fabs(a.high[axis] - b.high[axis])});
-  return largest;
-}
-
-// Measures the voids of all cavities. Only atoms with faces in a cavity matter for it: without the
-// others, it is still a component. Returns the cavities in the order of the components from 1, with
-// their voids and atoms only.
-std::vector<Cavity> measure_voids(const SurfaceModel& surface, const MeasureSettings& settings,
-                                  const std::vector<ComponentShape>& shapes) {
-  std::vector<AtomIndex> chosen;
-  for (const ComponentShape& shape : shapes)
-    chosen.insert(chosen.end(), shape.atoms.begin(), shape.atoms.end());
-  std::sort(chosen.begin(), chosen.end());
-  chosen.erase(std::unique(chosen.begin(), chosen.end()), chosen.end());
-  if (chosen.empty()) return {};
-  std::vector<Atom> atoms;
-  for (const AtomIndex i : chosen) atoms.push_back(surface.atoms[i]);
-  std::vector<Cavity> found =
-      measure_patches(Molecule(std::move(atoms)), {.probe_radius = settings.probe_radius,
-                                                   .cavities = true,
-                                                   .threads = settings.threads,
-                                                   .check = settings.check,
-                                                   .largest_probes = false})
-          .cavities;
-  for (Cavity& cavity : found)
-    for (AtomIndex& i : cavity.atoms) i = chosen[i];
-  std::vector<Cavity> cavities;
-  for (std::size_t c = 1; c < shapes.size(); ++c) {
-    // The cavity with the same atoms in the same place.
-    const Box box = grown(shapes[c].box, settings.probe_radius);
-    double min_difference = same_shape;
-    Cavity& cavity = cavities.emplace_back();
-    cavity.void_volume = 4 * pi / 3 * std::pow(settings.probe_radius, 3);
-    cavity.atoms = shapes[c].atoms;
-    for (const Cavity& candidate : found) {
-      if (candidate.atoms != shapes[c].atoms) continue;
-      const double difference = largest_difference({candidate.low, candidate.high}, box);
-      if (difference > min_difference) continue;
-      min_difference = difference;
-      cavity.void_volume = candidate.void_volume;
-    }
-  }
-  return cavities;
-}
-
 SurfaceModel make_surface(const Molecule& molecule, double probe_radius,
                           const Accessibility& accessibility) {
   SurfaceModel surface(molecule, probe_radius - accessibility.shrinkage);
@@ -1101,7 +937,7 @@ std::shared_ptr<const CavityMap> find_cavities(const std::shared_ptr<ScheduledSu
   sweep.run();
   const Components components = sweep.take_components();
   const SurfaceModel& model = surface->surface;
-  const std::vector<Cavity> cavities = measure_voids(model, settings, shapes_of(model, components));
+  const std::vector<Cavity> cavities = measure_voids(model, settings, components);
   std::vector<ComponentNumber> number_of(components.count);
   std::vector<double> volumes;
   for (const std::size_t c : order_by_void(cavities)) {
@@ -1150,6 +986,10 @@ std::unique_ptr<PatchMeasurement> measure_consistently(const Molecule& molecule,
 Measures measure_here(const Molecule& molecule, const MeasureSettings& settings) {
   return measure_consistently(molecule, settings)->take_result();
 }
+
+// Coordinates larger than this are rounded too much for placements that are close together
+// (angstrom).
+constexpr double far_away = 1024;
 
 bool is_far_away(const Molecule& molecule) { return norm(middle_of(molecule.atoms())) >= far_away; }
 

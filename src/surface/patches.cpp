@@ -25,6 +25,16 @@ constexpr double min_cone_volume = 1e-6;
 // buried, and each one has few caps.
 constexpr int bare_burial_frequency = 3;
 
+// Returns the covering directions, which are built once.
+const BurialPatches& burial_patches(bool has_probe) {
+  if (has_probe) {
+    static const BurialPatches patches(make_covering_directions(burial_frequency));
+    return patches;
+  }
+  static const BurialPatches bare_patches(make_covering_directions(bare_burial_frequency));
+  return bare_patches;
+}
+
 // Returns the atom whose face neighbours are searched for further atoms near a placement. Any atom
 // of the placement with such a list is suitable. It is the first one, unless that one is crowded.
 AtomIndex atom_for_search(const Patches& patches, const ProbePlacement& placement) {
@@ -159,8 +169,7 @@ Patches::Patches(const SurfaceModel& surface, bool has_bounds)
     : surface_(surface),
       has_bounds_(has_bounds),
       clusters_(surface),
-      burial_(make_covering_directions(surface.probe_radius > 0 ? burial_frequency
-                                                                : bare_burial_frequency)),
+      burial_(burial_patches(surface.probe_radius > 0)),
       clusters_patches_(clusters_.count()) {}
 
 void Patches::open(ClusterIndex cluster) {

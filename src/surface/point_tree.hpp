@@ -2,6 +2,7 @@
 /// A hierarchy of boxes around points, to find the points near another one.
 
 #include <array>
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -11,6 +12,22 @@
 #include "geometry/box.hpp"
 
 namespace eses::detail {
+
+/// Number of points or boxes in a node of a PointTree.
+inline constexpr std::size_t tree_fan_out = 8;
+/// A number for each of them, for vector instructions.
+using TreeLanes = std::array<double, tree_fan_out>;
+
+/// Boxes of a PointTree. Unused ones are empty.
+struct TreeBoxes {
+  std::array<TreeLanes, 3> low, high;
+};
+
+/// Points of a PointTree, which are infinite if they are unused.
+struct TreePoints {
+  std::array<TreeLanes, 3> coordinates;
+  std::array<std::uint32_t, tree_fan_out> indices;
+};
 
 /// Boxes around a few points that are near each other, boxes around such boxes, and so on. Unlike a
 /// search in cells, the time of a search does not depend on the distance but on the number of
@@ -24,66 +41,45 @@ class PointTree {
   /// (angstrom). The order depends on the points only.
   template <class Action>
   void for_each_within(Vec3 center, double distance, Action&& action) const {
-    if (!levels_.empty()) visit(levels_.size(), 0, center, distance * distance, action);
+    if (levels_.empty()) return;
+    visit({center, distance * distance, best_kernels()}, levels_.size(), 0, action);
   }
 
  private:
-  static constexpr std::size_t fan_out = 8;
-  using Lanes = std::array<double, fan_out>;
-
-  // Boxes as a structure of arrays, for vector instructions. Unused ones are empty.
-  struct Boxes {
-    std::array<Lanes, 3> low, high;
+  // Functions that return the boxes or points within a distance as bits, from its square.
+  struct Kernels {
+    std::uint32_t (*boxes_within)(const TreeBoxes& boxes, Vec3 center, double squared);
+    std::uint32_t (*points_within)(const TreePoints& points, Vec3 center, double squared);
   };
-  struct Points {
-    std::array<Lanes, 3> coordinates;  // infinite if unused
-    std::array<std::uint32_t, fan_out> indices;
+  struct Search {
+    Vec3 center;
+    double squared_distance;
+    Kernels kernels;
   };
 
-  static Lanes squared_distances(const Boxes& boxes, Vec3 center) {
-    Lanes squared{};
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      const double c = center[axis];
-      for (std::size_t k = 0; k < fan_out; ++k) {
-        const double below = boxes.low[axis][k] - c, above = c - boxes.high[axis][k];
-        const double outside = below > above ? below : above;
-        const double distance = outside > 0 ? outside : 0;
-        squared[k] += distance * distance;
-      }
-    }
-    return squared;
-  }
-  static Lanes squared_distances(const Points& points, Vec3 center) {
-    Lanes squared{};
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      const double c = center[axis];
-      for (std::size_t k = 0; k < fan_out; ++k) {
-        const double offset = points.coordinates[axis][k] - c;
-        squared[k] += offset * offset;
-      }
-    }
-    return squared;
-  }
+  static Kernels best_kernels();
 
   // Level 0 has the points, and level n + 1 the boxes around the nodes of level n.
   template <class Action>
-  void visit(std::size_t level, std::size_t node, Vec3 center, double limit,
-             Action&& action) const {
+  void visit(const Search& search, std::size_t level, std::size_t node, Action&& action) const {
+    const auto& [center, squared, kernels] = search;
     if (level == 0) {
-      const Lanes squared = squared_distances(points_[node], center);
-      for (std::size_t k = 0; k < fan_out; ++k)
-        if (squared[k] < limit) action(points_[node].indices[k]);
+      const TreePoints& points = points_[node];
+      for (std::uint32_t bits = kernels.points_within(points, center, squared); bits != 0;
+           bits &= bits - 1)
+        action(points.indices[static_cast<std::size_t>(std::countr_zero(bits))]);
       return;
     }
-    const Lanes squared = squared_distances(levels_[level - 1][node], center);
-    for (std::size_t k = 0; k < fan_out; ++k)
-      if (squared[k] < limit) visit(level - 1, node * fan_out + k, center, limit, action);
+    for (std::uint32_t bits = kernels.boxes_within(levels_[level - 1][node], center, squared);
+         bits != 0; bits &= bits - 1)
+      visit(search, level - 1,
+            node * tree_fan_out + static_cast<std::size_t>(std::countr_zero(bits)), action);
   }
 
   std::vector<std::pair<std::uint64_t, std::uint32_t>> keys_;  // of the points, sorted
-  std::vector<Points> points_;
-  std::vector<std::vector<Boxes>> levels_;  // the last one has one element
-  std::vector<Box> boxes_;                  // of the nodes of the last level
+  std::vector<TreePoints> points_;
+  std::vector<std::vector<TreeBoxes>> levels_;  // the last one has one element
+  std::vector<Box> boxes_;                      // of the nodes of the last level
 };
 
 }  // namespace eses::detail

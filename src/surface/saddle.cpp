@@ -10,12 +10,12 @@ namespace {
 // saddle is (rho - p cos t) e + p sin t u, its outward normal is cos t e - sin t u, and the element
 // of area is p (rho - p cos t) dt dphi (Connolly, J. Appl. Cryst. 16, 548, 1983,
 // doi:10.1107/S0021889883010985).
-SurfaceIntegrals integrate(const SaddleOutline& outline, OutlineRange range, Vec3 axis,
+SurfaceIntegrals integrate(const SaddleOutline& outline, const OutlineRange& range, Vec3 axis,
                            const SweptArc& arc) {
   const auto [rho, p] = std::pair(outline.rho, outline.probe);
-  const double sin_low = std::sin(range.low), sin_high = std::sin(range.high);
-  const double cos_low = std::cos(range.low), cos_high = std::cos(range.high);
-  const double length = range.high - range.low;
+  const auto [sin_low, cos_low] = range.low;
+  const auto [sin_high, cos_high] = range.high;
+  const double length = range.length();
   const double cosine = sin_high - sin_low;  // integrals of cos t, sin t and their products
   const double sine = cos_low - cos_high;
   const double cosine_squared = 0.5 * (length + sin_high * cos_high - sin_low * cos_low);
@@ -30,29 +30,35 @@ SurfaceIntegrals integrate(const SaddleOutline& outline, OutlineRange range, Vec
 }  // namespace
 
 SaddleOutline make_outline(const ContactCircle& circle, double probe) {
-  return {circle.radius,
-          probe,
-          {-std::atan2(circle.first_height, circle.radius),
-           std::atan2(circle.second_height, circle.radius)},
-          circle.radius < probe ? std::acos(circle.radius / probe) : 0};
+  const auto contact = [&](double height) {
+    const double distance = std::sqrt(circle.radius * circle.radius + height * height);
+    return distance > 0 ? OutlinePoint{height / distance, circle.radius / distance}
+                        : OutlinePoint();
+  };
+  SaddleOutline outline{
+      circle.radius, probe, {contact(-circle.first_height), contact(circle.second_height)}, {}};
+  if (circle.radius < probe) {
+    const double cosine = circle.radius / probe;
+    outline.cusp = {std::sqrt((1 - cosine) * (1 + cosine)), cosine};
+  }
+  return outline;
 }
 
 SaddleBorder find_border(const SaddleOutline& outline, const ContactCircle& circle,
                          double first_radius, double second_radius) {
   const double distance = circle.first_height + circle.second_height;
   const double sine = std::clamp((second_radius - first_radius) / distance, -1.0, 1.0);
-  return {std::clamp(std::asin(sine), outline.contact.low, outline.contact.high), sine};
+  const auto& [low, high] = outline.contact;
+  if (sine <= low.sine) return {low, sine};
+  if (sine >= high.sine) return {high, sine};
+  return {{sine, std::sqrt((1 - sine) * (1 + sine))}, sine};
 }
 
-SurfaceIntegrals saddle_integrals(const SaddleOutline& outline, OutlineRange range, Vec3 axis,
-                                  const SweptArc& arc) {
-  if (outline.cusp == 0)
-    return range.low < range.high ? integrate(outline, range, axis, arc) : SurfaceIntegrals{};
+SurfaceIntegrals saddle_integrals(const SaddleOutline& outline, const OutlineRange& range,
+                                  Vec3 axis, const SweptArc& arc) {
   SurfaceIntegrals sum;
-  const OutlineRange below{range.low, std::min(range.high, -outline.cusp)};
-  const OutlineRange above{std::max(range.low, outline.cusp), range.high};
-  if (below.low < below.high) sum += integrate(outline, below, axis, arc);
-  if (above.low < above.high) sum += integrate(outline, above, axis, arc);
+  outline.for_each_part(
+      range, [&](const OutlineRange& part) { sum += integrate(outline, part, axis, arc); });
   return sum;
 }
 

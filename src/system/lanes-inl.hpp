@@ -8,6 +8,8 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "system/selection_tables.hpp"
+
 #if defined(ESES_SIMD_LANES_INL_) == defined(HWY_TARGET_TOGGLE)
 #ifdef ESES_SIMD_LANES_INL_
 #undef ESES_SIMD_LANES_INL_
@@ -69,6 +71,17 @@ HWY_INLINE void for_each_lane(DoubleMask mask, Action&& action) {
   for_each_lane(Doubles(), mask, action);
 }
 
+#if HWY_TARGET == HWY_AVX2 || HWY_TARGET == HWY_SSE4
+// Stores the elements of 16 bytes that are set in `bits`, one after another.
+template <class Block>
+HWY_INLINE std::size_t compress_block(Block block, hn::Vec<Block> values, std::uint32_t bits,
+                                      std::int16_t* to) {
+  const auto bytes = hn::LoadU(hn::Full128<std::uint8_t>(), selected_bytes[bits].data());
+  hn::StoreU(hn::TableLookupBytes(values, hn::BitCast(block, bytes)), block, to);
+  return static_cast<std::size_t>(std::popcount(bits));
+}
+#endif
+
 /// Stores the lanes of `values` that are set in the mask one after another, and returns their
 /// number. There must be room for a whole vector. Highway's function is used only where it is an
 /// instruction: elsewhere it looks up a permutation in a table, which g++ copies to the stack in
@@ -79,7 +92,27 @@ HWY_INLINE std::size_t compress_store(Lanes lanes, hn::Vec<Lanes> values, hn::Ma
 #if HWY_TARGET <= HWY_AVX3
   return hn::CompressStore(values, mask, lanes, to);
 #else
-  std::array<hn::TFromD<Lanes>, HWY_MAX_BYTES / sizeof(hn::TFromD<Lanes>)> all;
+  using Value = hn::TFromD<Lanes>;
+#if HWY_TARGET == HWY_AVX2
+  if constexpr (sizeof(Value) == 8) {
+    const hn::Repartition<std::uint32_t, Lanes> words;
+    const std::uint32_t bits = mask_bits(lanes, mask);
+    const auto order = hn::IndicesFromVec(words, hn::LoadU(words, selected_words[bits].data()));
+    const auto selected = hn::TableLookupLanes(hn::BitCast(words, values), order);
+    hn::StoreU(hn::BitCast(lanes, selected), lanes, to);
+    return static_cast<std::size_t>(std::popcount(bits));
+  }
+  if constexpr (sizeof(Value) == 2) {
+    const hn::Half<Lanes> block;
+    const std::uint32_t bits = mask_bits(lanes, mask);
+    const std::size_t count = compress_block(block, hn::LowerHalf(block, values), bits & 0xff, to);
+    return count + compress_block(block, hn::UpperHalf(block, values), bits >> 8, to + count);
+  }
+#elif HWY_TARGET == HWY_SSE4
+  if constexpr (sizeof(Value) == 2)
+    return compress_block(lanes, values, mask_bits(lanes, mask), to);
+#endif
+  std::array<Value, HWY_MAX_BYTES / sizeof(Value)> all;
   hn::StoreU(values, lanes, all.data());
   std::size_t count = 0;
   for_each_lane(lanes, mask, [&](std::size_t lane) { to[count++] = all[lane]; });
