@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "geometry/pseudo_angle.hpp"
 #include "system/dispatch.hpp"
 #include "system/lanes-inl.hpp"
 #include "system/padding.hpp"
@@ -16,11 +17,6 @@
 #define ESES_GEOMETRY_CIRCLE_ARCS_SHARED_
 namespace eses::detail {
 namespace {
-
-// Pseudo-angles are lengths along the diamond |x| + |y| = 1, in [0, 4). They increase with the true
-// angle, half a turn is 2, and no trigonometric function is needed.
-constexpr double full_turn = 4;
-constexpr double half_turn = 2;
 
 // Margins of the comparison of squares, in square angstrom and relative. They are far above
 // rounding errors, and far below the difference that leaves an arc of the minimum length.
@@ -130,12 +126,6 @@ HWY_AFTER_NAMESPACE();
 namespace eses::detail {
 namespace {
 
-// Returns the pseudo-angle of a vector.
-double diamond_angle(double x, double y) {
-  const double r = std::fabs(x) + std::fabs(y);
-  return y >= 0 ? (x >= 0 ? y / r : 1 - x / r) : (x < 0 ? 2 - y / r : 3 + x / r);
-}
-
 // Maps the difference of two angles in [0, 4) to [0, 4).
 double wrap(double angle) { return angle < 0 ? angle + full_turn : angle; }
 
@@ -177,8 +167,6 @@ Direction rotated(Direction d, double cosine, double sine) {
   return {d.x * cosine - d.y * sine, d.y * cosine + d.x * sine};
 }
 
-double sine_of(double cosine) { return std::sqrt((1 - cosine) * (1 + cosine)); }
-
 // Returns the direction in which the blocked interval of the exact cap starts (side -1) or ends
 // (side +1).
 Direction exact_end(const ContactCircle& circle, const CircleFrame& frame, const Cap& cap,
@@ -186,7 +174,8 @@ Direction exact_end(const ContactCircle& circle, const CircleFrame& frame, const
   const Blocked blocked = blocked_by(circle, frame, cap);
   const double cosine =
       blocked.reach > 0 ? std::clamp(exact_clearance(circle, cap) / blocked.reach, -1.0, 1.0) : 1.0;
-  return rotated(blocked.toward, cosine, side * sine_of(cosine));
+  const double sine = std::sqrt((1 - cosine) * (1 + cosine));
+  return rotated(blocked.toward, cosine, side * sine);
 }
 
 Vec3 in_space(const CircleFrame& frame, Direction d) { return d.x * frame.e1 + d.y * frame.e2; }

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "geometry/pseudo_angle.hpp"
+
 namespace eses::detail {
 namespace {
 
@@ -20,15 +22,6 @@ constexpr double max_piece = 2.2;
 // Caps whose axes and cosines differ by less than this are the same cap. Their rims would meet in
 // points that rounding decides.
 constexpr double same_cap = 2e-8;
-
-// Pseudo-angles, see circle_arcs.cpp: 4 is a full turn.
-constexpr double full_turn = 4, half_turn = 2;
-
-double diamond_angle(double x, double y) {
-  const double r = std::fabs(x) + std::fabs(y);
-  if (r == 0) return 0;
-  return y >= 0 ? (x >= 0 ? y / r : 1 - x / r) : (x < 0 ? 2 - y / r : 3 + x / r);
-}
 
 // The argument of the product of complex numbers is the sum of their arguments.
 struct Complex {

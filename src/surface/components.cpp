@@ -286,7 +286,7 @@ void ComponentFinder::connect_arcs(const SweepLayer& layer) {
   });
   if (surface_.has_slack) return;
   for (std::uint32_t k = 0; k < layer.placements.size(); ++k)
-    sets_.unite(placement_node_[k], placement_node_[layer.same_place[k]]);
+    sets_.unite(placement_node_[k], placement_node_[layer.first_equal[k]]);
 }
 
 // Sets the nodes of the atoms whose clusters are measured in this layer. All arcs of these atoms

@@ -105,7 +105,7 @@ struct SweepLayer {
   std::span<const ProbePlacement* const> placements;  ///< of all complete clusters
   std::span<const Vec3> centers;                      ///< of the placements
   std::span<const std::uint32_t> first_placement;     ///< by cluster
-  std::span<const std::uint32_t> same_place;  ///< by placement: the first one in the same place
+  std::span<const std::uint32_t> first_equal;  ///< by placement: the first one with equal centre
   int threads;
 };
 
