@@ -59,7 +59,7 @@ struct Mesh {
   /// Component of each vertex: 0 for the outside, otherwise the number of the cavity, from 1 in the
   /// order of Measures::cavities. Empty unless make_mesh was given the surface.
   std::vector<std::uint32_t> components;
-  std::vector<std::uint64_t> crossings;  ///< Index in Result::crossings of each vertex.
+  std::vector<std::uint64_t> crossings;  ///< Index of each vertex in Result::crossings.
   /// Indices of the vertices of each triangle, from 0, counterclockwise seen from outside.
   std::vector<std::array<std::uint64_t, 3>> faces;
 };

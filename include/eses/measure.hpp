@@ -19,8 +19,8 @@ struct MeasureOptions {
   /// Radius of the probe, in angstrom: 0, or `min_probe_radius` to `max_probe_radius`. The default
   /// is the radius of the surface. With 0, all surfaces are the van der Waals surface.
   std::optional<double> probe_radius = {};
-  /// Whether the van der Waals surface is measured, too. This takes three quarters of the
-  /// time of the rest.
+  /// Whether the van der Waals surface is measured, too. This takes 0.6 of the time of the
+  /// rest.
   bool van_der_waals = false;
   /// Whether the areas are divided among the atoms.
   bool by_atom = false;

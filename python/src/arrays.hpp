@@ -23,7 +23,7 @@ using Triple = std::array<double, 3>;
 inline Vec3 as_vector(const Triple& values) { return {values[0], values[1], values[2]}; }
 
 /// The two corners of a range of points or blocks. The second corner is not included.
-using IndexRange = std::array<GridIndex, 2>;
+using IndexCorners = std::array<GridIndex, 2>;
 
 /// Makes an array of `count` values. The constructor of pybind11 before 2.12 that takes a count
 /// makes all strides 0 with numpy 2. The one that takes a shape does not.

@@ -16,7 +16,7 @@ namespace eses::python {
 struct RunArguments {
   int threads = 0;
   std::int64_t block_size = 0;
-  std::optional<IndexRange> blocks, region;
+  std::optional<IndexCorners> blocks, region;
   std::uint64_t max_memory = 0;
 };
 

@@ -219,8 +219,8 @@ ProgressCallback make_progress(Interrupts& interrupts, const py::object& callbac
 
 std::shared_ptr<ComputedResult> compute_result(const Surface& surface, const Grid& grid,
                                                int threads, std::int64_t block_size,
-                                               const std::optional<IndexRange>& blocks,
-                                               const std::optional<IndexRange>& region,
+                                               const std::optional<IndexCorners>& blocks,
+                                               const std::optional<IndexCorners>& region,
                                                const py::object& max_memory, bool inside,
                                                bool crossings, const py::object& progress) {
   if (!progress.is_none() && PyCallable_Check(progress.ptr()) == 0)
@@ -237,8 +237,8 @@ std::shared_ptr<ComputedResult> compute_result(const Surface& surface, const Gri
 }
 
 BlockStreamPointer stream_blocks(const Surface& surface, const Grid& grid, int threads,
-                                 std::int64_t block_size, const std::optional<IndexRange>& blocks,
-                                 const std::optional<IndexRange>& region,
+                                 std::int64_t block_size, const std::optional<IndexCorners>& blocks,
+                                 const std::optional<IndexCorners>& region,
                                  const py::object& max_memory) {
   constexpr std::size_t max_waiting = 4;
   RunOptions options =

@@ -131,7 +131,7 @@ std::uint32_t MsmsSurface::component_at(std::span<const AtomIndex> atoms) const 
 
 MsmsSurface make_msms_surface(std::vector<Atom> spheres, const MsmsOptions& options) {
   MsmsSurface result;
-  const double spacing = std::sqrt(mesh::vertices_per_area(true) / options.density);
+  const double spacing = std::sqrt(mesh::quality_vertices_per_area / options.density);
   const Surface surface(std::move(spheres), {.probe_radius = options.probe_radius});
   // The grid may lack up to one spacing of its upper margin.
   const Grid grid = make_grid(surface, {.spacing = spacing, .margin = 2 * spacing});

@@ -127,10 +127,10 @@ namespace eses::detail {
 namespace {
 
 // Maps the difference of two angles in [0, 4) to [0, 4).
-double wrap(double angle) { return angle < 0 ? angle + full_turn : angle; }
+double wrap(double angle) { return angle < 0 ? angle + full_diamond : angle; }
 
 // Maps any angle to [0, 4).
-double wrap_any(double angle) { return angle - full_turn * std::floor(angle / full_turn); }
+double wrap_any(double angle) { return angle - full_diamond * std::floor(angle / full_diamond); }
 
 // Slack of the test whether a sphere meets the circle, above rounding errors (angstrom).
 constexpr double meeting_margin = 1e-12;
@@ -192,7 +192,7 @@ bool ends_on_circle(const ContactCircle& circle, const CircleFrame& frame, const
 // turn between its exact and its slackened size, so a larger angle is a rounding error of 0.
 double angle_between(double from, double to) {
   const double turn = wrap_any(to - from);
-  return turn > half_turn + interval_margin ? 0 : turn;
+  return turn > half_diamond + interval_margin ? 0 : turn;
 }
 
 // Returns whether no slackened cap blocks a point of the circle, except for the two caps whose rims
@@ -226,7 +226,7 @@ void add_uncertain_ends(const ContactCircle& circle, const CircleFrame& frame, c
       const Direction end = exact_end(circle, frame, caps[k], side);
       const double from_low = wrap_any(diamond_angle(end.x, end.y) - origin - open.low);
       const bool is_within = from_low <= open.high - open.low + interval_margin ||
-                             from_low >= full_turn - interval_margin;
+                             from_low >= full_diamond - interval_margin;
       if (!is_within) continue;
       const Vec3 direction = in_space(frame, end);
       if (is_known(direction) || !is_accessible(circle, caps, own, k, direction)) continue;
@@ -256,7 +256,7 @@ void add_open_interval(const ContactCircle& circle, const CircleFrame& frame, co
   if (is_kept) {
     scratch.ends.assign({in_space(frame, start), in_space(frame, end)});
     arcs.push_back(
-        {span <= half_turn ? ArcKind::minor : ArcKind::major, scratch.ends[0], scratch.ends[1]});
+        {span <= half_diamond ? ArcKind::minor : ArcKind::major, scratch.ends[0], scratch.ends[1]});
     ends.push_back({open.low_cap, +1, is_uncertain});
     ends.push_back({open.high_cap, -1, is_uncertain});
   }
@@ -283,7 +283,7 @@ void OpenIntervals::block(double from, double to, std::uint32_t cap) {
     subtract(from_origin, to_origin, cap);
   } else {
     subtract(-1, to_origin, cap);
-    subtract(from_origin, full_turn + 1, cap);
+    subtract(from_origin, full_diamond + 1, cap);
   }
 }
 

@@ -6,7 +6,8 @@
 
 namespace eses::detail {
 
-inline constexpr double full_turn = 4, half_turn = 2;
+/// Pseudo-angles of a whole turn and of half a turn.
+inline constexpr double full_diamond = 4, half_diamond = 2;
 
 /// Returns the pseudo-angle of a vector; 0 for the null vector.
 inline double diamond_angle(double x, double y) {

@@ -182,7 +182,7 @@ void SpherePartFinder::find_arcs(std::uint32_t k) {
         k < l ? std::pair(meeting.low, meeting.high) : std::pair(meeting.high, meeting.low);
     const double from = diamond_angle(dot(start, e), dot(start, f));
     double to = diamond_angle(dot(end, e), dot(end, f));
-    if (to < from) to += full_turn;
+    if (to < from) to += full_diamond;
     cuts_.push_back({from, to, start, end});
   }
   if (cuts_.empty()) {
@@ -192,14 +192,14 @@ void SpherePartFinder::find_arcs(std::uint32_t k) {
   std::sort(cuts_.begin(), cuts_.end(), [](const Cut& a, const Cut& b) { return a.from < b.from; });
   const Cut* last = &*std::max_element(cuts_.begin(), cuts_.end(),
                                        [](const Cut& a, const Cut& b) { return a.to < b.to; });
-  double covered_to = last->to - full_turn;
+  double covered_to = last->to - full_diamond;
   const auto radial = [&](Vec3 point) { return inverse_sine * (point - cap.cosine * cap.axis); };
   for (const Cut& cut : cuts_) {
     if (cut.from > covered_to) {
       const Vec3 start = radial(last->end), end = radial(cut.start);
       double angle = angle_about(cap.axis, start, end);
       // Rounding may exchange an angle of almost 0 and one of almost 2 pi.
-      const bool is_short = cut.from - covered_to < half_turn;
+      const bool is_short = cut.from - covered_to < half_diamond;
       if (is_short && angle > 1.5 * pi) angle = 0;
       if (!is_short && angle < 0.5 * pi) angle = 2 * pi;
       if (angle > 0) arcs_.push_back({numbers_[k], angle, start, end});

@@ -131,7 +131,7 @@ class QualityMesh {
 
   const Vertex& at(std::uint64_t number) const { return vertices_[number - first_number_]; }
   const Vec3& position(Index vertex) const { return vertices_[vertex].position; }
-  // Return the corner after and before a corner of a triangle.
+  // Return the corner after, or before, a corner of the same triangle.
   static Index after(Index corner) { return (corner & 3) < 2 ? corner + 1 : corner - 2; }
   static Index before(Index corner) { return (corner & 3) > 0 ? corner - 1 : corner + 2; }
   Index vertex_at(Index corner) const { return faces_[corner >> 2].vertices[corner & 3]; }

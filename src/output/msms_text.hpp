@@ -15,10 +15,12 @@
 
 namespace eses::detail::mesh {
 
-/// Expected number of vertices in an area of the square of the spacing. An element of the surface
-/// with unit normal n has (|n_x| + |n_y| + |n_z|) / spacing^2 crossings per area, and the mean of
-/// the sum over all directions is 3/2. The number that remain in meshes of quality was measured.
-constexpr double vertices_per_area(bool is_quality) { return is_quality ? 0.84 : 1.5; }
+/// Expected number of vertices of a plain mesh in an area of the square of the spacing. An element
+/// of the surface with unit normal n has (|n_x| + |n_y| + |n_z|) / spacing^2 crossings per area,
+/// and the mean of the sum over all directions is 3/2.
+inline constexpr double plain_vertices_per_area = 1.5;
+/// The same for a mesh of quality, as measured; see doc/msms.md.
+inline constexpr double quality_vertices_per_area = 0.84;
 
 /// Appends the three header lines of NAME.vert or NAME.face with this number of vertices or
 /// triangles, on which their length does not depend. `density` is the expected number of vertices

@@ -81,7 +81,9 @@ std::optional<mesh::MeshText> mesh_text(const RunTask& task, const RunPlan& plan
        .atoms = plan.slab.molecule.atoms(),
        .atom_count = plan.atoms,
        .probe_radius = plan.whole_plan.parameters.probe_radius,
-       .density = mesh::vertices_per_area(mesh->quality) / (spacing * spacing),
+       .density =
+           (mesh->quality ? mesh::quality_vertices_per_area : mesh::plain_vertices_per_area) /
+           (spacing * spacing),
        .center = 0.5 * (plan.whole_plan.grid.origin + plan.whole_plan.grid.upper()),
        .potential = potential});
 }

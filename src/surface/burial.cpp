@@ -68,8 +68,8 @@ struct AxisAndLimit {
   }
 };
 
-// The axes of caps and one of their limits, as pointers. Other data that a loop stores could change
-// the pointers of vectors, which then would be loaded for each cap.
+// Pointers to the axes of caps and to one of their limits. Vector stores may alias the members of a
+// std::vector, so the compiler would load its pointer again for each cap.
 struct CapLimits {
   const std::int16_t *x, *y, *z, *limit;
 
@@ -83,14 +83,14 @@ struct CapLimits {
   }
 };
 
-// Fills a vector after the first `count` components with the first one.
+// Stores copies of the first component after the first `count`, as many as a vector register holds.
 HWY_INLINE void pad(std::vector<std::int16_t>& components, std::size_t count) {
   hn::StoreU(hn::Set(Lanes(), components[0]), Lanes(), &components[count]);
 }
 
 // Copies the first `count` directions whose patch none of the caps in `order` settles, and returns
-// their number. Marks the caps that settled a patch. The directions are padded to whole vectors,
-// those of the result with copies of the first one. Both lists may be the same, as elements are
+// their number. Marks the caps that settled a patch. `from` must have room for whole vectors; the
+// result is padded with copies of its first direction. Both lists may be the same: elements are
 // read before they are overwritten.
 std::size_t keep_unsettled(BurialCaps& caps, std::span<const std::uint32_t> order,
                            const DirectionList& from, std::size_t count, DirectionList& to) {
@@ -254,6 +254,14 @@ void make_room(BurialCaps& caps, std::size_t count) {
   caps.step.resize(size);
 }
 
+// Frequency of the covering directions, which gives 252 of them. More directions would take more
+// time than they save.
+constexpr int burial_frequency = 5;
+
+// The same without a probe, which gives 92 of them. Then few atoms are buried, and each one has few
+// caps.
+constexpr int bare_burial_frequency = 3;
+
 std::int16_t to_component(double value) {
   return static_cast<std::int16_t>(std::nearbyint(direction_scale * value));
 }
@@ -272,6 +280,15 @@ BurialPatches::BurialPatches(const CoveringDirections& covering)
     directions.y[k] = to_component(covering.directions[k].y);
     directions.z[k] = to_component(covering.directions[k].z);
   }
+}
+
+const BurialPatches& burial_patches(bool has_probe) {
+  if (has_probe) {
+    static const BurialPatches patches(make_covering_directions(burial_frequency));
+    return patches;
+  }
+  static const BurialPatches bare_patches(make_covering_directions(bare_burial_frequency));
+  return bare_patches;
 }
 
 bool is_buried(const CapList& caps, double radius, const BurialPatches& patches,

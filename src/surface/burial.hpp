@@ -17,10 +17,6 @@
 
 namespace eses::detail {
 
-/// Frequency of the covering directions, which gives 252 of them. More directions would take more
-/// time than they save.
-inline constexpr int burial_frequency = 5;
-
 /// Unit vectors as a structure of arrays, in units of 1 / direction_scale. In 16 bits, a vector
 /// holds twice as many of them as in single precision.
 struct DirectionList {
@@ -34,7 +30,7 @@ inline constexpr double direction_scale = 32767;
 inline constexpr double cosine_scale = direction_scale * direction_scale / 0x1p16;
 inline constexpr double max_cosine_excess = 0.9, max_cosine_deficit = 3.9;
 
-/// The covering directions. Built once, read by all threads.
+/// The covering directions, read by all threads.
 struct BurialPatches {
   DirectionList directions;  ///< padded for vector loops
   std::size_t count = 0;
@@ -42,6 +38,9 @@ struct BurialPatches {
 
   explicit BurialPatches(const CoveringDirections& covering);
 };
+
+/// Returns the covering directions for a surface with or without a probe. They are built once.
+const BurialPatches& burial_patches(bool has_probe);
 
 /// Caps in the layout of the kernel. Limits are scaled cosines: a cap settles the patches, or may
 /// reach the patches, for which scaled_cosine() of axis and patch is greater.

@@ -20,8 +20,9 @@ using std::numbers::pi;
 // order of equal ones (cubic angstrom).
 constexpr double same_volume = 1e-6;
 
-/// Connects the atoms whose SAS balls overlap. Of two such atoms in different sets, at least one is
-/// not in the set of any given atom, so there is no search for the neighbours of its members.
+/// Connects the atoms whose SAS balls overlap. The neighbours of atoms in the set of one given atom
+/// are not searched: of two overlapping atoms in different sets, at least one is outside of this
+/// set, and the search for its neighbours connects them.
 DisjointSets connect_atoms(const SurfaceModel& surface) {
   DisjointSets sets(static_cast<DisjointSets::Element>(surface.atoms.size()));
   const auto connect = [&](AtomIndex i, AtomIndex k) {

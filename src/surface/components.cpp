@@ -20,6 +20,7 @@ constexpr double end_search = 1e-5;
 // Placements and ends of arcs this close together are connected (angstrom), unless three arcs end
 // at each placement. Rounding may hide the arcs between them.
 constexpr double connected = tolerance::touching;
+static_assert(connected <= end_search, "ArcEndCells finds points within end_search only");
 
 // The extreme point of a wall must be this far outside of the other SAS balls, or this deep in one
 // of them, so that rounding does not decide whether it is accessible (angstrom).
@@ -35,10 +36,10 @@ struct ArcMatch {
   std::uint32_t arc, placement;
 };
 
-// The points that are within `end_search` of a place.
-class SamePlaces {
+// Points in cells, to find those within `end_search` of a position.
+class ArcEndCells {
  public:
-  explicit SamePlaces(std::span<const Vec3> points)
+  explicit ArcEndCells(std::span<const Vec3> points)
       : points_(points), first_(std::bit_ceil(points.size() + 1), none), next_(points.size()) {
     for (auto k = static_cast<std::uint32_t>(points.size()); k-- > 0;) {
       const Cell cell = cell_of(points[k], 0);
@@ -48,13 +49,13 @@ class SamePlaces {
 
   // Calls `action(index, squared distance)` at least once for each such point.
   template <class Action>
-  void for_each(Vec3 place, Action&& action) const {
-    const Cell low = cell_of(place, -end_search), high = cell_of(place, end_search);
+  void for_each(Vec3 position, Action&& action) const {
+    const Cell low = cell_of(position, -end_search), high = cell_of(position, end_search);
     for (std::uint64_t x = low[0]; x <= high[0]; ++x)
       for (std::uint64_t y = low[1]; y <= high[1]; ++y)
         for (std::uint64_t z = low[2]; z <= high[2]; ++z)
           for (std::uint32_t k = first_[bucket_of(x, y, z)]; k != none; k = next_[k])
-            if (const double squared = squared_norm(points_[k] - place);
+            if (const double squared = squared_norm(points_[k] - position);
                 squared < end_search * end_search)
               action(k, squared);
   }
@@ -62,7 +63,7 @@ class SamePlaces {
  private:
   using Cell = std::array<std::uint64_t, 3>;  // cubes with sides of 1 angstrom
   static constexpr std::uint32_t none = 0xffffffff;
-  static constexpr double cell_count = 1 << 21;  // along an axis; those at the ends are larger
+  static constexpr double cell_count = 1 << 21;  // along an axis; the outermost cells are endless
 
   static Cell cell_of(Vec3 point, double offset) {
     Cell cell;
@@ -88,7 +89,7 @@ bool may_hide_arcs(const SurfaceModel& surface, const ClusterPatches& patches) {
 
 // Finds the placements at the ends of the arcs of a cluster.
 void find_ends(const SurfaceModel& surface, const ClusterPatches& patches, const SweepLayer& layer,
-               const SamePlaces& placements, std::vector<ArcMatch>& matches) {
+               const ArcEndCells& placements, std::vector<ArcMatch>& matches) {
   matches.clear();
   const bool may_be_hidden = may_hide_arcs(surface, patches);
   for (std::uint32_t k = 0; k < patches.arcs.size(); ++k) {
@@ -263,7 +264,7 @@ void ComponentFinder::connect_arcs(const SweepLayer& layer) {
   for_each_complete(layer, [&](ClusterIndex cluster, const ClusterPatches&) {
     if (are_connected_[cluster] == 0) chosen.push_back(cluster);
   });
-  const SamePlaces placements(layer.centers);
+  const ArcEndCells placements(layer.centers);
   std::vector<std::vector<ArcMatch>> matches(chosen.size());
   for_each_index(chosen.size(), layer.threads, [&](std::size_t k) {
     find_ends(surface_, layer.schedule.patches().of_cluster(chosen[k]), layer, placements,
@@ -286,7 +287,7 @@ void ComponentFinder::connect_arcs(const SweepLayer& layer) {
   });
   if (surface_.has_slack) return;
   for (std::uint32_t k = 0; k < layer.placements.size(); ++k)
-    sets_.unite(placement_node_[k], placement_node_[layer.first_equal[k]]);
+    sets_.unite(placement_node_[k], placement_node_[layer.first_coinciding[k]]);
 }
 
 // Sets the nodes of the atoms whose clusters are measured in this layer. All arcs of these atoms

@@ -105,7 +105,7 @@ struct SweepLayer {
   std::span<const ProbePlacement* const> placements;  ///< of all complete clusters
   std::span<const Vec3> centers;                      ///< of the placements
   std::span<const std::uint32_t> first_placement;     ///< by cluster
-  std::span<const std::uint32_t> first_equal;  ///< by placement: the first one with equal centre
+  std::span<const std::uint32_t> first_coinciding;  ///< by placement: the first one with its centre
   int threads;
 };
 

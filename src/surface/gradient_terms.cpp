@@ -187,7 +187,7 @@ Vec3 add_overlap(const SurfaceModel& surface, Vec3 center, const std::array<Atom
 template <class Action>
 void divide_arc(const SurfaceModel& surface, const RimArc& arc, const SphericalCap& cap,
                 PlacementParts parts, Action&& action) {
-  constexpr double circle = 2 * std::numbers::pi;
+  constexpr double two_pi = 2 * std::numbers::pi;
   const double c = cap.cosine, s = std::sqrt((1 - c) * (1 + c));
   const Vec3 u = cap.axis, across = cross(u, arc.start);
   const auto radial_at = [&](double angle) {
@@ -208,7 +208,7 @@ void divide_arc(const SurfaceModel& surface, const RimArc& arc, const SphericalC
       if (!(std::fabs(cosine) < 1)) continue;
       for (const double side : {-1, 1}) {
         const double angle = std::atan2(y, x) + side * std::acos(cosine);
-        const double turned = angle - circle * std::floor(angle / circle);
+        const double turned = angle - two_pi * std::floor(angle / two_pi);
         if (turned < arc.angle) angles.push_back(turned);
       }
     }

@@ -189,12 +189,13 @@ class Search {
         for (std::size_t c = b + 1; c < count; ++c)
           for (std::size_t d = c + 1; d < count; ++d)
             if (const std::array atoms{near[a], near[b], near[c], near[d]};
-                is_worth_trying(atoms, cell.size()))
+                start_trial(atoms, cell.size()))
               try_maximum(atoms, cell.center);
   }
 
-  // Returns whether no much larger cell has tried the same atoms: they have mostly the same point.
-  bool is_worth_trying(const std::array<NearAtom, 4>& atoms, double size) {
+  // Returns whether these atoms are worth a trial, and records it: they are new, or the last cell
+  // that tried them was more than four times as large. Other cells mostly lead to the same point.
+  bool start_trial(const std::array<NearAtom, 4>& atoms, double size) {
     constexpr double much_smaller = 0.25;
     std::array<AtomIndex, 4> indices{};
     std::transform(atoms.begin(), atoms.end(), indices.begin(),

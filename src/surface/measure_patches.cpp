@@ -309,7 +309,8 @@ bool PatchMeasurement::measure_layer(ClusterIndex begin, ClusterIndex end) {
   build_patches(high + probe() + look_up_slack);
   index_placements();
   if (components_) connect_patches(begin, end, high + 2 * (probe() + look_up_slack));
-  // One thread adds the terms of a cluster while they are in its cache.
+  // A single thread adds the terms of each cluster at once, while they are in the cache. Several
+  // threads measure all clusters first.
   const ClusterIndex at_once = settings_.threads == 1 ? 1 : end - begin;
   for (ClusterIndex next = begin; next < end; next += at_once)
     if (!measure_clusters(next, std::min(next + at_once, end))) return false;
@@ -398,7 +399,7 @@ void PatchMeasurement::index_placements() {
       centers_.push_back(placement.center);
     }
   }
-  // Without a probe, no placement cuts the patch of another one.
+  // Only measures need the placements that cut a patch. Without a probe there are none.
   const bool has_cuts = probe() > 0 && sought_ == Sought::measures;
   if (has_cuts || !surface_.has_slack) tree_.reset(centers_);
   node_.resize(placements_.size());

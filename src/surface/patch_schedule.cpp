@@ -1,6 +1,7 @@
 #include "surface/patch_schedule.hpp"
 
 #include <algorithm>
+#include <limits>
 
 namespace eses::detail {
 PatchSchedule::PatchSchedule(const SurfaceModel& surface, const HeightRange& heights_to_solve,
@@ -11,7 +12,7 @@ PatchSchedule::PatchSchedule(const SurfaceModel& surface, const HeightRange& hei
       heights_to_solve_(heights_to_solve),
       stages_(patches_.clusters().count(), Stage::none),
       is_passed_(patches_.clusters().count()),
-      highest_(no_heights.high) {
+      highest_(-std::numeric_limits<double>::infinity()) {
   find_heights_with_arcs();
 }
 

@@ -21,20 +21,6 @@ namespace {
 // the vectors are almost coplanar, and rounding could exchange their cone and its complement.
 constexpr double min_cone_volume = 1e-6;
 
-// Frequency of the covering directions without a probe, which gives 92 of them. Then few atoms are
-// buried, and each one has few caps.
-constexpr int bare_burial_frequency = 3;
-
-// Returns the covering directions, which are built once.
-const BurialPatches& burial_patches(bool has_probe) {
-  if (has_probe) {
-    static const BurialPatches patches(make_covering_directions(burial_frequency));
-    return patches;
-  }
-  static const BurialPatches bare_patches(make_covering_directions(bare_burial_frequency));
-  return bare_patches;
-}
-
 // Returns the atom whose face neighbours are searched for further atoms near a placement. Any atom
 // of the placement with such a list is suitable. It is the first one, unless that one is crowded.
 AtomIndex atom_for_search(const Patches& patches, const ProbePlacement& placement) {

@@ -146,7 +146,7 @@ class Patches {
   const SurfaceModel& surface_;
   bool has_bounds_;
   AtomClusters clusters_;
-  BurialPatches burial_;
+  const BurialPatches& burial_;
   std::vector<std::unique_ptr<ClusterPatches>> clusters_patches_;
 };
 

@@ -15,7 +15,7 @@ namespace eses::detail {
 
 /// Number of points or boxes in a node of a PointTree.
 inline constexpr std::size_t tree_fan_out = 8;
-/// A number for each of them, for vector instructions.
+/// One coordinate of each point or box of a node.
 using TreeLanes = std::array<double, tree_fan_out>;
 
 /// Boxes of a PointTree. Unused ones are empty.
@@ -23,7 +23,7 @@ struct TreeBoxes {
   std::array<TreeLanes, 3> low, high;
 };
 
-/// Points of a PointTree, which are infinite if they are unused.
+/// Points of a node of a PointTree. The coordinates of unused ones are infinite.
 struct TreePoints {
   std::array<TreeLanes, 3> coordinates;
   std::array<std::uint32_t, tree_fan_out> indices;

@@ -45,7 +45,7 @@ struct SaddleOutline {
   double rho = 0;        ///< radius of the contact circle, angstrom
   double probe = 0;      ///< radius of the probe, angstrom
   OutlineRange contact;  ///< from the first atom to the second
-  OutlinePoint cusp;     ///< the outline between this point and its mirror image is beyond the axis
+  OutlinePoint cusp;     ///< begins the part beyond the axis; its sine is 0 if there is none
 
   /// Calls `action(range)` for the parts of a range that are not beyond the axis.
   template <class Action>

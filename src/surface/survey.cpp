@@ -94,14 +94,14 @@ void integrate(std::vector<double>& steps) {
 
 SurfaceSurvey::SurfaceSurvey(const Molecule& molecule, double probe_radius)
     : surface_(molecule, probe_radius),
-      burial_(make_covering_directions(burial_frequency)),
+      burial_(burial_patches(probe_radius > 0)),
       directions_(make_covering_directions(exposure_frequency)) {
   take_samples();
 }
 
 SurfaceSurvey::SurfaceSurvey(const Molecule& molecule, double probe_radius, const Box& box)
     : surface_(molecule, probe_radius),
-      burial_(make_covering_directions(burial_frequency)),
+      burial_(burial_patches(probe_radius > 0)),
       directions_(make_covering_directions(exposure_frequency)) {
   surface_.confine_to(box);
   for (AtomIndex i = 0; i < surface_.atoms.size(); ++i)

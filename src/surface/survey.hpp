@@ -72,7 +72,7 @@ class SurfaceSurvey {
 
   SurfaceModel surface_;
   std::vector<AtomIndex> reach_;  // atoms with patches; empty if these are all atoms
-  BurialPatches burial_;
+  const BurialPatches& burial_;
   CoveringDirections directions_;
   PatchTotals totals_;
   double low_z_ = 0, bin_ = 1, max_radius_ = 0;

@@ -15,7 +15,7 @@ namespace {
 // Finds spheres that touch the SAS sphere of one of several exposed atoms near each other.
 class TangentSphereFinder {
  public:
-  // `near` are the atoms whose SAS spheres may touch one of them.
+  // `near` are all atoms whose SAS spheres may touch that of an exposed atom.
   TangentSphereFinder(const SurfaceModel& surface, const AreaWeights& weights,
                       std::vector<AtomIndex> near)
       : surface_(surface), weights_(weights), near_(std::move(near)) {

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <cstdint>
 #include <numbers>
-#include <span>
 #include <utility>
 
 #include "geometry/box.hpp"
@@ -75,7 +74,7 @@ std::vector<Cavity> measure_voids(const SurfaceModel& surface, const MeasureSett
     for (AtomIndex& i : cavity.atoms) i = chosen[i];
   std::vector<Cavity> cavities;
   for (std::size_t c = 1; c < shapes.size(); ++c) {
-    // The cavity with the same atoms in the same place.
+    // The void is that of the cavity with the same atoms and nearly the same box.
     const Box box = grown(shapes[c].box, settings.probe_radius);
     double min_difference = same_shape;
     Cavity& cavity = cavities.emplace_back();

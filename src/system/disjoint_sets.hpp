@@ -32,7 +32,7 @@ class DisjointSets {
     return element;
   }
 
-  /// Returns the same root, and shortens the path to it.
+  /// Returns root(element), and shortens the path to it. Not for several threads at a time.
   Element shorten(Element element) {
     while (parents_[element] != element) element = parents_[element] = parents_[parents_[element]];
     return element;

@@ -72,7 +72,8 @@ HWY_INLINE void for_each_lane(DoubleMask mask, Action&& action) {
 }
 
 #if HWY_TARGET == HWY_AVX2 || HWY_TARGET == HWY_SSE4
-// Stores the elements of 16 bytes that are set in `bits`, one after another.
+// Stores the elements of a block of eight that are set in `bits` one after another, and returns
+// their number. Writes the whole block.
 template <class Block>
 HWY_INLINE std::size_t compress_block(Block block, hn::Vec<Block> values, std::uint32_t bits,
                                       std::int16_t* to) {
@@ -83,9 +84,9 @@ HWY_INLINE std::size_t compress_block(Block block, hn::Vec<Block> values, std::u
 #endif
 
 /// Stores the lanes of `values` that are set in the mask one after another, and returns their
-/// number. There must be room for a whole vector. Highway's function is used only where it is an
-/// instruction: elsewhere it looks up a permutation in a table, which g++ copies to the stack in
-/// each call.
+/// number. There must be room for a whole vector. Highway's function is used with AVX-512 only:
+/// with other instruction sets it looks up a permutation in a table, which g++ copies to the stack
+/// in each call.
 template <class Lanes>
 HWY_INLINE std::size_t compress_store(Lanes lanes, hn::Vec<Lanes> values, hn::Mask<Lanes> mask,
                                       hn::TFromD<Lanes>* to) {
