@@ -765,7 +765,7 @@ TEST_CASE("more atoms than a memory limit allows are refused before the plan", "
   for (int i = 0; i < 300000; ++i) text += "1 2 3 1.5\n";
   write_file(sandbox.directory() / "many.xyzr", text);
   for (const Arguments& more : {Arguments{}, Arguments{"--resume"}, Arguments{"--dry-run"}}) {
-    Arguments arguments{"many.xyzr", "--max-memory", "27M", "-o", "many"};
+    Arguments arguments{"many.xyzr", "--max-memory", "28M", "-o", "many"};
     arguments.insert(arguments.end(), more.begin(), more.end());
     INFO(Sandbox::command(arguments));
     const Outcome outcome = sandbox.run(arguments);
