@@ -20,12 +20,10 @@
 #include "surface/measure_patches.hpp"
 #include "system/formatted.hpp"
 #include "system/parallel.hpp"
+#include "system/resources.hpp"
 
 namespace eses {
 namespace {
-
-// Average ratio of the touched memory of a growing list to its size.
-constexpr double growth = 1.5;
 
 constexpr ResultParts no_parts{.inside = false, .crossings = false, .mesh = false};
 
@@ -66,12 +64,12 @@ void check_task(const detail::RunTask& task) {
 
 // Returns the memory of a result, besides `bytes_per_point`.
 detail::CallerMemory memory_of_result(const ResultParts& parts, double bytes_per_point) {
-  constexpr double mesh_bytes =
-      2 * sizeof(Vec3) + sizeof(AtomIndex) + 1 + 2 * sizeof(std::array<std::uint64_t, 3>);
+  constexpr double mesh_bytes = 2 * sizeof(Vec3) + sizeof(AtomIndex) + sizeof(std::uint64_t) + 1 +
+                                2 * sizeof(std::array<std::uint64_t, 3>);
   detail::CallerMemory memory{.per_point = bytes_per_point};
   if (parts.inside || parts.mesh) ++memory.per_point;
-  if (parts.crossings || parts.mesh) memory.per_crossing = growth * sizeof(Crossing);
-  if (parts.mesh) memory.per_crossing += growth * mesh_bytes;
+  if (parts.crossings || parts.mesh) memory.per_crossing = detail::list_growth * sizeof(Crossing);
+  if (parts.mesh) memory.per_crossing += detail::list_growth * mesh_bytes;
   return memory;
 }
 

@@ -10,6 +10,7 @@
 #include "eses/atoms.hpp"
 #include "input/residue_runs.hpp"
 #include "output/mesh_groups.hpp"
+#include "system/resources.hpp"
 
 namespace eses::detail {
 
@@ -38,8 +39,7 @@ struct GroupNumbering {
 
   /// Returns the estimated memory in bytes, with the temporary lists of the first atoms of groups.
   static double memory_bytes(double atoms, double groups) {
-    constexpr double growth = 1.5;
-    return sizeof(mesh::GroupNumbers) * atoms + 2 * growth * sizeof(AtomIndex) * groups;
+    return sizeof(mesh::GroupNumbers) * atoms + 2 * list_growth * sizeof(AtomIndex) * groups;
   }
 };
 

@@ -84,13 +84,12 @@ double PotentialMap::at(const Vec3& position) const {
     const double step = (position[axis] - origin[axis]) / spacing[axis];
     const auto last = static_cast<double>(size[axis] - 1);
     if (!(step >= 0 && step <= last)) {
-      const auto end = [&](std::size_t i) {
-        return origin[i] + static_cast<double>(size[i] - 1) * spacing[i];
-      };
+      Vec3 end = origin;
+      for (std::size_t i = 0; i < 3; ++i) end[i] += static_cast<double>(size[i] - 1) * spacing[i];
       throw Error(formatted(
           "{}: the mesh has points outside of the map, which is from {:.6g} {:.6g} {:.6g} to "
           "{:.6g} {:.6g} {:.6g} (angstrom); use a larger map",
-          name_, origin.x, origin.y, origin.z, end(0), end(1), end(2)));
+          name_, origin.x, origin.y, origin.z, end.x, end.y, end.z));
     }
     const double low = std::min(std::floor(step), last - 1);
     cell[axis] = static_cast<std::size_t>(low);

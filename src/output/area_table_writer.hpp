@@ -23,6 +23,7 @@
 
 #include "input/residue_runs.hpp"
 #include "output/buffered_text.hpp"
+#include "system/resources.hpp"
 
 namespace eses::detail {
 
@@ -51,8 +52,8 @@ class ChainAreas {
   /// Returns the estimated memory in bytes of chains with names of this total length, including the
   /// messages between ranks.
   static double memory_bytes(double chains, double name_bytes) {
-    constexpr double growth = 1.5, copies_of_name = 4;
-    return (growth * sizeof(ChainArea) + 64 + 4 * sizeof(std::string)) * chains +
+    constexpr double copies_of_name = 4;
+    return (list_growth * sizeof(ChainArea) + 64 + 4 * sizeof(std::string)) * chains +
            copies_of_name * name_bytes;
   }
 

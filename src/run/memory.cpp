@@ -13,6 +13,7 @@
 #include "run/quality_pass.hpp"
 #include "run/row_batches.hpp"
 #include "system/gzip.hpp"
+#include "system/resources.hpp"
 
 namespace eses::detail {
 namespace {
@@ -20,13 +21,11 @@ namespace {
 constexpr double mebibyte = 1 << 20;
 constexpr double base_bytes = 6 * mebibyte;           // program, libraries, survey
 constexpr double bytes_per_thread = 0.75 * mebibyte;  // stack, allocator, batches
-// The atom, its line number, tree entry, index in the clusters and area share.
+// The atom, its line number, its entries in the cell list and in the clusters, and its area share.
 constexpr double bytes_per_atom = sizeof(Atom) + 8 + 16 + 8 + sizeof(AreaShare);
 // Memory of a freed layer that the allocator keeps, for each block and thread.
 constexpr double kept_per_block = 256;
 constexpr double bytes_per_layer = 64;  // an empty layer
-// Average ratio of the touched memory of a growing list to its size.
-constexpr double growth = 1.5;
 // The density of crossings is higher than average if the surface faces a cell's corner.
 constexpr double crossing_slack = 1.05;
 
@@ -169,7 +168,7 @@ double expected_memory(const SurfaceSurvey& survey, const LabelTotals& labels, b
       outputs.mesh && outputs.mesh->quality
           ? QualityPass::memory_bytes(*outputs.mesh, tiling.region_with_halo, crossings_of_plane)
           : 0;
-  constexpr double bytes_per_area = sizeof(double) + growth * sizeof(AtomSum);
+  constexpr double bytes_per_area = sizeof(double) + list_growth * sizeof(AtomSum);
   double names = 0;
   if (has_groups)
     names += GroupNumbering::memory_bytes(

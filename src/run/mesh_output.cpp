@@ -7,6 +7,7 @@
 
 #include "output/local_triangle.hpp"
 #include "run/quality_pass.hpp"
+#include "system/resources.hpp"
 
 namespace eses::detail {
 
@@ -37,14 +38,14 @@ MeshOutput::MeshOutput(const Plan& plan, const GridRegion& region, const mesh::M
 
 double MeshOutput::memory_bytes(const BlockTiling& tiling, MeshFormat format,
                                 double plane_crossings) {
-  constexpr double growth = 1.5;
   const auto planes = static_cast<double>(std::min(tiling.block_size[2], tiling.grid_size[2]));
   const GridIndex size = tiling.region.size();
   const auto rows = static_cast<double>(size[1]);
   const double position_bytes = format == MeshFormat::stl ? double{sizeof(Vec3)} : 0;
-  return growth * sizeof(std::uint64_t) * planes * rows +
+  return list_growth * sizeof(std::uint64_t) * planes * rows +
          rows * (sizeof(mesh::Row) + static_cast<double>(size[0]) / 8) +
-         growth * (sizeof(std::uint64_t) + sizeof(std::uint8_t) + position_bytes) * plane_crossings;
+         list_growth * (sizeof(std::uint64_t) + sizeof(std::uint8_t) + position_bytes) *
+             plane_crossings;
 }
 
 // Returns the number of planes of a layer. The last layer has the plane of the halo as well, if it

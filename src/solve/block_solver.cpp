@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <utility>
 
+#include "system/resources.hpp"
 #include "system/stopwatch.hpp"
 
 namespace eses::detail {
@@ -150,8 +151,8 @@ double BlockResult::memory_bytes(const GridIndex& points, const BlockExtras& ext
 
 double BlockResult::crossing_bytes(const BlockExtras& extras) {
   // With the unused capacity of a growing list, a BlockCrossing takes as much memory as a Crossing.
-  constexpr double growth = 1.5;
-  return sizeof(Crossing) + (extras.inside_fractions ? growth * sizeof(InsideFractions::Edge) : 0);
+  return sizeof(Crossing) +
+         (extras.inside_fractions ? list_growth * sizeof(InsideFractions::Edge) : 0);
 }
 
 double BlockWorkspace::memory_bytes(const SurfaceSurvey& survey, const GridIndex& points,

@@ -8,6 +8,7 @@
 
 #include "geometry/arc_sector.hpp"
 #include "geometry/patch_boxes.hpp"
+#include "system/resources.hpp"
 
 namespace eses::detail {
 namespace {
@@ -316,14 +317,12 @@ double SurfaceSurvey::max_fraction(double thickness) const {
 }
 
 double SurfaceSurvey::patch_bytes(double height, int threads) const {
-  // Average ratio of the touched memory of a growing list to its size.
-  constexpr double growth = 1.5;
   constexpr double per_atom = sizeof(AtomExposure) + 3 * sizeof(std::uint32_t) +
                               sizeof(FaceDirections) +
                               sizeof(ClusterPatches) / double{AtomClusters::atoms_per_cluster};
   const double all_patches =
       sizeof(Arc) * totals_.arcs +
-      (sizeof(ProbePlacement) + growth * sizeof(PlacementKey)) * totals_.placements +
+      (sizeof(ProbePlacement) + list_growth * sizeof(PlacementKey)) * totals_.placements +
       sizeof(AtomIndex) * totals_.face_neighbours + sizeof(PatchListing) * totals_.crowded_patches +
       per_atom * static_cast<double>(patched_count());
   // The reach of atoms whose patches influence the points, and of atoms whose SAS spheres meet
@@ -332,8 +331,9 @@ double SurfaceSurvey::patch_bytes(double height, int threads) const {
   const double reach = max_radius_ + 2 * probe + 2 * (max_radius_ + probe) + 3 * CellList::sides[2];
   // Caps, kept caps, and their atoms and numbers in AtomPatchScratch, which is large only for
   // crowded atoms.
-  constexpr double per_neighbour = growth * (2 * sizeof(SasSphere) + 2 * sizeof(Cap) +
-                                             BurialCaps::bytes_per_cap + 19 * sizeof(AtomIndex));
+  constexpr double per_neighbour =
+      list_growth * (2 * sizeof(SasSphere) + 2 * sizeof(Cap) + BurialCaps::bytes_per_cap +
+                     19 * sizeof(AtomIndex));
   return max_fraction(height + 2 * reach) * all_patches +
          per_neighbour * std::min(totals_.crowded_neighbours, threads * totals_.max_neighbours);
 }

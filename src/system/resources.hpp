@@ -26,6 +26,9 @@ std::uint64_t peak_memory();
 /// Returns freed memory to the system. Without this call glibc keeps it for each thread.
 void release_free_memory();
 
+/// Average ratio of the touched memory of a growing list to its size, for estimates of memory.
+inline constexpr double list_growth = 1.5;
+
 /// Minimum stack of each thread in bytes: ten times the measured maximum.
 inline constexpr std::uint64_t min_stack_bytes = std::uint64_t{256} << 10;
 
