@@ -143,16 +143,6 @@ void CapList::make_room(std::size_t capacity) {
   for (auto* component : {&x, &y, &z, &height, &blocking_height}) component->resize(size);
 }
 
-void CapList::push_back(const Cap& cap) {
-  make_room(count + 1);
-  x[count] = cap.axis.x;
-  y[count] = cap.axis.y;
-  z[count] = cap.axis.z;
-  height[count] = cap.height;
-  blocking_height[count] = cap.blocking_height;
-  ++count;
-}
-
 void find_near_box(const Box& box, double distance, const SphereList& spheres,
                    SpherePositions& positions) {
   make_room(positions, spheres);

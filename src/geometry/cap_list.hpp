@@ -19,11 +19,14 @@ struct SphereList {
   void clear() { count = 0; }
   void push_back(const SasSphere& sphere) {
     if (count + 1 + vector_padding > x.size()) make_room(count + 1);
-    x[count] = sphere.center.x;
-    y[count] = sphere.center.y;
-    z[count] = sphere.center.z;
-    radius[count] = sphere.radius;
-    ++count;
+    set(count++, sphere);
+  }
+  /// Stores a sphere where there is room.
+  void set(std::size_t k, const SasSphere& sphere) {
+    x[k] = sphere.center.x;
+    y[k] = sphere.center.y;
+    z[k] = sphere.center.z;
+    radius[k] = sphere.radius;
   }
   /// Makes room for `capacity` spheres. The values of new elements are unspecified.
   void make_room(std::size_t capacity);
@@ -42,7 +45,18 @@ struct CapList {
   }
 
   void clear() { count = 0; }
-  void push_back(const Cap& cap);
+  void push_back(const Cap& cap) {
+    make_room(count + 1);
+    set(count++, cap);
+  }
+  /// Stores a cap where there is room.
+  void set(std::size_t k, const Cap& cap) {
+    x[k] = cap.axis.x;
+    y[k] = cap.axis.y;
+    z[k] = cap.axis.z;
+    height[k] = cap.height;
+    blocking_height[k] = cap.blocking_height;
+  }
   /// Makes room for `capacity` caps. The values of new elements are unspecified.
   void make_room(std::size_t capacity);
 };

@@ -51,12 +51,8 @@ void look_up_neighbours(const SurfaceModel& surface, std::span<const Atom> group
   scratch.near.resize(scratch.found.size());
   std::size_t count = 0;
   for (const AtomIndex j : scratch.found) {
-    const SasSphere sphere = surface.sas_sphere(j);
     scratch.near[count] = j;
-    spheres.x[count] = sphere.center.x;
-    spheres.y[count] = sphere.center.y;
-    spheres.z[count] = sphere.center.z;
-    spheres.radius[count] = sphere.radius;
+    spheres.set(count, surface.sas_sphere(j));
     count += surface.molecule.is_contained(j) ? 0 : 1;
   }
   scratch.near.resize(count);
@@ -81,19 +77,13 @@ void collect_caps(const SurfaceModel& surface, AtomIndex i, AtomPatchScratch& sc
 
 // Keeps the relevant caps, by size, followed by the caps that are needed only to cover.
 void keep_caps(AtomPatchScratch& scratch) {
-  const CapList& all = scratch.caps;
   CapList& kept = scratch.kept_caps;
   kept.make_room(scratch.burial.relevant.size() + scratch.burial.covering.size());
   kept.clear();
   scratch.kept_neighbours.clear();
   for (const auto* list : {&scratch.burial.relevant, &scratch.burial.covering})
     for (const std::uint32_t k : *list) {
-      kept.x[kept.count] = all.x[k];
-      kept.y[kept.count] = all.y[k];
-      kept.z[kept.count] = all.z[k];
-      kept.height[kept.count] = all.height[k];
-      kept.blocking_height[kept.count] = all.blocking_height[k];
-      ++kept.count;
+      kept.set(kept.count++, scratch.caps[k]);
       scratch.kept_neighbours.push_back(scratch.neighbour(k));
     }
   if (scratch.kept_caps.size() > max_uncrowded)
