@@ -15,7 +15,7 @@ namespace {
 
 using std::numbers::pi;
 // The sample is small, so that the survey takes little time compared with the patches of all atoms.
-constexpr std::size_t min_samples = 128, max_samples = 2048, atoms_per_sample = 16;
+constexpr std::size_t min_samples = 128, max_samples = 1024, atoms_per_sample = 16;
 constexpr std::size_t sampled_boxes = 12;
 constexpr int exposure_frequency = 3;  // 92 directions sample the exposed part of a sphere
 constexpr std::size_t bins = 4096;     // number of bins along z
