@@ -162,7 +162,8 @@ std::uint64_t MeshOutput::append_vertices(const LayerView& view, const RowRange&
 
 void MeshOutput::append_triangles(const LayerView& view, const RowRange& rows,
                                   MeshScratch& scratch) const {
-  auto& [front, back, triangles, vertex_text, text, one_vertex, stream, count] = scratch;
+  auto& [front, back, edge_vertices, triangles, vertex_text, text, one_vertex, stream, count] =
+      scratch;
   std::int64_t made = -1;  // the row whose pair is `back`
   for (std::int64_t row = rows.begin; row < rows.end; ++row) {
     const std::int64_t y = row % rows_y_, z = row / rows_y_;
@@ -177,7 +178,7 @@ void MeshOutput::append_triangles(const LayerView& view, const RowRange& rows,
     triangles.clear();
     const mesh::CellRows around{&lower_row(front, y - 1, z), &lower_row(back, y, z), &front.upper,
                                 &back.upper};
-    mesh::triangulate(around, region_.size()[0], triangles);
+    mesh::triangulate(around, region_.size()[0], edge_vertices, triangles);
     for (const mesh::Triangle& triangle : triangles) {
       if (text_.has_corner_positions() && !is_stream_) {
         mesh::MeshText::append_corners(text, mesh::corners_of(around, triangle));

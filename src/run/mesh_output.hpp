@@ -23,6 +23,7 @@ struct MeshScratch {
     mesh::Row lower, upper;
   };
   RowPair front, back;  ///< rows y and y + 1
+  mesh::EdgeVertices edge_vertices;
   std::vector<mesh::Triangle> triangles;
   TextBuffer vertex_text, triangle_text;
   TextBuffer one_vertex, stream;     ///< only for a stream
