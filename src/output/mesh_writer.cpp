@@ -26,6 +26,11 @@ bool is_ply(MeshFormat format) {
   return format == MeshFormat::ply || format == MeshFormat::ascii_ply;
 }
 
+// Whether vertices have positions with the digits of write_scientific().
+bool has_coordinate_texts(MeshFormat format) {
+  return format == MeshFormat::off || format == MeshFormat::obj || format == MeshFormat::ascii_ply;
+}
+
 // The padding is at the end of the line. Between the counts, readers that split the line at single
 // blanks, such as meshio, would take it for empty fields.
 void append_off_counts(BufferedText& text, const MeshCounts& counts) {
@@ -96,7 +101,9 @@ void require_vertex_count(std::uint64_t vertices) {
 }
 
 MeshText::MeshText(MeshFormat format, MeshColor color, MeshSource source)
-    : format_(format), color_(color), source_(source) {}
+    : format_(format), color_(color), source_(source) {
+  if (has_coordinate_texts(format)) coordinates_ = coordinate_texts(source.grid);
+}
 
 VtpFields MeshText::vtp_fields() const {
   return {.has_colors = has_colors(),
@@ -255,6 +262,15 @@ char* MeshText::put_fields(char* out, const Vertex& vertex, PutPosition put_posi
   return out;
 }
 
+// Writes the position of a vertex as text. Two of its coordinates are coordinates of grid points.
+char* MeshText::put_coordinates(char* out, const Vertex& vertex) const {
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    out = axis == vertex.axis
+              ? put_number(out, vertex.position[axis])
+              : put_token(out, coordinates_[axis][static_cast<std::size_t>(vertex.lower[axis])]);
+  return out;
+}
+
 // Writes a vertex of binary PLY, which is also the vertex record of VTP.
 char* MeshText::put_record(char* out, const Vertex& vertex) const {
   return put_fields(
@@ -265,14 +281,16 @@ char* MeshText::put_record(char* out, const Vertex& vertex) const {
 
 // Writes a vertex of text PLY.
 char* MeshText::put_ply_line(char* out, const Vertex& vertex) const {
-  return end_line(put_fields(out, vertex, put_vector, put_vector, put_index, put_number));
+  return end_line(put_fields(
+      out, vertex, [&](char* end, const Vec3&) { return put_coordinates(end, vertex); }, put_vector,
+      put_index, put_number));
 }
 
 // The colours follow the position, as numbers from 0 to 1.
 char* MeshText::put_obj_vertex(char* out, const Vertex& vertex) const {
   *out++ = 'v';
   *out++ = ' ';
-  out = put_vector(out, vertex.position);
+  out = put_coordinates(out, vertex);
   if (has_colors()) {
     const Color color = color_of(vertex, potential_of(vertex));
     out = put_vector(out, 1.0 / 255 * Vec3{double(color[0]), double(color[1]), double(color[2])});
@@ -300,7 +318,7 @@ void MeshText::append_vertex(TextBuffer& text, const Vertex& vertex) const {
     case MeshFormat::obj:
       return text.advance_to(put_obj_vertex(out, vertex));
     case MeshFormat::off:
-      return text.advance_to(end_line(put_vector(out, vertex.position)));
+      return text.advance_to(end_line(put_coordinates(out, vertex)));
     case MeshFormat::msms:
       return text.advance_to(
           put_msms_vertex(out, vertex, source_.file_indices[closest_atom(vertex)]));
