@@ -62,7 +62,8 @@ char* put_obj_triangle(char* out, const Triangle& triangle) {
 
 // Writes a line of OFF or of text PLY.
 char* put_triangle_line(char* out, const Triangle& triangle) {
-  out = put_index(out, 3);
+  *out++ = '3';
+  *out++ = ' ';
   for (const std::uint64_t vertex : triangle) out = put_index(out, vertex);
   return end_line(out);
 }
