@@ -99,9 +99,8 @@ char* append_row_lines(char* out, std::span<const std::array<std::uint64_t, 2>> 
 
 }  // namespace
 
-char* TextBuffer::reserve(std::size_t bytes) {
-  if (size_ + bytes > bytes_.size()) bytes_.resize(std::max(size_ + bytes, 2 * bytes_.size()));
-  return bytes_.data() + size_;
+void TextBuffer::grow(std::size_t bytes) {
+  bytes_.resize(std::max(size_ + bytes, 2 * bytes_.size()));
 }
 
 GridText::GridText(const Grid& grid, const GridRegion& region, const FileIndices& file_indices)

@@ -20,12 +20,17 @@ class TextBuffer {
  public:
   /// Reserves space for `bytes` more bytes and returns its start. `advance_to` sets the end of the
   /// text.
-  char* reserve(std::size_t bytes);
+  char* reserve(std::size_t bytes) {
+    if (size_ + bytes > bytes_.size()) grow(bytes);
+    return bytes_.data() + size_;
+  }
   void advance_to(const char* end) { size_ = static_cast<std::size_t>(end - bytes_.data()); }
   void clear() { size_ = 0; }
   std::span<const char> text() const { return {bytes_.data(), size_}; }
 
  private:
+  void grow(std::size_t bytes);
+
   std::vector<char> bytes_;  // only grows, so that reused bytes are not initialized again
   std::size_t size_ = 0;
 };

@@ -332,22 +332,30 @@ void MeshText::append_vertex(TextBuffer& text, const Vertex& vertex) const {
 
 void MeshText::append_triangle(TextBuffer& text, const Triangle& triangle,
                                std::uint8_t patch) const {
-  char* const out = text.reserve(max_triangle_bytes);
+  if (!has_triangle_patches()) return append_triangles(text, std::span(&triangle, 1));
+  text.advance_to(put_msms_triangle(text.reserve(max_triangle_bytes), triangle, patch));
+}
+
+void MeshText::append_triangles(TextBuffer& text, std::span<const Triangle> triangles) const {
+  const auto append_all = [&](auto&& put_triangle) {
+    char* out = text.reserve(max_triangle_bytes * triangles.size());
+    for (const Triangle& triangle : triangles) out = put_triangle(out, triangle);
+    text.advance_to(out);
+  };
   switch (format_) {
     case MeshFormat::ply:
-      return text.advance_to(put_ply_triangle(out, triangle));
+      return append_all(put_ply_triangle);
     case MeshFormat::obj:
-      return text.advance_to(put_obj_triangle(out, triangle));
+      return append_all(put_obj_triangle);
     case MeshFormat::off:
     case MeshFormat::ascii_ply:
-      return text.advance_to(put_triangle_line(out, triangle));
-    case MeshFormat::msms:
-      return text.advance_to(put_msms_triangle(out, triangle, patch));
+      return append_all(put_triangle_line);
     case MeshFormat::glb:
-      return text.advance_to(put_gltf_triangle(out, triangle));
+      return append_all(put_gltf_triangle);
+    case MeshFormat::msms:
     case MeshFormat::vtp:
     case MeshFormat::stl:
-      return;  // Done by append_triangle_record and append_corners.
+      return;  // Done by append_triangle, append_triangle_record and append_corners.
   }
 }
 

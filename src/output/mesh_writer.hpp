@@ -90,6 +90,8 @@ class MeshText {
   void append_vertex(TextBuffer& text, const Vertex& vertex) const;
   /// `patch` is the result of patch_of, or any number if has_triangle_patches() is false.
   void append_triangle(TextBuffer& text, const Triangle& triangle, std::uint8_t patch) const;
+  /// Appends triangles, only if has_triangle_patches() is false.
+  void append_triangles(TextBuffer& text, std::span<const Triangle> triangles) const;
 
   /// Appends a triangle by the positions of its corners, only if has_corner_positions() is true.
   static void append_corners(TextBuffer& text, const std::array<Vec3, 3>& corners);
