@@ -153,10 +153,11 @@ Mesh mesh_of(const PointGrid& grid, Random& random) {
   const auto row_at = [&](std::int64_t y, std::int64_t z) {
     return &rows[static_cast<std::size_t>(z * grid.size[1] + y)];
   };
+  mesh::EdgeVertices edge_vertices;
   for (std::int64_t z = 0; z + 1 < grid.size[2]; ++z)
     for (std::int64_t y = 0; y + 1 < grid.size[1]; ++y)
       mesh::triangulate({row_at(y, z), row_at(y + 1, z), row_at(y, z + 1), row_at(y + 1, z + 1)},
-                        grid.size[0], result.triangles);
+                        grid.size[0], edge_vertices, result.triangles);
   return result;
 }
 

@@ -180,6 +180,7 @@ TEST_CASE("mesh formats: the header's length does not depend on the counts", "[m
            .atom_count = 1000,
            .probe_radius = 1.4,
            .density = 9.375,
+           .grid = {},
            .center = {}});
       const std::uint64_t expected = header_of(text, {0, 0}).size();
       for (const std::uint64_t count : {1ULL, 99ULL, 2147483647ULL, 99999999999ULL})

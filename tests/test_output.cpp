@@ -43,6 +43,12 @@ void require_same_text(double value) {
   if (ours(value) != printf_text(value)) REQUIRE(ours(value) == printf_text(value));
 }
 
+void require_same_index(std::uint64_t value) {
+  std::array<char, max_number_length> text{};
+  const std::string written(text.data(), write_index(text.data(), value));
+  if (written != std::to_string(value)) REQUIRE(written == std::to_string(value));
+}
+
 std::vector<std::string> names_in(const std::filesystem::path& directory) {
   std::vector<std::string> names;
   for (const auto& entry : std::filesystem::directory_iterator(directory))
@@ -88,10 +94,12 @@ TEST_CASE("numbers have the digits of printf's %.12e") {
 
 TEST_CASE("indices are written as plain decimals") {
   for (const std::uint64_t value : {std::uint64_t{0}, std::uint64_t{9}, std::uint64_t{10},
-                                    std::uint64_t{4294967295}, ~std::uint64_t{0}}) {
-    std::array<char, max_number_length> text{};
-    CHECK(std::string(text.data(), write_index(text.data(), value)) == std::to_string(value));
-  }
+                                    std::uint64_t{4294967295}, ~std::uint64_t{0}})
+    require_same_index(value);
+  for (std::uint64_t value = 0; value < 20000; ++value) require_same_index(value);
+  for (std::uint64_t power = 1; power < 10000000000; power *= 10)
+    for (const std::uint64_t value : {power - 1, power, power + 1, 7 * power, 7 * power + 12})
+      require_same_index(value);
 }
 
 TEST_CASE("a file has its name only once it is committed") {

@@ -138,6 +138,7 @@ Mesh make_mesh(const eses::Grid& grid, const GridRegion& region,
   std::vector<RowBegin> row_begins;
   const auto rows_of_plane = static_cast<std::size_t>(region.size()[1]);
   std::vector<mesh::Row> below(rows_of_plane), plane(rows_of_plane);
+  mesh::EdgeVertices edge_vertices;
   for (std::int64_t z = region.begin[2]; z < region.end[2]; ++z) {
     if (check) check();
     for (std::size_t y = 0; y < rows_of_plane; ++y) {
@@ -146,7 +147,7 @@ Mesh make_mesh(const eses::Grid& grid, const GridRegion& region,
     }
     for (std::size_t y = 1; z > region.begin[2] && y < rows_of_plane; ++y)
       mesh::triangulate({&below[y - 1], &below[y], &plane[y - 1], &plane[y]}, region.size()[0],
-                        mesh.faces);
+                        edge_vertices, mesh.faces);
     std::swap(below, plane);
   }
   return quality ? improve(mesh, row_begins, grid, region, check) : mesh;

@@ -18,7 +18,10 @@ namespace eses::detail::cli {
 namespace {
 
 mesh::Vertex vertex_of(const Mesh& mesh, std::size_t index, const eses::Crossing& crossing) {
-  return {mesh.vertices[index], mesh.normals[index], mesh.patches[index], crossing.atoms};
+  return {.position = mesh.vertices[index],
+          .normal = mesh.normals[index],
+          .patch = mesh.patches[index],
+          .atoms = crossing.atoms};
 }
 
 /// Returns the adjacent atom with the least value, and the first one of equal ones.

@@ -9,90 +9,86 @@
 namespace eses::detail::mesh {
 namespace {
 
-// Finds the vertices on edges of a row, for cells in ascending order.
-class RowCursor {
- public:
-  explicit RowCursor(const Row& row) : row_(row) {}
-
-  void advance_to(std::uint64_t x) {
-    while (at_ < row_.edges.size() && row_.edges[at_] < edge_key(x, 0)) ++at_;
-  }
-  // Returns the vertex on the edge `key`. The edge must have a vertex and start at the cursor's
-  // point or at the next one.
-  std::uint64_t vertex(std::uint64_t key) const {
-    std::size_t i = at_;
-    while (row_.edges[i] != key) ++i;
-    return row_.first_vertex + i;
-  }
-
- private:
-  const Row& row_;
-  std::size_t at_ = 0;
-};
-
 // Walks along a row of cells and appends the triangles of each cell.
 class CellRowWalk {
  public:
-  CellRowWalk(const CellRows& rows, std::int64_t points_x, std::vector<Triangle>& triangles)
-      : rows_(rows),
-        cells_(static_cast<std::uint64_t>(points_x - 1)),
-        cursors_{RowCursor(*rows[0]), RowCursor(*rows[1]), RowCursor(*rows[2]),
-                 RowCursor(*rows[3])},
-        triangles_(triangles) {}
+  CellRowWalk(const CellRows& rows, std::int64_t points_x, EdgeVertices& vertices,
+              std::vector<Triangle>& triangles)
+      : rows_(rows), cells_(static_cast<std::uint64_t>(points_x - 1)), triangles_(triangles) {
+    const std::size_t row_slots = edge_key(static_cast<std::uint64_t>(points_x), 0);
+    vertices.resize(std::max(vertices.size(), rows.size() * row_slots));
+    for (std::size_t row = 0; row < rows.size(); ++row)
+      list_vertices(*rows[row], vertices.data() + row * row_slots);
+    vertices_ = vertices.data();
+    for (std::size_t edge = 0; edge < edge_count; ++edge) {
+      const auto [axis, corner] = cell_edges[edge];
+      slots_[edge] = (corner >> 1) * row_slots + edge_key(corner & 1, axis);
+    }
+  }
 
   void walk() {
-    for (std::size_t word = 0; 64 * word < cells_; ++word)
-      for (std::uint64_t mixed = mixed_cells(word); mixed != 0; mixed &= mixed - 1)
-        add_cell(64 * word + static_cast<std::uint64_t>(std::countr_zero(mixed)));
-  }
-
- private:
-  // Returns 64 points of a row, with a shift of 0 or 1. Bit i is point 64 * word + i + shift.
-  std::uint64_t points(std::size_t row, std::size_t word, int shift) const {
-    const auto& inside = rows_[row]->inside;
-    if (shift == 0) return inside[word];
-    return inside[word] >> 1 | (word + 1 < inside.size() ? inside[word + 1] << 63 : 0);
-  }
-
-  // Returns the cells that have triangles. Bit i is set if the corners of cell 64 * word + i are
-  // not all inside or all outside.
-  std::uint64_t mixed_cells(std::size_t word) const {
-    std::uint64_t any = 0, all = ~std::uint64_t{0};
-    for (std::size_t row = 0; row < rows_.size(); ++row)
-      for (const int shift : {0, 1}) {
-        any |= points(row, word, shift);
-        all &= points(row, word, shift);
-      }
-    const std::uint64_t remaining = cells_ - 64 * word;
-    const std::uint64_t existing =
-        remaining >= 64 ? ~std::uint64_t{0} : (std::uint64_t{1} << remaining) - 1;
-    return any & ~all & existing;
-  }
-
-  std::size_t inside_corners(std::uint64_t x) const {
-    const auto is_inside = [&](std::size_t row, std::uint64_t point) {
-      return rows_[row]->inside[point / 64] >> point % 64 & 1;
-    };
-    std::size_t corners = 0;
-    for (std::size_t corner = 0; corner < corner_count; ++corner)
-      corners |= is_inside(corner >> 1, x + (corner & 1)) << corner;
-    return corners;
-  }
-
-  void add_cell(std::uint64_t x) {
-    for (RowCursor& cursor : cursors_) cursor.advance_to(x);
-    for (const CellTriangle& triangle : case_table()[inside_corners(x)].all()) {
-      Triangle& vertices = triangles_.emplace_back();
-      for (std::size_t i = 0; i < vertices.size(); ++i) {
-        const auto [axis, corner] = cell_edges[triangle[i]];
-        vertices[i] = cursors_[corner >> 1].vertex(edge_key(x + (corner & 1), axis));
+    for (std::uint64_t first = 0; first < cells_; first += cells_per_step) {
+      const RowPoints points = points_from(first);
+      for (std::uint64_t mixed = mixed_cells(points, cells_ - first); mixed != 0;
+           mixed &= mixed - 1) {
+        const int i = std::countr_zero(mixed);
+        add_cell(first + static_cast<std::uint64_t>(i), inside_corners(points, i));
       }
     }
   }
 
+ private:
+  static constexpr std::uint64_t cells_per_step = 32;
+  // The inside bits of the points around `cells_per_step` cells, and of further points, by row.
+  using RowPoints = std::array<std::uint64_t, 4>;
+
+  // Sets the vertices of a row by the keys of their edges.
+  static void list_vertices(const Row& row, std::uint64_t* slots) {
+    std::uint64_t vertex = row.first_vertex;
+    for (const std::uint64_t edge : row.edges) slots[edge] = vertex++;
+  }
+
+  RowPoints points_from(std::uint64_t first) const {
+    RowPoints points{};
+    for (std::size_t row = 0; row < points.size(); ++row) {
+      const auto& inside = rows_[row]->inside;
+      const std::size_t word = first / 64;
+      points[row] = inside[word] >> first % 64;
+      if (first % 64 != 0 && word + 1 < inside.size())
+        points[row] |= inside[word + 1] << cells_per_step;
+    }
+    return points;
+  }
+
+  // Returns the cells that have triangles. Bit i is set if the corners of cell i of the step are
+  // not all inside or all outside. `remaining` is the number of cells of this and later steps.
+  static std::uint64_t mixed_cells(const RowPoints& points, std::uint64_t remaining) {
+    std::uint64_t any = 0, all = ~std::uint64_t{0};
+    for (const std::uint64_t row : points) {
+      any |= row | row >> 1;
+      all &= row & row >> 1;
+    }
+    return any & ~all & ((std::uint64_t{1} << std::min(remaining, cells_per_step)) - 1);
+  }
+
+  static std::size_t inside_corners(const RowPoints& points, int i) {
+    std::size_t corners = 0;
+    for (std::size_t row = 0; row < points.size(); ++row)
+      corners |= (points[row] >> i & 3) << 2 * row;
+    return corners;
+  }
+
+  void add_cell(std::uint64_t x, std::size_t inside) {
+    const std::uint64_t* const vertices = vertices_ + edge_key(x, 0);
+    for (const auto& [a, b, c] : cases_[inside].all())
+      triangles_.push_back({vertices[slots_[a]], vertices[slots_[b]], vertices[slots_[c]]});
+  }
+
   const CellRows& rows_;
   std::uint64_t cells_;
-  std::array<RowCursor, 4> cursors_;
+  const std::uint64_t* vertices_ = nullptr;
+  std::array<std::size_t, edge_count> slots_{};  // of the edges of cell 0
+  const std::array<CellCase, case_count>& cases_ = case_table();
   std::vector<Triangle>& triangles_;
 };
 
@@ -112,8 +108,9 @@ std::array<Value, 3> values_at_corners(const CellRows& rows, std::vector<Value> 
 
 }  // namespace
 
-void triangulate(const CellRows& rows, std::int64_t points_x, std::vector<Triangle>& triangles) {
-  CellRowWalk(rows, points_x, triangles).walk();
+void triangulate(const CellRows& rows, std::int64_t points_x, EdgeVertices& vertices,
+                 std::vector<Triangle>& triangles) {
+  CellRowWalk(rows, points_x, vertices, triangles).walk();
 }
 
 std::uint8_t patch_of(std::array<std::uint8_t, 3> corner_patches) {

@@ -29,9 +29,14 @@ using Triangle = std::array<std::uint64_t, 3>;
 /// The rows of points around a row of cells: (y, z), (y + 1, z), (y, z + 1), (y + 1, z + 1).
 using CellRows = std::array<const Row*, 4>;
 
+/// Scratch memory of triangulate(): the vertices of four rows, each by the key of its edge. Slots
+/// of edges without a vertex keep old values, which are not read.
+using EdgeVertices = std::vector<std::uint64_t>;
+
 /// Appends the triangles of a row of cells, ordered by x. Each edge whose ends are classified
 /// differently must have a crossing in the row of its lower point.
-void triangulate(const CellRows& rows, std::int64_t points_x, std::vector<Triangle>& triangles);
+void triangulate(const CellRows& rows, std::int64_t points_x, EdgeVertices& vertices,
+                 std::vector<Triangle>& triangles);
 
 /// Returns the patch of a triangle: the median of the patches of its corners. This is the patch of
 /// at least two corners, or saddle if all three differ.

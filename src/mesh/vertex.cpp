@@ -20,6 +20,8 @@ Vertex make_vertex(const Grid& grid, const GridIndex& lower, const BlockCrossing
   vertex.position[axis] =
       off_grid_points(crossing.coordinate, vertex.position[axis],
                       grid.coordinate(axis, lower[axis] + 1), grid.spacing, distance);
+  vertex.lower = lower;
+  vertex.axis = crossing.axis;
   vertex.normal = crossing.normal;
   vertex.patch = crossing.atom_count;
   vertex.atoms = crossing.atoms;

@@ -11,9 +11,11 @@
 namespace eses::detail::mesh {
 
 struct Vertex {
-  Vec3 position;                     ///< angstrom
-  Vec3 normal;                       ///< outward unit normal
-  std::uint8_t patch = 1;            ///< 1 convex, 2 saddle, 3 concave
+  Vec3 position;           ///< angstrom
+  GridIndex lower{};       ///< lower end of the grid edge
+  std::uint8_t axis = 0;   ///< of the edge; the other coordinates are coordinates of `lower`
+  Vec3 normal;             ///< outward unit normal
+  std::uint8_t patch = 1;  ///< 1 convex, 2 saddle, 3 concave
   std::array<AtomIndex, 3> atoms{};  ///< adjacent atoms, ascending; the first `patch` are used
   std::uint32_t component = 0;       ///< 0 outside, or the number of the cavity, if it is known
 

@@ -14,36 +14,17 @@ namespace {
 // separator.
 constexpr std::size_t max_crossing_line_length = 15 * (max_number_length + 1) + 1;
 
-template <class Token>
-Token make_token(char* (*write)(char*, double), double value) {
-  std::array<char, max_number_length + 1> text{};
-  char* end = write(text.data(), value);
-  *end++ = ' ';
-  Token token;
-  std::copy(text.data(), end, token.text.data());
-  token.length = static_cast<std::uint8_t>(end - text.data());
-  return token;
-}
-
 char* write_grid_index(char* out, double value) {
   return write_index(out, static_cast<std::uint64_t>(value));
 }
 
-// Copies the whole fixed-size token, which is faster than its exact length. The next text
-// overwrites the excess. The caller reserves `overrun` bytes for the last token.
-template <class Token>
-char* append(char* out, const Token& token) {
-  std::memcpy(out, &token, sizeof token);
-  return out + token.length;
-}
 template <class Token>
 auto concatenated(const Token& first, const Token& second) {
   typename Token::Twice both;
-  char* const end = append(append(both.text.data(), first), second);
+  char* const end = put_token(put_token(both.text.data(), first), second);
   both.length = static_cast<std::uint8_t>(end - both.text.data());
   return both;
 }
-constexpr std::size_t overrun = 32;
 
 char* append_number(char* out, const NumberBatch& numbers, std::size_t i) {
   out = write_number(out, numbers, i);
@@ -118,22 +99,17 @@ char* append_row_lines(char* out, std::span<const std::array<std::uint64_t, 2>> 
 
 }  // namespace
 
-char* TextBuffer::reserve(std::size_t bytes) {
-  if (size_ + bytes > bytes_.size()) bytes_.resize(std::max(size_ + bytes, 2 * bytes_.size()));
-  return bytes_.data() + size_;
+void TextBuffer::grow(std::size_t bytes) {
+  bytes_.resize(std::max(size_ + bytes, 2 * bytes_.size()));
 }
 
 GridText::GridText(const Grid& grid, const GridRegion& region, const FileIndices& file_indices)
-    : file_indices_(file_indices), first_x_(region.begin[0]) {
+    : coordinates_(coordinate_texts(grid)), file_indices_(file_indices), first_x_(region.begin[0]) {
   for (std::size_t axis = 0; axis < 3; ++axis)
-    for (std::int64_t i = 0; i < grid.size[axis]; ++i) {
-      axes_[axis].indices.push_back(
-          make_token<Token<16>>(write_grid_index, static_cast<double>(i)));
-      axes_[axis].coordinates.push_back(
-          make_token<Token<32>>(write_scientific, grid.coordinate(axis, i)));
-    }
+    for (std::int64_t i = 0; i < grid.size[axis]; ++i)
+      indices_[axis].push_back(make_token<TextToken<16>>(write_grid_index, static_cast<double>(i)));
   for (std::int64_t x = region.begin[0]; x < region.end[0]; ++x) {
-    const auto& token = axes_[0].indices[static_cast<std::size_t>(x)];
+    const auto& token = indices_[0][static_cast<std::size_t>(x)];
     std::array<std::uint64_t, 2> padded{};
     std::memcpy(padded.data(), token.text.data(), token.length);
     row_indices_.push_back(padded);
@@ -155,27 +131,27 @@ void GridText::append_row(TextBuffer& text, std::int64_t y, std::int64_t z,
 
 // Text that the lines of one row share.
 struct GridText::RowText {
-  std::array<Token<32>, 3> indices;  // `y z` of the upper ends of edges along x, y and z
-  const Token<32>& y;                // coordinates
-  const Token<32>& z;
+  std::array<TextToken<32>, 3> indices;  // `y z` of the upper ends of edges along x, y and z
+  const TextToken<32>& y;                // coordinates
+  const TextToken<32>& z;
 };
 
 GridText::RowText GridText::row_text(std::int64_t y, std::int64_t z) const {
   const auto j = static_cast<std::size_t>(y), k = static_cast<std::size_t>(z);
-  const auto& y_indices = axes_[1].indices;
-  const auto& z_indices = axes_[2].indices;
+  const auto& y_indices = indices_[1];
+  const auto& z_indices = indices_[2];
   const std::size_t next_j = std::min(j + 1, y_indices.size() - 1);
   const std::size_t next_k = std::min(k + 1, z_indices.size() - 1);
   return {{concatenated(y_indices[j], z_indices[k]), concatenated(y_indices[next_j], z_indices[k]),
            concatenated(y_indices[j], z_indices[next_k])},
-          axes_[1].coordinates[j],
-          axes_[2].coordinates[k]};
+          coordinates_[1][j],
+          coordinates_[2][k]};
 }
 
 void GridText::append_crossings(TextBuffer& text, std::int64_t first_x, std::int64_t y,
                                 std::int64_t z, std::span<const BlockCrossing> crossings) const {
   constexpr std::size_t numbers_per_line = 4, lines = NumberBatch::capacity / numbers_per_line;
-  char* out = text.reserve(crossings.size() * max_crossing_line_length + overrun);
+  char* out = text.reserve(crossings.size() * max_crossing_line_length + token_overrun);
   NumberBatch numbers;
   const RowText row = row_text(y, z);
   while (!crossings.empty()) {
@@ -199,16 +175,15 @@ char* GridText::append_crossing(char* out, std::int64_t x, const RowText& row,
   const std::size_t axis = crossing.axis;
   const auto lower = static_cast<std::size_t>(x);
   const std::array<std::size_t, 2> x_index{lower, lower + (axis == 0)};
-  const std::array<const Token<32>*, 2> y_and_z{row.indices.data(), &row.indices[axis]};
+  const std::array<const TextToken<32>*, 2> y_and_z{row.indices.data(), &row.indices[axis]};
   const std::size_t inner = crossing.lower_is_inside ? 0 : 1;
   for (const std::size_t end : {inner, 1 - inner}) {
-    out = append(out, axes_[0].indices[x_index[end]]);
-    out = append(out, *y_and_z[end]);
+    out = put_token(out, indices_[0][x_index[end]]);
+    out = put_token(out, *y_and_z[end]);
   }
-  out =
-      axis == 0 ? append_number(out, numbers, first + 3) : append(out, axes_[0].coordinates[lower]);
-  out = axis == 1 ? append_number(out, numbers, first + 3) : append(out, row.y);
-  out = axis == 2 ? append_number(out, numbers, first + 3) : append(out, row.z);
+  out = axis == 0 ? append_number(out, numbers, first + 3) : put_token(out, coordinates_[0][lower]);
+  out = axis == 1 ? append_number(out, numbers, first + 3) : put_token(out, row.y);
+  out = axis == 2 ? append_number(out, numbers, first + 3) : put_token(out, row.z);
   for (std::size_t q = 0; q < 3; ++q) out = append_number(out, numbers, first + q);
   for (std::size_t q = 0; q < crossing.atom_count; ++q)
     out = put_index(out, as_number(file_indices_[crossing.atoms[q]]));

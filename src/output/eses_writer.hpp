@@ -11,6 +11,7 @@
 #include "grid/block_crossing.hpp"
 #include "input/file_index.hpp"
 #include "output/number_text.hpp"
+#include "output/text_token.hpp"
 
 namespace eses::detail {
 
@@ -19,12 +20,17 @@ class TextBuffer {
  public:
   /// Reserves space for `bytes` more bytes and returns its start. `advance_to` sets the end of the
   /// text.
-  char* reserve(std::size_t bytes);
+  char* reserve(std::size_t bytes) {
+    if (size_ + bytes > bytes_.size()) grow(bytes);
+    return bytes_.data() + size_;
+  }
   void advance_to(const char* end) { size_ = static_cast<std::size_t>(end - bytes_.data()); }
   void clear() { size_ = 0; }
   std::span<const char> text() const { return {bytes_.data(), size_}; }
 
  private:
+  void grow(std::size_t bytes);
+
   std::vector<char> bytes_;  // only grows, so that reused bytes are not initialized again
   std::size_t size_ = 0;
 };
@@ -37,8 +43,8 @@ class GridText {
 
   /// Returns the memory of a grid's text in bytes.
   static double memory_bytes(const Grid& grid) {
-    return static_cast<double>(grid.size[0] + grid.size[1] + grid.size[2]) *
-           (sizeof(Token<16>) + sizeof(Token<32>));
+    return static_cast<double>(grid.size[0] + grid.size[1] + grid.size[2]) * sizeof(TextToken<16>) +
+           coordinate_text_bytes(grid);
   }
 
   /// Appends a row of grid_info.txt: `i j k s` for the points of the region. Bit i of `inside` is
@@ -52,13 +58,6 @@ class GridText {
                         std::span<const BlockCrossing> crossings) const;
 
  private:
-  /// Text with a trailing blank, and its length in the last byte.
-  template <std::size_t bytes>
-  struct Token {
-    using Twice = Token<2 * bytes>;
-    std::array<char, bytes - 1> text{};
-    std::uint8_t length = 0;
-  };
   struct RowText;
   RowText row_text(std::int64_t y, std::int64_t z) const;
 
@@ -67,11 +66,8 @@ class GridText {
                         const BlockCrossing& crossing, const NumberBatch& numbers,
                         std::size_t first) const;
 
-  struct Axis {
-    std::vector<Token<16>> indices;
-    std::vector<Token<32>> coordinates;
-  };
-  std::array<Axis, 3> axes_;
+  std::array<std::vector<TextToken<16>>, 3> indices_;  // by axis
+  CoordinateTexts coordinates_;
   FileIndices file_indices_;
   std::int64_t first_x_ = 0;
   std::vector<std::array<std::uint64_t, 2>> row_indices_;  ///< text along x, padded with zero bytes

@@ -26,6 +26,11 @@ bool is_ply(MeshFormat format) {
   return format == MeshFormat::ply || format == MeshFormat::ascii_ply;
 }
 
+// Whether vertices have positions with the digits of write_scientific().
+bool has_coordinate_texts(MeshFormat format) {
+  return format == MeshFormat::off || format == MeshFormat::obj || format == MeshFormat::ascii_ply;
+}
+
 // The padding is at the end of the line. Between the counts, readers that split the line at single
 // blanks, such as meshio, would take it for empty fields.
 void append_off_counts(BufferedText& text, const MeshCounts& counts) {
@@ -57,7 +62,8 @@ char* put_obj_triangle(char* out, const Triangle& triangle) {
 
 // Writes a line of OFF or of text PLY.
 char* put_triangle_line(char* out, const Triangle& triangle) {
-  out = put_index(out, 3);
+  *out++ = '3';
+  *out++ = ' ';
   for (const std::uint64_t vertex : triangle) out = put_index(out, vertex);
   return end_line(out);
 }
@@ -96,7 +102,9 @@ void require_vertex_count(std::uint64_t vertices) {
 }
 
 MeshText::MeshText(MeshFormat format, MeshColor color, MeshSource source)
-    : format_(format), color_(color), source_(source) {}
+    : format_(format), color_(color), source_(source) {
+  if (has_coordinate_texts(format)) coordinates_ = coordinate_texts(source.grid);
+}
 
 VtpFields MeshText::vtp_fields() const {
   return {.has_colors = has_colors(),
@@ -255,6 +263,15 @@ char* MeshText::put_fields(char* out, const Vertex& vertex, PutPosition put_posi
   return out;
 }
 
+// Writes the position of a vertex as text. Two of its coordinates are coordinates of grid points.
+char* MeshText::put_coordinates(char* out, const Vertex& vertex) const {
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    out = axis == vertex.axis
+              ? put_number(out, vertex.position[axis])
+              : put_token(out, coordinates_[axis][static_cast<std::size_t>(vertex.lower[axis])]);
+  return out;
+}
+
 // Writes a vertex of binary PLY, which is also the vertex record of VTP.
 char* MeshText::put_record(char* out, const Vertex& vertex) const {
   return put_fields(
@@ -265,14 +282,16 @@ char* MeshText::put_record(char* out, const Vertex& vertex) const {
 
 // Writes a vertex of text PLY.
 char* MeshText::put_ply_line(char* out, const Vertex& vertex) const {
-  return end_line(put_fields(out, vertex, put_vector, put_vector, put_index, put_number));
+  return end_line(put_fields(
+      out, vertex, [&](char* end, const Vec3&) { return put_coordinates(end, vertex); }, put_vector,
+      put_index, put_number));
 }
 
 // The colours follow the position, as numbers from 0 to 1.
 char* MeshText::put_obj_vertex(char* out, const Vertex& vertex) const {
   *out++ = 'v';
   *out++ = ' ';
-  out = put_vector(out, vertex.position);
+  out = put_coordinates(out, vertex);
   if (has_colors()) {
     const Color color = color_of(vertex, potential_of(vertex));
     out = put_vector(out, 1.0 / 255 * Vec3{double(color[0]), double(color[1]), double(color[2])});
@@ -300,7 +319,7 @@ void MeshText::append_vertex(TextBuffer& text, const Vertex& vertex) const {
     case MeshFormat::obj:
       return text.advance_to(put_obj_vertex(out, vertex));
     case MeshFormat::off:
-      return text.advance_to(end_line(put_vector(out, vertex.position)));
+      return text.advance_to(end_line(put_coordinates(out, vertex)));
     case MeshFormat::msms:
       return text.advance_to(
           put_msms_vertex(out, vertex, source_.file_indices[closest_atom(vertex)]));
@@ -313,22 +332,30 @@ void MeshText::append_vertex(TextBuffer& text, const Vertex& vertex) const {
 
 void MeshText::append_triangle(TextBuffer& text, const Triangle& triangle,
                                std::uint8_t patch) const {
-  char* const out = text.reserve(max_triangle_bytes);
+  if (!has_triangle_patches()) return append_triangles(text, std::span(&triangle, 1));
+  text.advance_to(put_msms_triangle(text.reserve(max_triangle_bytes), triangle, patch));
+}
+
+void MeshText::append_triangles(TextBuffer& text, std::span<const Triangle> triangles) const {
+  const auto append_all = [&](auto&& put_triangle) {
+    char* out = text.reserve(max_triangle_bytes * triangles.size());
+    for (const Triangle& triangle : triangles) out = put_triangle(out, triangle);
+    text.advance_to(out);
+  };
   switch (format_) {
     case MeshFormat::ply:
-      return text.advance_to(put_ply_triangle(out, triangle));
+      return append_all(put_ply_triangle);
     case MeshFormat::obj:
-      return text.advance_to(put_obj_triangle(out, triangle));
+      return append_all(put_obj_triangle);
     case MeshFormat::off:
     case MeshFormat::ascii_ply:
-      return text.advance_to(put_triangle_line(out, triangle));
-    case MeshFormat::msms:
-      return text.advance_to(put_msms_triangle(out, triangle, patch));
+      return append_all(put_triangle_line);
     case MeshFormat::glb:
-      return text.advance_to(put_gltf_triangle(out, triangle));
+      return append_all(put_gltf_triangle);
+    case MeshFormat::msms:
     case MeshFormat::vtp:
     case MeshFormat::stl:
-      return;  // Done by append_triangle_record and append_corners.
+      return;  // Done by append_triangle, append_triangle_record and append_corners.
   }
 }
 

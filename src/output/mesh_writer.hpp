@@ -12,6 +12,7 @@
 #include <span>
 #include <string_view>
 
+#include "eses/grid.hpp"
 #include "input/file_index.hpp"
 #include "input/potential_map.hpp"
 #include "mesh/triangulate.hpp"
@@ -21,6 +22,7 @@
 #include "output/gltf_text.hpp"
 #include "output/mesh_format.hpp"
 #include "output/mesh_groups.hpp"
+#include "output/text_token.hpp"
 #include "output/vertex_color.hpp"
 #include "output/vtp_text.hpp"
 
@@ -45,6 +47,7 @@ struct MeshSource {
   std::uint64_t atom_count = 0;  ///< number of atoms of the whole molecule
   double probe_radius = 0;       ///< angstrom
   double density = 0;            ///< expected number of vertices in a square angstrom
+  Grid grid;                     ///< of which the vertices lie on edges
   Vec3 center;                   ///< centre of the grid, in angstrom
   VertexPotential potential = {};
 };
@@ -87,6 +90,8 @@ class MeshText {
   void append_vertex(TextBuffer& text, const Vertex& vertex) const;
   /// `patch` is the result of patch_of, or any number if has_triangle_patches() is false.
   void append_triangle(TextBuffer& text, const Triangle& triangle, std::uint8_t patch) const;
+  /// Appends triangles, only if has_triangle_patches() is false.
+  void append_triangles(TextBuffer& text, std::span<const Triangle> triangles) const;
 
   /// Appends a triangle by the positions of its corners, only if has_corner_positions() is true.
   static void append_corners(TextBuffer& text, const std::array<Vec3, 3>& corners);
@@ -109,6 +114,7 @@ class MeshText {
   template <class PutPosition, class PutNormal, class PutInteger, class PutPotential>
   char* put_fields(char* out, const Vertex& vertex, PutPosition put_position, PutNormal put_normal,
                    PutInteger put_integer, PutPotential put_potential) const;
+  char* put_coordinates(char* out, const Vertex& vertex) const;
   char* put_record(char* out, const Vertex& vertex) const;
   char* put_ply_line(char* out, const Vertex& vertex) const;
   char* put_obj_vertex(char* out, const Vertex& vertex) const;
@@ -120,6 +126,7 @@ class MeshText {
   MeshFormat format_;
   MeshColor color_;
   MeshSource source_;
+  CoordinateTexts coordinates_;  // only for formats whose text has the digits of write_scientific()
 };
 
 /// Whether the format has the names of chains and residues, if these are known.

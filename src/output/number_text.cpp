@@ -168,6 +168,28 @@ constexpr std::array<std::array<char, 4>, 20> power_texts = [] {
   return texts;
 }();
 
+// The numbers below 10^4 with four digits each, and padding.
+constexpr std::size_t group_digits = 4, group_end = 10000;
+constexpr std::array<char, group_digits*(group_end + 1)> group_texts = [] {
+  std::array<char, group_digits*(group_end + 1)> texts{};
+  for (std::size_t i = 0; i < group_end; ++i) {
+    std::size_t rest = i;
+    for (std::size_t digit = group_digits; digit-- > 0; rest /= 10)
+      texts[group_digits * i + digit] = static_cast<char>('0' + rest % 10);
+  }
+  return texts;
+}();
+
+// Writes a number below 10^4 without its first digits, in four bytes. Returns the end of the text.
+char* write_group(char* out, std::uint64_t value, std::size_t omitted_digits) {
+  std::memcpy(out, group_texts.data() + group_digits * value + omitted_digits, group_digits);
+  return out + group_digits - omitted_digits;
+}
+
+std::size_t leading_zeros(std::uint64_t group) {
+  return std::size_t{group < 1000} + std::size_t{group < 100} + std::size_t{group < 10};
+}
+
 char* write_exactly(char* out, double value) {
   if (std::isfinite(value))
     return std::to_chars(out, out + max_number_length, value, std::chars_format::scientific,
@@ -238,12 +260,10 @@ char* write_number(char* out, const NumberBatch& batch, std::size_t i) {
 }
 
 char* write_index(char* out, std::uint64_t value) {
-  if (value < 100000000) {
-    // Shifts out the leading zeros.
-    const std::uint64_t digits = eight_digits(value);
-    const int zeros = std::min(std::countr_zero(digits & 0x0f0f0f0f0f0f0f0f) / 8, 7);
-    store_text(out, digits >> (8 * zeros));
-    return out + 8 - zeros;
+  if (value < group_end) return write_group(out, value, leading_zeros(value));
+  if (value < group_end * group_end) {
+    const std::uint64_t first = value / group_end;
+    return write_group(write_group(out, first, leading_zeros(first)), value % group_end, 0);
   }
   return std::to_chars(out, out + max_number_length, value).ptr;
 }

@@ -84,6 +84,7 @@ std::optional<mesh::MeshText> mesh_text(const RunTask& task, const RunPlan& plan
        .density =
            (mesh->quality ? mesh::quality_vertices_per_area : mesh::plain_vertices_per_area) /
            (spacing * spacing),
+       .grid = plan.whole_plan.grid,
        .center = 0.5 * (plan.whole_plan.grid.origin + plan.whole_plan.grid.upper()),
        .potential = potential});
 }

@@ -96,13 +96,18 @@ void MeshOutput::make_row(const LayerView& view, std::int64_t y, std::int64_t z,
   const bool has_positions = text_.has_corner_positions() && !is_stream_;
   view.crossings.for_each_row_part(
       y, z, [&](std::int64_t first_x, std::span<const BlockCrossing> part) {
-        for (const BlockCrossing& crossing : part) {
-          row.edges.push_back(mesh::edge_key(
-              static_cast<std::uint64_t>(first_x - region_.begin[0] + crossing.x), crossing.axis));
-          if (has_patches) row.patches.push_back(crossing.atom_count);
-          if (has_positions)
+        const auto before = static_cast<std::uint64_t>(first_x - region_.begin[0]);
+        const std::size_t listed = row.edges.size();
+        row.edges.resize(listed + part.size());
+        std::transform(part.begin(), part.end(), &row.edges[listed],
+                       [before](const BlockCrossing& crossing) {
+                         return mesh::edge_key(before + crossing.x, crossing.axis);
+                       });
+        if (has_patches)
+          for (const BlockCrossing& crossing : part) row.patches.push_back(crossing.atom_count);
+        if (has_positions)
+          for (const BlockCrossing& crossing : part)
             row.positions.push_back(vertex_of(view, first_x + crossing.x, y, z, crossing).position);
-        }
       });
   row.first_vertex = row_begin_[static_cast<std::size_t>(z * rows_y_ + y)];
 }
@@ -160,9 +165,31 @@ std::uint64_t MeshOutput::append_vertices(const LayerView& view, const RowRange&
   return count;
 }
 
+// Appends triangles of a row of cells in the format of their file.
+void MeshOutput::append_text(const mesh::CellRows& around,
+                             std::span<const mesh::Triangle> triangles, TextBuffer& text) const {
+  const bool has_patches = text_.has_triangle_patches() && !is_stream_;
+  if (text_.has_corner_positions() && !is_stream_) {
+    for (const mesh::Triangle& triangle : triangles)
+      mesh::MeshText::append_corners(text, mesh::corners_of(around, triangle));
+  } else if (has_patches || has_local_triangles_) {
+    for (const mesh::Triangle& triangle : triangles) {
+      const std::uint8_t patch = has_patches ? mesh::patch_of(around, triangle) : std::uint8_t{0};
+      if (has_local_triangles_) {
+        mesh::append_local_triangle(text, triangle, patch);
+      } else {
+        text_.append_triangle(text, triangle, patch);
+      }
+    }
+  } else {
+    text_.append_triangles(text, triangles);
+  }
+}
+
 void MeshOutput::append_triangles(const LayerView& view, const RowRange& rows,
                                   MeshScratch& scratch) const {
-  auto& [front, back, triangles, vertex_text, text, one_vertex, stream, count] = scratch;
+  auto& [front, back, edge_vertices, triangles, vertex_text, text, one_vertex, stream, count] =
+      scratch;
   std::int64_t made = -1;  // the row whose pair is `back`
   for (std::int64_t row = rows.begin; row < rows.end; ++row) {
     const std::int64_t y = row % rows_y_, z = row / rows_y_;
@@ -177,21 +204,8 @@ void MeshOutput::append_triangles(const LayerView& view, const RowRange& rows,
     triangles.clear();
     const mesh::CellRows around{&lower_row(front, y - 1, z), &lower_row(back, y, z), &front.upper,
                                 &back.upper};
-    mesh::triangulate(around, region_.size()[0], triangles);
-    for (const mesh::Triangle& triangle : triangles) {
-      if (text_.has_corner_positions() && !is_stream_) {
-        mesh::MeshText::append_corners(text, mesh::corners_of(around, triangle));
-        continue;
-      }
-      const std::uint8_t patch = text_.has_triangle_patches() && !is_stream_
-                                     ? mesh::patch_of(around, triangle)
-                                     : std::uint8_t{0};
-      if (has_local_triangles_) {
-        mesh::append_local_triangle(text, triangle, patch);
-      } else {
-        text_.append_triangle(text, triangle, patch);
-      }
-    }
+    mesh::triangulate(around, region_.size()[0], edge_vertices, triangles);
+    append_text(around, triangles, text);
     count += triangles.size();
   }
 }

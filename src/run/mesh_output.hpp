@@ -23,6 +23,7 @@ struct MeshScratch {
     mesh::Row lower, upper;
   };
   RowPair front, back;  ///< rows y and y + 1
+  mesh::EdgeVertices edge_vertices;
   std::vector<mesh::Triangle> triangles;
   TextBuffer vertex_text, triangle_text;
   TextBuffer one_vertex, stream;     ///< only for a stream
@@ -95,6 +96,8 @@ class MeshOutput {
   bool has_triangles(std::int64_t y, std::int64_t z) const;
   std::uint64_t append_vertices(const LayerView& view, const RowRange& rows,
                                 MeshScratch& scratch) const;
+  void append_text(const mesh::CellRows& around, std::span<const mesh::Triangle> triangles,
+                   TextBuffer& text) const;
   void append_triangles(const LayerView& view, const RowRange& rows, MeshScratch& scratch) const;
 
   const Plan& plan_;

@@ -14,6 +14,7 @@
 #include "system/dispatch.hpp"
 #include "system/lanes-inl.hpp"
 #include "system/padding.hpp"
+#include "system/short_lanes-inl.hpp"
 
 #ifndef ESES_SURFACE_BURIAL_SHARED_
 #define ESES_SURFACE_BURIAL_SHARED_
@@ -44,27 +45,24 @@ HWY_BEFORE_NAMESPACE();
 namespace eses::detail::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-using Lanes = hn::ScalableTag<std::int16_t>;
-using LaneMask = hn::Mask<Lanes>;
-
 // Directions of patches, one in each lane.
 struct Directions {
-  hn::Vec<Lanes> x, y, z;
+  ShortVector x, y, z;
 
   HWY_INLINE Directions(const DirectionList& list, std::size_t i)
-      : x(hn::LoadU(Lanes(), &list.x[i])),
-        y(hn::LoadU(Lanes(), &list.y[i])),
-        z(hn::LoadU(Lanes(), &list.z[i])) {}
+      : x(sn::LoadU(ShortLanes(), &list.x[i])),
+        y(sn::LoadU(ShortLanes(), &list.y[i])),
+        z(sn::LoadU(ShortLanes(), &list.z[i])) {}
 };
 
 // A cap's axis, and the limit of the scaled cosines of patches.
 struct AxisAndLimit {
-  hn::Vec<Lanes> x, y, z, limit;
+  ShortVector x, y, z, limit;
 
-  HWY_INLINE LaneMask accepts(const Directions& to) const {
+  HWY_INLINE ShortMask accepts(const Directions& to) const {
     const auto scaled_cosine =
-        hn::Add(hn::Add(hn::MulHigh(to.x, x), hn::MulHigh(to.y, y)), hn::MulHigh(to.z, z));
-    return hn::Gt(scaled_cosine, limit);
+        sn::Add(sn::Add(sn::MulHigh(to.x, x), sn::MulHigh(to.y, y)), sn::MulHigh(to.z, z));
+    return sn::Gt(scaled_cosine, limit);
   }
 };
 
@@ -77,15 +75,15 @@ struct CapLimits {
       : x(caps.axes.x.data()), y(caps.axes.y.data()), z(caps.axes.z.data()), limit(limits.data()) {}
 
   HWY_INLINE AxisAndLimit operator[](std::uint32_t cap) const {
-    const Lanes lanes;
-    return {hn::Set(lanes, x[cap]), hn::Set(lanes, y[cap]), hn::Set(lanes, z[cap]),
-            hn::Set(lanes, limit[cap])};
+    const ShortLanes lanes;
+    return {sn::Set(lanes, x[cap]), sn::Set(lanes, y[cap]), sn::Set(lanes, z[cap]),
+            sn::Set(lanes, limit[cap])};
   }
 };
 
 // Stores copies of the first component after the first `count`, as many as a vector register holds.
 HWY_INLINE void pad(std::vector<std::int16_t>& components, std::size_t count) {
-  hn::StoreU(hn::Set(Lanes(), components[0]), Lanes(), &components[count]);
+  sn::StoreU(sn::Set(ShortLanes(), components[0]), ShortLanes(), &components[count]);
 }
 
 // Copies the first `count` directions whose patch none of the caps in `order` settles, and returns
@@ -94,22 +92,22 @@ HWY_INLINE void pad(std::vector<std::int16_t>& components, std::size_t count) {
 // read before they are overwritten.
 std::size_t keep_unsettled(BurialCaps& caps, std::span<const std::uint32_t> order,
                            const DirectionList& from, std::size_t count, DirectionList& to) {
-  const Lanes lanes;
-  const std::size_t width = hn::Lanes(lanes);
+  const ShortLanes lanes;
+  const std::size_t width = sn::Lanes(lanes);
   const CapLimits limits(caps, caps.settled);
   std::uint8_t* const is_used = caps.is_used.data();
   std::size_t kept = 0;
   for (std::size_t begin = 0; begin < count; begin += width) {
     const Directions directions(from, begin);
-    LaneMask left = hn::FirstN(lanes, count - begin);
+    ShortMask left = sn::FirstN(lanes, count - begin);
     for (const std::uint32_t k : order) {
-      const auto settled = hn::And(limits[k].accepts(directions), left);
-      if (hn::AllFalse(lanes, settled)) continue;
+      const auto settled = sn::And(limits[k].accepts(directions), left);
+      if (sn::AllFalse(lanes, settled)) continue;
       is_used[k] = 1;
-      left = hn::AndNot(settled, left);
-      if (hn::AllFalse(lanes, left)) break;
+      left = sn::AndNot(settled, left);
+      if (sn::AllFalse(lanes, left)) break;
     }
-    if (hn::AllFalse(lanes, left)) continue;
+    if (sn::AllFalse(lanes, left)) continue;
     const std::size_t n = compress_store(lanes, directions.x, left, &to.x[kept]);
     compress_store(lanes, directions.y, left, &to.y[kept]);
     compress_store(lanes, directions.z, left, &to.z[kept]);
@@ -123,9 +121,9 @@ std::size_t keep_unsettled(BurialCaps& caps, std::span<const std::uint32_t> orde
 // Returns whether the cap reaches one of the first `count` patches, which are padded.
 HWY_INLINE bool reaches_any(const AxisAndLimit& cap, const DirectionList& patches,
                             std::size_t count) {
-  const Lanes lanes;
-  for (std::size_t i = 0; i < count; i += hn::Lanes(lanes))
-    if (!hn::AllFalse(lanes, cap.accepts(Directions(patches, i)))) return true;
+  const ShortLanes lanes;
+  for (std::size_t i = 0; i < count; i += sn::Lanes(lanes))
+    if (!sn::AllFalse(lanes, cap.accepts(Directions(patches, i)))) return true;
   return false;
 }
 
