@@ -80,10 +80,11 @@ static_assert(max_block_size - 1 <= std::numeric_limits<decltype(BlockCrossing::
 // candidate is known yet.
 void list_edges(const BlockGrid& grid, const PointBits& inside, const EdgeTable& edges,
                 std::vector<BlockCrossing>& crossings, std::vector<std::uint32_t>& row_begin) {
-  crossings.reserve(edges.count);
+  crossings.assign(edges.count, {});
+  BlockCrossing* next = crossings.data();
   for (std::int64_t z = 0; z < grid.block.owned[2]; ++z)
     for (std::int64_t y = 0; y < grid.block.owned[1]; ++y) {
-      row_begin.push_back(static_cast<std::uint32_t>(crossings.size()));
+      row_begin.push_back(static_cast<std::uint32_t>(next - crossings.data()));
       for (std::int64_t column = 0; column < inside.columns; ++column) {
         const std::size_t word = inside.word_index(column, y, z);
         const std::array<std::uint64_t, 3> changes{edges.changes[0][word], edges.changes[1][word],
@@ -91,10 +92,10 @@ void list_edges(const BlockGrid& grid, const PointBits& inside, const EdgeTable&
         for_each_bit(changes[0] | changes[1] | changes[2], [&](int bit) {
           for (std::size_t axis = 0; axis < 3; ++axis) {
             if ((changes[axis] >> bit & 1) == 0) continue;
-            BlockCrossing& crossing = crossings.emplace_back();
-            crossing.x = static_cast<std::uint16_t>(column * PointBits::column_step + bit);
-            crossing.axis = static_cast<std::uint8_t>(axis);
-            crossing.lower_is_inside = (inside.words[word] >> bit & 1) != 0;
+            next->x = static_cast<std::uint16_t>(column * PointBits::column_step + bit);
+            next->axis = static_cast<std::uint8_t>(axis);
+            next->lower_is_inside = (inside.words[word] >> bit & 1) != 0;
+            ++next;
           }
         });
       }
