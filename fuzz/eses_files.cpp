@@ -28,11 +28,11 @@ struct Outcome {
   std::string message;
 };
 
-template <class Item, class Reader>
+template <class Item>
 Outcome<Item> read_all(const MemoryFile& file) {
   Outcome<Item> outcome;
   try {
-    Reader reader(file.path());
+    RowReader<Item> reader(file.path());
     for (Item item; reader.next(item);) outcome.items.push_back(item);
   } catch (const Error& error) {
     outcome.message = checked_message(error, file.path().string());
@@ -86,10 +86,10 @@ std::string text_of(const AtomArea& area) { return fmt::format("{} {}\n", area.a
 
 // ---------------------------------------------------------------------------------------- files
 
-template <class Item, class Reader>
+template <class Item>
 Outcome<Item> check_lines(const MemoryFile& file) {
   static const MemoryFile printed_file;
-  Outcome<Item> outcome = read_all<Item, Reader>(file);
+  Outcome<Item> outcome = read_all<Item>(file);
   if (outcome.items.empty()) return outcome;
   std::string printed;
   for (const Item& item : outcome.items) {
@@ -97,7 +97,7 @@ Outcome<Item> check_lines(const MemoryFile& file) {
     printed += text_of(item);
   }
   printed_file.assign(printed);
-  const auto again = read_all<Item, Reader>(printed_file);
+  const auto again = read_all<Item>(printed_file);
   std::string printed_again;
   for (const Item& item : again.items) printed_again += text_of(item);
   expect(again.message.empty() && printed_again == printed, "what is printed does not read back");
@@ -120,8 +120,8 @@ void check_box(const MemoryFile& file) {
 
 /// Checks that the reader of edges alone finds the same edges as the reader of whole lines.
 void check_edges(const MemoryFile& file) {
-  const auto edges = check_lines<Crossing, EdgeReader>(file);
-  const auto places = read_all<GridEdge, EdgeReader>(file);
+  const auto edges = check_lines<Crossing>(file);
+  const auto places = read_all<GridEdge>(file);
   expect(places.items.size() >= edges.items.size(), "edges are lost");
   expect(std::equal(edges.items.begin(), edges.items.end(), places.items.begin(),
                     [](const Crossing& crossing, const GridEdge& edge) {
@@ -139,12 +139,12 @@ void check(std::string_view bytes) {
     case 'b' & 3:
       return check_box(file);
     case 'g' & 3:
-      check_lines<GridRow, GridReader>(file);
+      check_lines<GridRow>(file);
       return;
     case 'i' & 3:
       return check_edges(file);
     case 'p' & 3:
-      check_lines<AtomArea, AreaReader>(file);
+      check_lines<AtomArea>(file);
       return;
   }
 }

@@ -211,9 +211,8 @@ Summary for_each_block(const Surface& surface, const Grid& grid, const BlockCall
 ///
 /// Throws the exceptions listed at the top of compute.hpp, and
 /// - std::invalid_argument if the suffix of the mesh or of a map is unknown, if
-/// MeshOptions::is_ascii
-///   is set for a mesh other than PLY, if the name of a map is not a plain file name or its prefix
-///   is empty, or if the outputs need labels that are missing,
+///   MeshOptions::is_ascii is set for a mesh other than PLY, if the name of a map is not a plain
+///   file name or its prefix is empty, or if the outputs need labels that are missing,
 /// - Error if the disk space is insufficient, if a file cannot be written, if two of the files are
 ///   the same file, or if another run writes to a directory,
 /// - VerificationError if RunOptions::verify finds faults; no file is written,

@@ -172,4 +172,11 @@ void parse(CLI::App& app, std::vector<std::string> arguments, std::string_view p
   refuse_extras(app, positionals);
 }
 
+void refuse_without(const CLI::App& app, std::initializer_list<const char*> options,
+                    bool has_needed, std::string_view needed) {
+  if (has_needed) return;
+  for (const char* const option : options)
+    if (app.count(option) > 0) throw UsageError(formatted("{} needs {}", option, needed));
+}
+
 }  // namespace eses::detail::cli

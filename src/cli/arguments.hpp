@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <initializer_list>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -109,6 +110,10 @@ void add_notices(CLI::App& app);
 /// Parses the arguments of a command. `positionals` has the names of the positional arguments, for
 /// the message about superfluous ones. Throws UsageError, or Notice for --help and --version.
 void parse(CLI::App& app, std::vector<std::string> arguments, std::string_view positionals);
+
+/// Throws UsageError if one of these options is given without something that it needs.
+void refuse_without(const CLI::App& app, std::initializer_list<const char*> options,
+                    bool has_needed, std::string_view needed);
 
 /// Returns the number that is the whole of `text`, or nothing if `text` is not a number.
 template <typename Number>

@@ -232,8 +232,6 @@ int perform(const Command& command, int argc, char** argv) {
 
 }  // namespace
 
-int exit_code(const Summary& summary) { return has_faults(summary) ? exit_failure : exit_done; }
-
 int run_command(int argc, char** argv) {
   reserve_standard_streams();
   std::set_terminate(end_on_uncaught_exception);

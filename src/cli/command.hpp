@@ -1,8 +1,6 @@
 #pragma once
 /// The program `eses-blocks` from its command line to its exit code.
 
-#include "run/task.hpp"
-
 namespace eses::detail::cli {
 
 /// Exit codes of `run_command`.
@@ -14,9 +12,6 @@ inline constexpr int exit_usage = 2;    ///< error in the command line
 /// differences.
 inline constexpr int exit_different = 1;
 inline constexpr int exit_trouble = 2;  ///< input, output, resource or usage error
-
-/// Returns the exit code of a completed run.
-int exit_code(const Summary& summary);
 
 /// Runs the program: parses the command line and performs the surface computation, `diff` or
 /// `measure`.

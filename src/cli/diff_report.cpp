@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "cli/json.hpp"
-#include "cli/report.hpp"
+#include "cli/messages.hpp"
 #include "eses/version.hpp"
 #include "system/formatted.hpp"
 
@@ -199,9 +199,8 @@ json::Value json_of(const ItemDeviation<Key>& item) {
 
 template <class Item>
 json::Value json_of(const Counted<Item>& items) {
-  json::Value first = json::Value::array();
-  for (const Item& item : items.first) first.push_back(json_of(item));
-  return {{"count", items.count}, {"first", first}};
+  return {{"count", items.count},
+          {"first", json::array_of(items.first, [](const Item& item) { return json_of(item); })}};
 }
 
 template <class Key>

@@ -15,10 +15,9 @@ std::string filling_text(std::span<const FilledCavity> filled) {
 json::Value filled_json(std::optional<double> max_filled_void,
                         std::span<const FilledCavity> filled) {
   if (!max_filled_void) return {};
-  json::Value list = json::Value::array();
-  for (const FilledCavity& cavity : filled)
-    list.push_back({{"id", cavity.id}, {"void_volume", cavity.void_volume}});
-  return list;
+  return json::array_of(filled, [](const FilledCavity& cavity) -> json::Value {
+    return {{"id", cavity.id}, {"void_volume", cavity.void_volume}};
+  });
 }
 
 json::Value fill_choice_json(std::optional<double> max_filled_void) {

@@ -31,4 +31,12 @@ inline std::string text_of(const Value& value, std::string_view separator = ", "
   return value.is_object() ? "{" + text + "}" : "[" + text + "]";
 }
 
+/// Returns the array of `make(item)` for the items of a list.
+template <class Items, class Make>
+Value array_of(const Items& items, Make&& make) {
+  Value array = Value::array();
+  for (const auto& item : items) array.push_back(make(item));
+  return array;
+}
+
 }  // namespace eses::detail::cli::json

@@ -29,6 +29,7 @@
 #include "system/formatted.hpp"
 #include "system/gzip.hpp"
 #include "system/parallel.hpp"
+#include "system/serial_check.hpp"
 
 namespace eses::detail::cli {
 namespace {
@@ -223,11 +224,9 @@ int measure_files(const MeasureCommandOptions& options) {
     directory_of_csv->remove_abandoned([&](std::string_view file) { return file == name; });
     csv.emplace(*directory_of_csv, name);
   }
-  std::mutex check_mutex;
-  const CheckCallback check = [&] {
-    const std::lock_guard lock(check_mutex);
-    interruptible.check();
-  };
+  const CheckCallback check_signals = [&] { interruptible.check(); };
+  SerialCheck serial_check(check_signals);
+  const CheckCallback check = std::ref(serial_check);
   Reporter reporter(options, csv ? &*csv : nullptr);
   const int threads = options.threads > 0 ? options.threads : available_threads();
   // Parallel loops are not nested: either files or the atoms of a file are measured in parallel.

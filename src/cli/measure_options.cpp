@@ -79,55 +79,42 @@ std::optional<PartChoice> parts_in(const std::string& text) {
   return choice.parts.size() < 2 ? std::nullopt : std::optional(choice);
 }
 
-/// The options of pockets as far as they are given.
-struct PocketValues {
-  std::optional<double> large_probe, spacing, min_volume;
-};
-
-void add_pocket_options(CLI::App& app, PocketValues& values, bool& reports_pockets) {
-  const PocketOptions defaults;
+void add_pocket_options(CLI::App& app, MeasureCommandOptions& options) {
+  PocketOptions& pockets = options.pocket_options;
   begin_group(app, "Pockets (on a grid)");
   add_flag(app, "--pockets", "report what the probe reaches and a large one does not",
-           reports_pockets);
+           options.pockets);
   const auto length = number_between(
       0, max_probe_radius, formatted("a number from 0 to {}, in angstrom", max_probe_radius));
   add_value(app, "--large-probe", "ANGSTROM",
             formatted("radius of the large probe, more than that of the\nprobe [{}]",
-                      defaults.large_probe_radius),
-            values.large_probe, length);
+                      pockets.large_probe_radius),
+            pockets.large_probe_radius, length);
   add_value(app, "--spacing", "ANGSTROM",
             formatted("distance between grid points, at most the radius of\nthe probe [{}]",
-                      defaults.spacing),
-            values.spacing, length);
+                      pockets.spacing),
+            pockets.spacing, length);
   add_value(
       app, "--min-pocket-volume", "VOLUME",
       "leave out pockets with less volume, in cubic angstrom\n[twice the volume of the probe]",
-      values.min_volume,
+      pockets.min_volume,
       number_between(0, std::numeric_limits<double>::max(),
                      "a finite number of at least 0, in cubic angstrom"));
 }
 
-/// Sets the options of pockets. Throws UsageError if they are not needed, or out of their range.
-void set_pocket_options(const PocketValues& values, MeasureCommandOptions& options) {
-  for (const auto& [name, value] :
-       {std::pair("--large-probe", values.large_probe), std::pair("--spacing", values.spacing),
-        std::pair("--min-pocket-volume", values.min_volume)})
-    if (value && !options.need_pockets())
-      throw UsageError(formatted("{} needs --pockets or --write pockets", name));
-  PocketOptions& pockets = options.pocket_options;
-  pockets.probe_radius = options.probe_radius;
-  pockets.large_probe_radius = values.large_probe.value_or(pockets.large_probe_radius);
-  pockets.spacing = values.spacing.value_or(pockets.spacing);
-  pockets.min_volume = values.min_volume;
+/// Throws UsageError if options of pockets are not needed, or out of their range.
+void check_pocket_options(const CLI::App& app, const MeasureCommandOptions& options) {
+  refuse_without(app, {"--large-probe", "--spacing", "--min-pocket-volume"}, options.need_pockets(),
+                 "--pockets or --write pockets");
   if (!options.need_pockets()) return;
   try {
-    require_valid(pockets, options.probe_radius);
+    require_valid(options.pocket_options, options.probe_radius);
   } catch (const std::invalid_argument& error) {
     throw UsageError(error.what());
   }
 }
 
-void add_options(CLI::App& app, PocketValues& pockets, MeasureCommandOptions& options) {
+void add_options(CLI::App& app, MeasureCommandOptions& options) {
   set_up(app, "eses-blocks measure [OPTIONS] FILE...", measure_footer);
   begin_group(app, "Surface");
   app.add_option("FILE")
@@ -156,7 +143,7 @@ void add_options(CLI::App& app, PocketValues& pockets, MeasureCommandOptions& op
   add_fill_cavities(app, options.max_filled_void);
   add_flag(app, "--cavities", "report the cavities, and the pieces of the molecule",
            options.cavities);
-  add_pocket_options(app, pockets, options.pockets);
+  add_pocket_options(app, options);
   begin_group(app, "Input and output");
   add_format(app, options.format);
   add_value(app, "--write", "LIST",
@@ -191,8 +178,7 @@ void refuse_repeated_chains(const PartChoice& choice) {
 /// Throws UsageError if an option cannot be used with these files.
 void check(const CLI::App& app, const MeasureCommandOptions& options) {
   refuse_repeated_chains(options.parts);
-  if (!options.output_directory.empty() && !options.tables.any())
-    throw UsageError("--output-dir needs --write");
+  refuse_without(app, {"--output-dir"}, options.tables.any(), "--write");
   for (const std::filesystem::path& path : options.inputs) {
     if (path == "-" && options.inputs.size() > 1)
       throw UsageError("standard input (-) cannot be combined with other files");
@@ -210,10 +196,10 @@ MeasureCommandOptions parse_measure_arguments(std::vector<std::string> arguments
   CLI::App app("Areas and volumes of molecular surfaces in closed form, without a grid.",
                "eses-blocks measure");
   MeasureCommandOptions options;
-  PocketValues pockets;
-  add_options(app, pockets, options);
+  add_options(app, options);
   parse(app, std::move(arguments), "FILE...");
-  set_pocket_options(pockets, options);
+  options.pocket_options.probe_radius = options.probe_radius;
+  check_pocket_options(app, options);
   check(app, options);
   return options;
 }

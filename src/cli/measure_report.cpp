@@ -7,7 +7,7 @@
 
 #include "cli/filling_report.hpp"
 #include "cli/json.hpp"
-#include "cli/report.hpp"
+#include "cli/messages.hpp"
 #include "cli/structure_report.hpp"
 #include "input/text_source.hpp"
 #include "output/area_table_writer.hpp"
@@ -30,11 +30,9 @@ std::string parts_text(const MeasuredFile& file) {
   std::string text;
   for (const MeasuredPart& part : file.parts)
     text += formatted("part {} alone: {}, SES area {:.4f}, SAS area {:.4f}\n", one_line(part.name),
-                      counted(static_cast<std::int64_t>(part.atoms), "atom"),
-                      part.measures.ses_area, part.measures.sas_area);
+                      counted(part.atoms, "atom"), part.measures.ses_area, part.measures.sas_area);
   if (file.other_atoms > 0)
-    text += formatted("left out: {} of other chains\n",
-                      counted(static_cast<std::int64_t>(file.other_atoms), "atom"));
+    text += formatted("left out: {} of other chains\n", counted(file.other_atoms, "atom"));
   return text + formatted("buried area (parts alone minus complex): SES {:.4f}, SAS {:.4f}\n",
                           file.buried(&Measures::ses_area), file.buried(&Measures::sas_area));
 }
@@ -50,7 +48,7 @@ std::string overlaps_text(const Cavity& cavity) {
 std::string cavities_text(const MeasuredFile& file) {
   const Measures& measures = file.measures;
   std::string text =
-      formatted("{}, {}\n", counted(static_cast<std::int64_t>(measures.pieces.size()), "piece"),
+      formatted("{}, {}\n", counted(measures.pieces.size(), "piece"),
                 measures.cavities.size() == 1 ? std::string("1 cavity")
                                               : formatted("{} cavities", measures.cavities.size()));
   if (measures.cavities.empty()) return text;
@@ -79,8 +77,8 @@ json::Value cavity_json(const MeasuredAtoms& atoms, const Cavity& cavity) {
                    {"largest_probe_center", point_json(cavity.largest_probe_center)},
                    {"walls", cavity.wall_count},
                    {"piece", cavity.piece + 1}};
-  item["inner_pieces"] = json::Value::array();
-  for (const std::size_t piece : cavity.inner) item["inner_pieces"].push_back(piece + 1);
+  item["inner_pieces"] =
+      json::array_of(cavity.inner, [](std::size_t piece) -> json::Value { return piece + 1; });
   item["overlaps"] = overlaps_of(cavity);
   item["atoms"] = serial_numbers(atoms, cavity.atoms);
   if (!atoms.labels.empty()) item["residues"] = residues_of(atoms, cavity.atoms);
@@ -101,11 +99,10 @@ json::Value piece_json(const MeasuredAtoms& atoms, const Piece& piece) {
 
 void add_cavities(json::Value& object, const MeasuredFile& file) {
   const MeasuredAtoms atoms = file.table();
-  object["cavities"] = json::Value::array();
-  object["pieces"] = json::Value::array();
-  for (const Cavity& cavity : atoms.cavities)
-    object["cavities"].push_back(cavity_json(atoms, cavity));
-  for (const Piece& piece : atoms.pieces) object["pieces"].push_back(piece_json(atoms, piece));
+  object["cavities"] = json::array_of(
+      atoms.cavities, [&](const Cavity& cavity) { return cavity_json(atoms, cavity); });
+  object["pieces"] =
+      json::array_of(atoms.pieces, [&](const Piece& piece) { return piece_json(atoms, piece); });
 }
 
 std::string pockets_text(const MeasureCommandOptions& options, const Pockets& pockets) {
@@ -113,8 +110,8 @@ std::string pockets_text(const MeasureCommandOptions& options, const Pockets& po
   std::string text = formatted(
       "{} for a large probe of {} angstrom on a grid of {} angstrom\n"
       "reached by the small probe only: {:.2f} A^3, of these {:.2f} A^3 in no pocket\n",
-      counted(static_cast<std::int64_t>(pockets.pockets.size()), "pocket"),
-      search.large_probe_radius, search.spacing, pockets.difference_volume, pockets.shallow_volume);
+      counted(pockets.pockets.size(), "pocket"), search.large_probe_radius, search.spacing,
+      pockets.difference_volume, pockets.shallow_volume);
   if (pockets.pockets.empty()) return text;
   text += "pocket  volume (A^3)  centers (A^3)  mouth area (A^2)  mouths  atoms\n";
   for (std::size_t k = 0; k < pockets.pockets.size(); ++k) {
@@ -139,9 +136,8 @@ json::Value pocket_json(const MeasuredAtoms& atoms, const Pocket& pocket) {
 
 void add_pockets(json::Value& object, const PocketOptions& search, const MeasuredFile& file) {
   const MeasuredAtoms atoms = file.table();
-  object["pockets"] = json::Value::array();
-  for (const Pocket& pocket : atoms.pockets)
-    object["pockets"].push_back(pocket_json(atoms, pocket));
+  object["pockets"] = json::array_of(
+      atoms.pockets, [&](const Pocket& pocket) { return pocket_json(atoms, pocket); });
   object["pocket_search"] = {{"large_probe_radius", search.large_probe_radius},
                              {"spacing", search.spacing},
                              {"difference_volume", file.pockets.difference_volume},
@@ -189,8 +185,7 @@ std::string measure_text(const MeasureCommandOptions& options, const MeasuredFil
   std::string text;
   if (!options.quiet) {
     text = formatted("{}: {}, probe radius {} angstrom\n", one_line(input_name(file.path)),
-                     counted(static_cast<std::int64_t>(file.surface.atoms().size()), "atom"),
-                     options.probe_radius);
+                     counted(file.surface.atoms().size(), "atom"), options.probe_radius);
     if (file.structure) text += structure_text(*file.structure);
     text += formatted("{:<16} {:>16} {:>16}\n", "surface", "area (A^2)", "volume (A^3)");
   }
@@ -243,13 +238,11 @@ std::string measure_json(const MeasureCommandOptions& options, const MeasuredFil
     object["filled_cavities"] =
         filled_json(file.surface.max_filled_void(), file.measures.filled_cavities);
   if (!file.parts.empty()) {
-    json::Value parts = json::Value::array();
-    for (const MeasuredPart& part : file.parts) {
+    object["parts"] = json::array_of(file.parts, [](const MeasuredPart& part) {
       json::Value item{{"name", part.name}, {"atoms", part.atoms}};
       add_measures(item, part.measures);
-      parts.push_back(std::move(item));
-    }
-    object["parts"] = std::move(parts);
+      return item;
+    });
     object["other_atoms"] = file.other_atoms;
     for (const auto& [name, area] : buried_areas) object[name] = file.buried(area);
   }

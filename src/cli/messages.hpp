@@ -1,11 +1,12 @@
 #pragma once
-/// Messages of the program on standard output and standard error.
+/// Messages of the program on standard output and standard error, and parts of their texts.
 
+#include <concepts>
 #include <string>
 #include <string_view>
 #include <vector>
 
-#include "cli/report.hpp"
+#include "system/formatted.hpp"
 
 namespace eses::detail::cli {
 
@@ -26,16 +27,12 @@ struct StrictError {
   std::vector<std::string> lines;
 };
 
-/// Prints the warnings, or throws StrictError with --strict.
-void warn(const Report& report);
+/// Returns `text` as a single line, in which `?` replaces control characters.
+std::string one_line(std::string_view text);
 
-/// Prints the plan, unless --quiet is given.
-void announce(const Report& report);
-
-/// Returns the final report, as text or JSON.
-std::string final_text(const Report& report);
-
-/// Prints a warning if no point is inside the surface.
-void warn_if_empty(const Report& report);
+/// Returns a count with its noun, such as `1 edge` or `2 edges`.
+std::string counted(std::integral auto count, std::string_view noun) {
+  return formatted("{} {}{}", count, noun, count == 1 ? "" : "s");
+}
 
 }  // namespace eses::detail::cli

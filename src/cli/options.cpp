@@ -95,16 +95,12 @@ struct CommandLine {
   Length probe_radius, spacing, margin;
   std::optional<Outputs> text_files;
   bool gzip = false;
-  std::filesystem::path inside_map, ion_map, dielectric_prefix, mesh;  ///< empty: not given
-  std::optional<double> solute, solvent, ion_radius;
-  std::optional<Box> box;
-  std::optional<BlockRange> blocks;
-  MeshColor color = MeshColor::none;
-  std::filesystem::path potential;  ///< empty: not given
-  std::optional<double> potential_offset, potential_limit;
-  bool is_ascii = false;
-  bool mesh_quality = false;
-  std::optional<std::uint32_t> component;
+  // The names of files that are not given are empty.
+  std::filesystem::path inside_map;
+  DielectricMaps dielectric;
+  IonAccessMap ion_access;
+  MeshOptions mesh;  // without the potential
+  MeshPotential potential;
 };
 
 // --- formats of values --------------------------------------------------------------------------
@@ -277,14 +273,14 @@ void add_grid_options(CLI::App& app, CommandLine& line) {
       add_value(app, "--region", "X0,Y0,Z0,X1,Y1,Z1",
                 "compute only the grid points in this box (angstrom)\n"
                 "and the edges that start there",
-                line.box,
+                parameters.part,
                 Format{box_in,
                        "six finite numbers x0,y0,z0,x1,y1,z1 in angstrom, x0 <= x1 and "
                        "so on"});
   add_value(app, "--blocks", "I0:I1,J0:J1,K0:K1",
             "compute only these blocks of the whole grid; indices\n"
             "start at 0, ends are exclusive",
-            line.blocks,
+            parameters.part,
             Format{blocks_in, "i0:i1,j0:j1,k0:k1, whole numbers from 0, i0 < i1 and so on"})
       ->excludes(region);
   add_fill_cavities(app, parameters.max_filled_void);
@@ -303,22 +299,22 @@ void add_solver_maps(CLI::App& app, CommandLine& line) {
             "write maps of the dielectric at edge midpoints:\n"
             "PREFIXx.dx, PREFIXy.dx and PREFIXz.dx (usemap diel),\n"
             "compressed with --gzip",
-            line.dielectric_prefix, Format{prefix_in, "the first part of a file name"});
+            line.dielectric.prefix, Format{prefix_in, "the first part of a file name"});
   add_value(app, "--solute-dielectric", "EPS",
-            formatted("relative permittivity inside the surface [{}]", DielectricMaps().solute),
-            line.solute, permittivity);
+            formatted("relative permittivity inside the surface [{}]", line.dielectric.solute),
+            line.dielectric.solute, permittivity);
   add_value(app, "--solvent-dielectric", "EPS",
-            formatted("relative permittivity outside the surface [{}]", DielectricMaps().solvent),
-            line.solvent, permittivity);
+            formatted("relative permittivity outside the surface [{}]", line.dielectric.solvent),
+            line.dielectric.solvent, permittivity);
   add_value(app, "--kappa", "FILE",
             "write a map of ion accessibility (.dx or .dx.gz):\n"
             "1 where the centre of an ion may be, 0 elsewhere\n"
             "(usemap kappa)",
-            line.ion_map, Format{dx_map_in, "a file name with the suffix .dx or .dx.gz"});
+            line.ion_access.file, Format{dx_map_in, "a file name with the suffix .dx or .dx.gz"});
   add_value(app, "--ion-radius", "ANGSTROM",
             formatted("radius of the ions for --kappa, 0 to {} [{}]", max_ion_radius,
-                      IonAccessMap().ion_radius),
-            line.ion_radius,
+                      line.ion_access.ion_radius),
+            line.ion_access.ion_radius,
             number_between(0, max_ion_radius,
                            formatted("a number from 0 to {}, in angstrom", max_ion_radius)));
 }
@@ -343,13 +339,13 @@ void add_file_options(CLI::App& app, CommandLine& line) {
   add_value(app, "--mesh", "FILE",
             "write a triangle mesh: .ply, .obj, .off, .vtp, .stl,\n"
             ".glb, or .vert or .face (both files of MSMS)",
-            line.mesh,
+            line.mesh.file,
             Format<std::filesystem::path>{mesh_in,
                                           formatted("a file with the suffix {}", mesh_suffixes)});
   add_value(app, "--color", "NAME",
             "colour the vertices of a .ply, .obj, .vtp or .glb mesh\n"
             "by patch, atom, chain, potential or component [none]",
-            line.color,
+            line.mesh.color,
             one_of<MeshColor>({{"patch", MeshColor::patch},
                                {"atom", MeshColor::atom},
                                {"chain", MeshColor::chain},
@@ -359,32 +355,31 @@ void add_file_options(CLI::App& app, CommandLine& line) {
             "make the mesh of one component alone: cavity K of\n"
             "measure --cavities, or the outer surface (outside or 0);\n"
             "no other files are written",
-            line.component, Format{component_in, "outside, or a whole number of at least 0"});
+            line.mesh.component, Format{component_in, "outside, or a whole number of at least 0"});
   add_value(app, "--potential", "FILE",
             "map of the potential in kT/e for --color potential:\n"
             ".dx or .dx.gz (OpenDX); is held in memory",
-            line.potential, Format{potential_in, "a file name with the suffix .dx or .dx.gz"});
-  const MeshPotential defaults;
+            line.potential.file, Format{potential_in, "a file name with the suffix .dx or .dx.gz"});
   add_value(app, "--potential-offset", "ANGSTROM",
             formatted("take the potential at this distance outside of the\n"
                       "surface, along the normal, >= 0 [{}]",
-                      defaults.offset),
-            line.potential_offset,
+                      line.potential.offset),
+            line.potential.offset,
             number_between(0, max_finite, "a finite number of at least 0, in angstrom"));
   add_value(app, "--potential-limit", "KT/E",
             formatted("end of the scale from red (negative) over white to\n"
                       "blue (positive), > 0 [{}]",
-                      defaults.limit),
-            line.potential_limit,
+                      line.potential.limit),
+            line.potential.limit,
             number_between(min_positive, max_finite, "a finite number greater than 0, in kT/e"));
   add_flag(app, "--mesh-quality",
            "improve the triangles of the mesh: no small angles,\n"
            "and about 0.6 times as many triangles",
-           line.mesh_quality);
+           line.mesh.quality);
   add_flag(app, "--ply-ascii",
            "write a .ply mesh as text, for programs that do not\n"
            "read binary PLY",
-           line.is_ascii);
+           line.mesh.is_ascii);
   add_flag(app, "--resume",
            "keep finished parts if the run is interrupted, and\n"
            "continue an interrupted run",
@@ -462,14 +457,11 @@ void choose(const char* positional, const char* option, const Length& length, do
 }
 
 // A custom grid needs a position and a size. The margin applies only to the default grid.
-void check_grid_choice(const CommandLine& line) {
+void check_grid_choice(const CLI::App& app, const CommandLine& line) {
   const GridChoice& grid = line.options.grid;
   const bool has_position = grid.origin || grid.center;
-  if (has_position && !grid.points)
-    throw UsageError(
-        formatted("{} needs --grid-points", grid.origin ? "--grid-origin" : "--grid-center"));
-  if (grid.points && !has_position)
-    throw UsageError("--grid-points needs --grid-origin or --grid-center");
+  refuse_without(app, {"--grid-origin", "--grid-center"}, grid.points.has_value(), "--grid-points");
+  refuse_without(app, {"--grid-points"}, has_position, "--grid-origin or --grid-center");
   const bool is_chosen = has_position || !grid.like.empty();
   if (is_chosen && (line.margin.positional || line.margin.option))
     throw UsageError(
@@ -488,24 +480,22 @@ std::string map_name(std::string_view option, const std::filesystem::path& map,
   return map.filename();
 }
 
-void add_maps(const CommandLine& line, const std::filesystem::path& directory, Outputs& outputs) {
+void add_maps(const CLI::App& app, const CommandLine& line, const std::filesystem::path& directory,
+              Outputs& outputs) {
   outputs.inside_map = map_name("--inside", line.inside_map, directory);
-  if (!line.dielectric_prefix.empty()) {
-    DielectricMaps maps{map_name("--dielectric", line.dielectric_prefix, directory)};
-    maps.solute = line.solute.value_or(maps.solute);
-    maps.solvent = line.solvent.value_or(maps.solvent);
-    outputs.dielectric = std::move(maps);
-  } else if (line.solute || line.solvent) {
-    throw UsageError(formatted("{} needs --dielectric",
-                               line.solute ? "--solute-dielectric" : "--solvent-dielectric"));
+  const bool has_dielectric = !line.dielectric.prefix.empty();
+  if (has_dielectric) {
+    outputs.dielectric = line.dielectric;
+    outputs.dielectric->prefix = map_name("--dielectric", line.dielectric.prefix, directory);
   }
-  if (!line.ion_map.empty()) {
-    IonAccessMap map{map_name("--kappa", line.ion_map, directory)};
-    map.ion_radius = line.ion_radius.value_or(map.ion_radius);
-    outputs.ion_access = std::move(map);
-  } else if (line.ion_radius) {
-    throw UsageError("--ion-radius needs --kappa");
+  refuse_without(app, {"--solute-dielectric", "--solvent-dielectric"}, has_dielectric,
+                 "--dielectric");
+  const bool has_ion_access = !line.ion_access.file.empty();
+  if (has_ion_access) {
+    outputs.ion_access = line.ion_access;
+    outputs.ion_access->file = map_name("--kappa", line.ion_access.file, directory);
   }
+  refuse_without(app, {"--ion-radius"}, has_ion_access, "--kappa");
   try {
     require_valid_maps(outputs);
   } catch (const std::invalid_argument& error) {
@@ -513,68 +503,55 @@ void add_maps(const CommandLine& line, const std::filesystem::path& directory, O
   }
 }
 
-std::optional<MeshPotential> potential_of(const CommandLine& line) {
-  const bool has_colors = line.color == MeshColor::potential;
-  if (has_colors && line.potential.empty())
+std::optional<MeshPotential> potential_of(const CLI::App& app, const CommandLine& line) {
+  const bool has_colors = line.mesh.color == MeshColor::potential;
+  if (has_colors && line.potential.file.empty())
     throw UsageError("--color potential needs --potential with a map of the potential");
-  if (!has_colors)
-    for (const auto& [option, is_given] : {std::pair{"--potential", !line.potential.empty()},
-                                           {"--potential-offset", bool{line.potential_offset}},
-                                           {"--potential-limit", bool{line.potential_limit}}})
-      if (is_given) throw UsageError(formatted("{} needs --color potential", option));
-  if (!has_colors) return std::nullopt;
-  MeshPotential potential{line.potential};
-  potential.offset = line.potential_offset.value_or(potential.offset);
-  potential.limit = line.potential_limit.value_or(potential.limit);
-  return potential;
+  refuse_without(app, {"--potential", "--potential-offset", "--potential-limit"}, has_colors,
+                 "--color potential");
+  return has_colors ? std::optional(line.potential) : std::nullopt;
 }
 
 // The mesh of one component belongs to another surface than the other outputs.
-void check_component(const CommandLine& line) {
-  if (!line.component) return;
-  if (line.mesh.empty()) throw UsageError("--component needs --mesh");
-  for (const auto& [option, is_given] :
-       {std::pair{"--fill-cavities", bool{line.options.parameters.max_filled_void}},
-        {"--exact", line.options.parameters.exact},
-        {"--inside", !line.inside_map.empty()},
-        {"--dielectric", !line.dielectric_prefix.empty()},
-        {"--kappa", !line.ion_map.empty()},
-        {"--write", line.text_files && !file_names(*line.text_files).empty()}})
-    if (is_given)
+void check_component(const CLI::App& app, const CommandLine& line) {
+  if (!line.mesh.component) return;
+  refuse_without(app, {"--component"}, !line.mesh.file.empty(), "--mesh");
+  std::vector<const char*> others{"--fill-cavities", "--exact", "--inside", "--dielectric",
+                                  "--kappa"};
+  if (line.text_files && !file_names(*line.text_files).empty()) others.push_back("--write");
+  for (const char* const option : others)
+    if (app.count(option) > 0)
       throw UsageError(
           formatted("--component cannot be combined with {}; it makes only a mesh", option));
 }
 
-std::optional<MeshOptions> mesh_of(const CommandLine& line) {
-  check_component(line);
-  const MeshOptions mesh{line.mesh,         line.color,         line.is_ascii,
-                         line.mesh_quality, potential_of(line), line.component};
+std::optional<MeshOptions> mesh_of(const CLI::App& app, const CommandLine& line) {
+  check_component(app, line);
+  MeshOptions mesh = line.mesh;
+  mesh.potential = potential_of(app, line);
   const std::optional<MeshFormat> format = mesh_format(mesh.file);
-  if (mesh.color != MeshColor::none && !can_have_colors(format))
-    throw UsageError("--color needs --mesh with a .ply, .obj, .vtp or .glb file");
-  if (mesh.is_ascii && format != MeshFormat::ply)
-    throw UsageError("--ply-ascii needs --mesh with a .ply file");
-  if (mesh.quality && !format) throw UsageError("--mesh-quality needs --mesh");
+  refuse_without(app, {"--color"}, can_have_colors(format),
+                 "--mesh with a .ply, .obj, .vtp or .glb file");
+  refuse_without(app, {"--ply-ascii"}, format == MeshFormat::ply, "--mesh with a .ply file");
+  refuse_without(app, {"--mesh-quality"}, format.has_value(), "--mesh");
   if (mesh.color == MeshColor::chain) refuse_xyzr(line.options.input(), "--color chain", "chains");
   return mesh.file.empty() ? std::nullopt : std::optional(mesh);
 }
 
-Options options_of(const CommandLine& line) {
+Options options_of(const CLI::App& app, const CommandLine& line) {
   Options options = line.options;
   choose("PROBE", "--probe-radius", line.probe_radius, options.parameters.probe_radius);
   GridOptions grid;
   choose("SPACING", "--spacing", line.spacing, grid.spacing);
   choose("MARGIN", "--margin", line.margin, grid.margin);
   options.parameters.grid = grid;
-  if (line.box) options.parameters.part = *line.box;
-  if (line.blocks) options.parameters.part = *line.blocks;
-  check_grid_choice(line);
+  check_grid_choice(app, line);
   options.grid.has_spacing = line.spacing.positional || line.spacing.option;
-  options.outputs = line.text_files.value_or(line.component ? Outputs::none() : Outputs());
+  options.outputs = line.text_files.value_or(line.mesh.component ? Outputs::none() : Outputs());
   if (options.outputs.residues) refuse_xyzr(options.input(), "--write residues", "residues");
   options.outputs.gzip = line.gzip;
-  add_maps(line, options.output_directory, options.outputs);
-  options.outputs.mesh = mesh_of(line);
+  add_maps(app, line, options.output_directory, options.outputs);
+  options.outputs.mesh = mesh_of(app, line);
   return options;
 }
 
@@ -640,7 +617,7 @@ Options parse_arguments(const std::vector<std::string>& arguments) {
   require_known_instruction_set();
   refuse_separate_number(arguments);
   parse(app, arguments, "FILE, PROBE, SPACING and MARGIN");
-  Options options = options_of(line);
+  Options options = options_of(app, line);
   refuse_structure_options(app, options.input());
   return options;
 }

@@ -12,6 +12,7 @@
 
 #include "cli/filling_report.hpp"
 #include "cli/json.hpp"
+#include "cli/messages.hpp"
 #include "cli/structure_report.hpp"
 #include "eses/version.hpp"
 #include "output/mesh_format.hpp"
@@ -168,7 +169,7 @@ std::string verification_text(const Summary& summary) {
   if (!summary.verification) return "";
   const auto& [points, edges, faults] = *summary.verification;
   return formatted("verified: {}, {}; {}\n", counted(points, "point"), counted(edges, "edge"),
-                   counted(static_cast<std::int64_t>(faults.size()), "fault"));
+                   counted(faults.size(), "fault"));
 }
 
 json::Value parameters_json(const Plan& plan) {
@@ -276,27 +277,25 @@ json::Value label_or_null(const std::string& label) {
   return label.empty() ? json::Value() : json::Value(label);
 }
 
+json::Value example_json(const DiagnosticText::Example& example) {
+  json::Value item{{"atom", example.atom},
+                   {"line", example.line},
+                   {"other_atom", number_unless(!example.has_other, example.other_atom)},
+                   {"other_line", number_unless(!example.has_other, example.other_line)}};
+  if (!example.label.empty())
+    item.update({{"label", example.label},
+                 {"other_label", label_or_null(example.has_other ? example.other_label : "")}});
+  return item;
+}
+
 json::Value diagnostics_json(const std::vector<DiagnosticText>& diagnostics) {
-  json::Value items = json::Value::array();
-  for (const DiagnosticText& diagnostic : diagnostics) {
-    json::Value examples = json::Value::array();
-    for (const DiagnosticText::Example& example : diagnostic.examples) {
-      examples.push_back({{"atom", example.atom},
-                          {"line", example.line},
-                          {"other_atom", number_unless(!example.has_other, example.other_atom)},
-                          {"other_line", number_unless(!example.has_other, example.other_line)}});
-      if (!example.label.empty())
-        examples.back().update(
-            {{"label", example.label},
-             {"other_label", label_or_null(example.has_other ? example.other_label : "")}});
-    }
-    items.push_back({{"kind", diagnostic.name},
-                     {"severity", diagnostic.is_usual ? "note" : "warning"},
-                     {"count", diagnostic.count},
-                     {"message", diagnostic.message},
-                     {"first", examples}});
-  }
-  return items;
+  return json::array_of(diagnostics, [](const DiagnosticText& diagnostic) -> json::Value {
+    return {{"kind", diagnostic.name},
+            {"severity", diagnostic.is_usual ? "note" : "warning"},
+            {"count", diagnostic.count},
+            {"message", diagnostic.message},
+            {"first", json::array_of(diagnostic.examples, example_json)}};
+  });
 }
 
 json::Value crossings_json(const Summary& summary) {
@@ -369,14 +368,13 @@ std::string workers_text(const Report& report) {
 }
 
 json::Value processes_json(const Report& report) {
-  json::Value items = json::Value::array();
-  for (const ProcessFigures& figures : report.processes)
-    items.push_back({{"first_plane", figures.planes.begin},
-                     {"planes", figures.planes.count()},
-                     {"atoms", figures.atoms},
-                     {"cpu_seconds", figures.cpu_seconds},
-                     {"peak_memory_bytes", figures.peak_memory_bytes}});
-  return items;
+  return json::array_of(report.processes, [](const ProcessFigures& figures) -> json::Value {
+    return {{"first_plane", figures.planes.begin},
+            {"planes", figures.planes.count()},
+            {"atoms", figures.atoms},
+            {"cpu_seconds", figures.cpu_seconds},
+            {"peak_memory_bytes", figures.peak_memory_bytes}};
+  });
 }
 
 }  // namespace
@@ -385,11 +383,11 @@ std::vector<std::string> fault_lines(const Summary& summary) {
   if (!has_faults(summary)) return {};
   constexpr std::size_t max_shown = 10;
   std::vector<std::string> lines = summary.verification->faults;
-  const auto count = static_cast<std::int64_t>(lines.size());
+  const std::string count = counted(lines.size(), "fault");
   lines.resize(std::min(max_shown, lines.size()));
   lines.push_back(formatted(
       "the verification found {}; no files were written; please report this with the input file",
-      counted(count, "fault")));
+      count));
   return lines;
 }
 
@@ -401,9 +399,8 @@ std::string plan_text(const Report& report) {
   const Plan& plan = report.plan;
   const Parameters& parameters = report.options.parameters;
   const auto* const grid = std::get_if<GridOptions>(&parameters.grid);
-  const auto atoms = static_cast<std::int64_t>(report.atoms);
   std::string text = formatted("input: {} ({}{})\n", path_text(report.options.input().path),
-                               counted(atoms, "atom"), usual_text(report.diagnostics));
+                               counted(report.atoms, "atom"), usual_text(report.diagnostics));
   if (report.structure) text += structure_text(*report.structure);
   text +=
       formatted("parameters: probe radius {}, spacing {}{} (angstrom)\n", parameters.probe_radius,
@@ -505,17 +502,6 @@ std::vector<std::string> warnings(const Report& report) {
   for (const DiskSpace::FileSystem& disk : report.disk.file_systems)
     if (disk.expected > disk.available) lines.push_back(disk_warning(disk));
   return lines;
-}
-
-std::string one_line(std::string_view text) {
-  std::string line(text);
-  const auto is_control = [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7F; };
-  std::replace_if(line.begin(), line.end(), is_control, '?');
-  return line;
-}
-
-std::string counted(std::int64_t count, std::string_view noun) {
-  return formatted("{} {}{}", count, noun, count == 1 ? "" : "s");
 }
 
 }  // namespace eses::detail::cli

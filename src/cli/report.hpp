@@ -53,10 +53,4 @@ std::string json_text(const Report& report);
 /// eses::detail::cut_depth), and insufficient disk space.
 std::vector<std::string> warnings(const Report& report);
 
-/// Returns `text` as a single line, in which `?` replaces control characters.
-std::string one_line(std::string_view text);
-
-/// Returns a count with its noun, such as `1 edge` or `2 edges`.
-std::string counted(std::int64_t count, std::string_view noun);
-
 }  // namespace eses::detail::cli

@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "cli/messages.hpp"
 #include "input/text_fields.hpp"
 #include "system/formatted.hpp"
 
@@ -73,20 +74,18 @@ std::string sources_text(const std::vector<RadiusSource>& sources, std::string_v
     names.push_back(printable(
         formatted("{} {} {}", sources[i].residue, sources[i].atom_name, sources[i].radius)));
   if (sources.size() > max_names) names.emplace_back("...");
-  const std::uint64_t atoms = count_atoms(sources);
-  return formatted("; {} {} {} ({})", atoms, atoms == 1 ? "atom" : "atoms", how,
+  return formatted("; {} {} ({})", counted(count_atoms(sources), "atom"), how,
                    fmt::join(names, ", "));
 }
 
 json::Value sources_json(const std::vector<RadiusSource>& sources) {
-  json::Value items = json::Value::array();
-  for (const RadiusSource& source : sources)
-    items.push_back({{"residue", source.residue},
-                     {"atom_name", source.atom_name},
-                     {"element", source.element},
-                     {"radius", source.radius},
-                     {"count", source.count}});
-  return items;
+  return json::array_of(sources, [](const RadiusSource& source) -> json::Value {
+    return {{"residue", source.residue},
+            {"atom_name", source.atom_name},
+            {"element", source.element},
+            {"radius", source.radius},
+            {"count", source.count}};
+  });
 }
 
 std::string model_text(const StructureReport& report) {
@@ -97,8 +96,8 @@ std::string model_text(const StructureReport& report) {
 
 std::string assembly_text(const StructureReport& report) {
   if (report.assembly.empty()) return "";
-  return formatted("; assembly {} by {} {}", printable(report.assembly), report.operators,
-                   report.operators == 1 ? "operator" : "operators");
+  return formatted("; assembly {} by {}", printable(report.assembly),
+                   counted(report.operators, "operator"));
 }
 
 /// Returns a note such as `assembly 1 has 20 copies; build it with --assembly 1`.
@@ -124,10 +123,9 @@ std::string other_assemblies_text(const StructureReport& report) {
 }
 
 json::Value other_assemblies_json(const std::vector<OtherAssembly>& others) {
-  json::Value items = json::Value::array();
-  for (const auto& [id, operators, atoms] : others)
-    items.push_back({{"id", id}, {"operators", operators}, {"atoms", atoms}});
-  return items;
+  return json::array_of(others, [](const OtherAssembly& other) -> json::Value {
+    return {{"id", other.id}, {"operators", other.operators}, {"atoms", other.atoms}};
+  });
 }
 
 }  // namespace

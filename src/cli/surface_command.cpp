@@ -1,12 +1,16 @@
 #include "cli/surface_command.hpp"
 
+#include <unistd.h>
+
 #include <algorithm>
+#include <cstdio>
 #include <filesystem>
 #include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include "cli/command.hpp"
@@ -96,6 +100,24 @@ Report report_of(const Options& options, const RunPlan& plan, const Processes& p
   return report;
 }
 
+// Prints the warnings before the computation starts, or throws StrictError with --strict.
+void warn(const Report& report) {
+  const std::vector<std::string> lines = warnings(report);
+  if (report.options.strict && !lines.empty()) throw StrictError{lines};
+  if (report.options.quiet) return;
+  for (const std::string& line : lines) print_message("warning", line);
+}
+
+// Prints the plan, unless --quiet is given.
+void announce(const Report& report) {
+  if (report.options.quiet) return;
+  if (!report.options.json) {
+    print(plan_text(report));
+  } else if (isatty(STDERR_FILENO) == 1) {
+    std::fputs(plan_text(report).c_str(), stderr);
+  }
+}
+
 // Prints the plan and the warnings. With --strict, warnings end the run before the plan is printed,
 // except in a dry run.
 void present_plan(Report& report) {
@@ -109,6 +131,24 @@ void present_plan(Report& report) {
   if (options.strict) warn(report);
   announce(report);
   if (!options.strict) warn(report);
+}
+
+// Returns the final report, as text or JSON.
+std::string final_text(const Report& report) {
+  if (report.options.json) return json_text(report);
+  // Scripts search for these two lines, so faulty results must not be printed.
+  const std::string result = has_faults(report.summary) ? "" : result_text(report.summary);
+  return report.options.quiet ? result : result + summary_text(report);
+}
+
+// Prints a warning if no point is inside the surface.
+void warn_if_empty(const Report& report) {
+  const Parameters& parameters = report.options.parameters;
+  const bool is_whole =
+      std::holds_alternative<std::monostate>(parameters.part) && !parameters.has_custom_grid();
+  if (report.summary.inside_points > 0 || !is_whole) return;
+  if (!report.options.quiet)
+    print_message("warning", "no grid point is inside the surface; use a smaller spacing");
 }
 
 void present_result(const Report& report) {
@@ -170,7 +210,7 @@ int compute_surface(const Options& given, const Processes& processes) {
   if (options.dry_run) return exit_done;
   add_result(run_with_progress(options, plan, processes), report);
   on_rank_zero(processes, [&] { present_result(report); });
-  return exit_code(report.summary);
+  return has_faults(report.summary) ? exit_failure : exit_done;
 }
 
 }  // namespace eses::detail::cli

@@ -14,7 +14,7 @@ namespace {
 std::vector<AtomArea> read_areas(const std::filesystem::path& path) {
   std::vector<AtomArea> areas;
   AtomArea area;
-  for (AreaReader reader(path); reader.next(area);) areas.push_back(area);
+  for (RowReader<AtomArea> reader(path); reader.next(area);) areas.push_back(area);
   std::stable_sort(areas.begin(), areas.end(),
                    [](const AtomArea& a, const AtomArea& b) { return a.atom < b.atom; });
   return areas;

@@ -30,7 +30,7 @@ void advance(GridIndex& point, const GridIndex& size) {
 /// list each point once.
 std::optional<PointDifference> compare_in_lock_step(const Sides<std::filesystem::path>& paths,
                                                     const GridIndex& size) {
-  GridReader reader_a(paths[0], size), reader_b(paths[1], size);
+  RowReader<GridRow> reader_a(paths[0], size), reader_b(paths[1], size);
   PointDifference result;
   GridRow a, b;
   for (GridIndex expected{}; expected[2] < size[2]; advance(expected, size)) {
@@ -51,7 +51,7 @@ class PointTable {
 
   void read(const std::filesystem::path& path, Counted<GridIndex>& repeated) {
     GridRow row;
-    for (GridReader reader(path, size_); reader.next(row);) {
+    for (RowReader<GridRow> reader(path, size_); reader.next(row);) {
       const std::size_t index = index_of(row.point);
       if (listed_[index]) {
         repeated.add(row.point);
@@ -117,7 +117,7 @@ PointDifference compare_points(const Sides<std::filesystem::path>& paths, const 
 GridIndex extent_of_points(const std::filesystem::path& path) {
   GridIndex size{};
   GridRow row;
-  for (GridReader reader(path); reader.next(row);) {
+  for (RowReader<GridRow> reader(path); reader.next(row);) {
     for (std::size_t axis = 0; axis < 3; ++axis)
       size[axis] = std::max(size[axis], row.point[axis] + 1);
   }

@@ -19,7 +19,7 @@ static_assert(std::is_trivially_copyable_v<Crossing>);
 bool has_lower_edge(const Crossing& a, const Crossing& b) { return edge_of(a) < edge_of(b); }
 
 bool is_in_order(const std::filesystem::path& path, const GridIndex& size) {
-  EdgeReader reader(path, size);
+  RowReader<GridEdge> reader(path, size);
   GridEdge edge, last;
   for (bool first = true; reader.next(edge); first = false) {
     if (!first && edge < last) return false;
@@ -90,7 +90,7 @@ class OrderedEdges::Merge {
 
 OrderedEdges::OrderedEdges(std::filesystem::path path, const GridIndex& size)
     : path_(std::move(path)), size_(size) {
-  EdgeReader reader(path_, size_);
+  RowReader<Crossing> reader(path_, size_);
   bool more = read_run(reader);
   if (more && std::is_sorted(crossings_.begin(), crossings_.end(), has_lower_edge)) {
     is_sorted_ = is_in_order(path_, size_);
@@ -111,7 +111,7 @@ OrderedEdges::OrderedEdges(std::filesystem::path path, const GridIndex& size)
 }
 
 /// Reads a run into `crossings_`. Returns false at the end of the file.
-bool OrderedEdges::read_run(EdgeReader& reader) {
+bool OrderedEdges::read_run(RowReader<Crossing>& reader) {
   crossings_.clear();
   Crossing crossing;
   while (crossings_.size() < edges_per_run) {
@@ -131,7 +131,7 @@ void OrderedEdges::spill_run() {
 
 ItemStream<Crossing> OrderedEdges::stream() const {
   if (is_sorted_) {
-    return [reader = std::make_shared<EdgeReader>(path_, size_)](Crossing& crossing) {
+    return [reader = std::make_shared<RowReader<Crossing>>(path_, size_)](Crossing& crossing) {
       return reader->next(crossing);
     };
   }

@@ -29,7 +29,7 @@ class OrderedEdges {
   };
   class Merge;
 
-  bool read_run(EdgeReader& reader);
+  bool read_run(RowReader<Crossing>& reader);
   void spill_run();
 
   std::filesystem::path path_;

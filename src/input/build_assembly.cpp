@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <gemmi/select.hpp>
 #include <limits>
 #include <map>
 #include <set>
@@ -276,13 +277,6 @@ class AssemblyBuilder {
   std::unordered_set<const gemmi::Residue*> contained_;
 };
 
-std::uint64_t count_atoms(const gemmi::Model& model) {
-  std::uint64_t count = 0;
-  for (const gemmi::Chain& chain : model.chains)
-    for (const gemmi::Residue& residue : chain.residues) count += residue.atoms.size();
-  return count;
-}
-
 /// Returns the numbers of different operators and of atoms of an assembly, without its identifier.
 OtherAssembly measure(const gemmi::Assembly& assembly, const gemmi::Model& model) {
   OtherAssembly result;
@@ -307,7 +301,7 @@ OtherAssembly measure(const gemmi::Assembly& assembly, const gemmi::Model& model
 std::vector<OtherAssembly> find_other_assemblies(const gemmi::Structure& structure,
                                                  const gemmi::Model& model,
                                                  const StructureText& text) {
-  const std::uint64_t atoms = count_atoms(model);
+  const std::uint64_t atoms = gemmi::count_atom_sites(model);
   const std::vector<std::string> names = assembly_names(structure, text);
   std::vector<OtherAssembly> others;
   std::size_t operator_count = 0;

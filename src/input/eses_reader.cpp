@@ -143,12 +143,19 @@ GridIndex read_size(LineReader& lines) {
   return size;
 }
 
-GridEdge read_edge(const LineReader& lines, Fields& fields, const GridIndex& size) {
+void read_row(const LineReader& lines, Fields& fields, const GridIndex& size, GridRow& row) {
+  row.point = fields.point({"i", "j", "k"});
+  row.inside = fields.sign("s");
+  fields.expect_end();
+  check_is_in_grid(lines, row.point, size);
+}
+
+void read_row(const LineReader& lines, Fields& fields, const GridIndex& size, GridEdge& edge) {
   const GridIndex inside = fields.point({"i", "j", "k"});
   const GridIndex outside = fields.point({"i'", "j'", "k'"});
   check_is_in_grid(lines, inside, size);
   check_is_in_grid(lines, outside, size);
-  GridEdge edge;
+  edge = {};
   std::int64_t steps = 0;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const std::int64_t step = outside[axis] - inside[axis];
@@ -161,7 +168,6 @@ GridEdge read_edge(const LineReader& lines, Fields& fields, const GridIndex& siz
   if (steps != 1)
     lines.fail(formatted("the points {} and {} are not neighbours", fmt::join(inside, " "),
                          fmt::join(outside, " ")));
-  return edge;
 }
 
 /// Reads the adjacent atoms as a set: in ascending order, without duplicates.
@@ -177,6 +183,23 @@ void read_adjacent_atoms(Fields& fields, Crossing& crossing) {
   const auto end = std::unique(begin, begin + static_cast<std::ptrdiff_t>(count));
   std::fill(end, crossing.atoms.end(), AtomIndex{0});
   crossing.atom_count = static_cast<std::uint8_t>(end - begin);
+}
+
+void read_row(const LineReader& lines, Fields& fields, const GridIndex& size, Crossing& crossing) {
+  GridEdge edge;
+  read_row(lines, fields, size, edge);
+  crossing.lower = {edge.lower[0], edge.lower[1], edge.lower[2]};
+  crossing.axis = edge.axis;
+  crossing.lower_is_inside = edge.lower_is_inside;
+  crossing.position = fields.vector({"px", "py", "pz"});
+  crossing.normal = fields.vector({"nx", "ny", "nz"});
+  read_adjacent_atoms(fields, crossing);
+}
+
+void read_row(const LineReader&, Fields& fields, const GridIndex&, AtomArea& area) {
+  area.atom = static_cast<AtomIndex>(fields.index("atom", max_atom));
+  area.area = fields.number("area");
+  fields.expect_end();
 }
 
 }  // namespace
@@ -207,47 +230,18 @@ BoundingBox read_bounding_box(const std::filesystem::path& path) {
   return box;
 }
 
-bool GridReader::next(GridRow& row) {
+template <class Row>
+bool RowReader<Row>::next(Row& row) {
   std::string_view line;
   if (!lines_.next(line)) return false;
   Fields fields(lines_, line);
-  row.point = fields.point({"i", "j", "k"});
-  row.inside = fields.sign("s");
-  fields.expect_end();
-  check_is_in_grid(lines_, row.point, size_);
+  read_row(lines_, fields, size_, row);
   return true;
 }
 
-bool EdgeReader::next(Crossing& crossing) {
-  std::string_view line;
-  if (!lines_.next(line)) return false;
-  Fields fields(lines_, line);
-  const GridEdge edge = read_edge(lines_, fields, size_);
-  crossing.lower = {edge.lower[0], edge.lower[1], edge.lower[2]};
-  crossing.axis = edge.axis;
-  crossing.lower_is_inside = edge.lower_is_inside;
-  crossing.position = fields.vector({"px", "py", "pz"});
-  crossing.normal = fields.vector({"nx", "ny", "nz"});
-  read_adjacent_atoms(fields, crossing);
-  return true;
-}
-
-bool EdgeReader::next(GridEdge& edge) {
-  std::string_view line;
-  if (!lines_.next(line)) return false;
-  Fields fields(lines_, line);
-  edge = read_edge(lines_, fields, size_);
-  return true;
-}
-
-bool AreaReader::next(AtomArea& area) {
-  std::string_view line;
-  if (!lines_.next(line)) return false;
-  Fields fields(lines_, line);
-  area.atom = static_cast<AtomIndex>(fields.index("atom", max_atom));
-  area.area = fields.number("area");
-  fields.expect_end();
-  return true;
-}
+template class RowReader<GridRow>;
+template class RowReader<Crossing>;
+template class RowReader<GridEdge>;
+template class RowReader<AtomArea>;
 
 }  // namespace eses::detail

@@ -52,17 +52,6 @@ struct GridRow {
   bool inside = false;
 };
 
-class GridReader {
- public:
-  explicit GridReader(const std::filesystem::path& path, const GridIndex& size = unknown_size)
-      : lines_(path), size_(size) {}
-  bool next(GridRow& row);
-
- private:
-  LineReader lines_;
-  GridIndex size_;
-};
-
 /// A grid edge with one end inside and one outside. Edges are ordered by their lower grid point (z,
 /// then y, then x), then by axis.
 struct GridEdge {
@@ -99,32 +88,27 @@ inline GridEdge edge_of(const Crossing& crossing) {
   return {{lower(0), lower(1), lower(2)}, crossing.axis, crossing.lower_is_inside};
 }
 
-class EdgeReader {
- public:
-  explicit EdgeReader(const std::filesystem::path& path, const GridIndex& size = unknown_size)
-      : lines_(path), size_(size) {}
-  bool next(Crossing& crossing);
-  /// Reads the edge of the next line. The remaining fields of the line are not parsed.
-  bool next(GridEdge& edge);
-
- private:
-  LineReader lines_;
-  GridIndex size_;
-};
-
 /// A line of partition_area.txt.
 struct AtomArea {
   AtomIndex atom = 0;
   double area = 0;  ///< square angstrom
 };
 
-class AreaReader {
+/// Reads a file line by line. A Row is a GridRow, a Crossing, a GridEdge or an AtomArea. For a
+/// GridEdge, only the edge of a crossing is parsed. Points are checked against the size of the
+/// grid.
+template <class Row>
+class RowReader {
  public:
-  explicit AreaReader(const std::filesystem::path& path) : lines_(path) {}
-  bool next(AtomArea& area);
+  explicit RowReader(const std::filesystem::path& path, const GridIndex& size = unknown_size)
+      : lines_(path), size_(size) {}
+
+  /// Reads the next line. Returns false at the end of the file.
+  bool next(Row& row);
 
  private:
   LineReader lines_;
+  GridIndex size_;
 };
 
 }  // namespace eses::detail

@@ -18,8 +18,8 @@ struct MmcifError {
 
 /// Parses an mmCIF text. The serial numbers of the atoms are their line numbers, from 1. If
 /// `assembly` is not empty, only this assembly has generators; otherwise faults of the assemblies
-/// do not matter. Calls `checker` repeatedly. Throws MmcifError,
-/// std::bad_alloc, and the exceptions of `checker`.
+/// do not matter. Calls `checker` repeatedly. Throws MmcifError, std::bad_alloc, and the exceptions
+/// of `checker`.
 gemmi::Structure parse_mmcif_text(std::string_view text, const std::string& name,
                                   const std::string& assembly, Checker& checker);
 

@@ -51,21 +51,13 @@ gemmi::Model& find_model(gemmi::Structure& structure, int number, std::string_vi
       printable(structure.models.front().name), printable(structure.models.back().name)));
 }
 
-std::uint64_t count_atoms(const gemmi::Residue& residue) { return residue.atoms.size(); }
-
-std::uint64_t count_atoms(const gemmi::Chain& chain) {
-  std::uint64_t count = 0;
-  for (const gemmi::Residue& residue : chain.residues) count += count_atoms(residue);
-  return count;
-}
-
 /// Removes the items for which `is_dropped` is true. Returns the number of their atoms.
 template <class Item, class Predicate>
 std::uint64_t drop(std::vector<Item>& items, const Predicate& is_dropped) {
   std::uint64_t atoms = 0;
   gemmi::vector_remove_if(items, [&](const Item& item) {
     if (!is_dropped(item)) return false;
-    atoms += count_atoms(item);
+    atoms += gemmi::count_atom_sites(item);
     return true;
   });
   return atoms;

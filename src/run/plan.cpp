@@ -16,6 +16,7 @@
 #include "output/eses_writer.hpp"
 #include "output/grid_map.hpp"
 #include "output/mesh_writer.hpp"
+#include "output/output_files.hpp"
 #include "run/exact_measures.hpp"
 #include "run/memory.hpp"
 #include "run/quality_pass.hpp"
@@ -58,11 +59,6 @@ void require_valid(const MeshOptions& mesh, const Molecule& molecule) {
     throw std::invalid_argument(
         "colouring a mesh by chain needs atoms with labels; xyzr files have none");
   require_valid_potential(mesh);
-}
-
-bool has_files_beside_mesh(const Outputs& outputs) {
-  return outputs.box || outputs.grid || outputs.edges || outputs.areas || outputs.residues ||
-         outputs.atoms || !chosen_maps(outputs).empty();
 }
 
 void require_enclosing_margin(double depth, const GridOptions& grid) {
@@ -286,7 +282,7 @@ void require_valid(const Parameters& p) {
 
 void require_valid(const Outputs& outputs, const Molecule& molecule) {
   if (outputs.mesh) require_valid(*outputs.mesh, molecule);
-  if (outputs.mesh && outputs.mesh->component && has_files_beside_mesh(outputs))
+  if (outputs.mesh && outputs.mesh->component && !file_names(outputs).empty())
     throw std::invalid_argument("the mesh of one component excludes all other outputs");
   require_valid_maps(outputs);
   if (outputs.residues && molecule.labels().empty())

@@ -15,6 +15,7 @@
 #include "run/pipeline.hpp"
 #include "run/pocket_finder.hpp"
 #include "run/run_plan.hpp"
+#include "run/solved_block.hpp"
 #include "surface/patch_schedule.hpp"
 #include "system/formatted.hpp"
 
@@ -110,32 +111,24 @@ class PocketPlanes {
             }};
   }
 
-  void add_wall(const PocketPlane::Edge& edge, const BlockCrossing& crossing, std::int64_t z) {
-    at(z).walls.push_back({edge, crossing.atoms, crossing.atom_count});
+  void add_wall(const GridIndex& row_start, const BlockCrossing& crossing) {
+    at(row_start[2])
+        .walls.push_back({edge_of(row_start, crossing), crossing.atoms, crossing.atom_count});
   }
-  void add_mouth(const PocketPlane::Edge& edge, const BlockCrossing& crossing, std::int64_t z) {
+  void add_mouth(const GridIndex& row_start, const BlockCrossing& crossing) {
     const double share = std::fabs(crossing.normal[crossing.axis]) / area_share_unit;
-    at(z).mouths.push_back({edge, std::llround(share)});
+    at(row_start[2]).mouths.push_back({edge_of(row_start, crossing), std::llround(share)});
   }
 
  private:
+  static PocketPlane::Edge edge_of(const GridIndex& row_start, const BlockCrossing& crossing) {
+    return {row_start[0] + crossing.x, row_start[1], crossing.axis, crossing.lower_is_inside != 0};
+  }
   PocketPlane& at(std::int64_t z) { return planes_[static_cast<std::size_t>(z - begin_)]; }
 
   std::int64_t begin_;
   std::vector<PocketPlane> planes_;
 };
-
-// Calls `add(edge, crossing, z)` for the crossings of the edges that a block owns.
-template <class Add>
-void for_each_edge(const BlockResult& result, Add&& add) {
-  if (result.crossings.empty()) return;
-  const auto& [first, points, owned] = result.block;
-  for (std::int64_t row = 0; row < owned[1] * owned[2]; ++row)
-    for (const BlockCrossing& crossing : row_crossings(result.crossings, result.row_begin, row))
-      add(PocketPlane::Edge{first[0] + crossing.x, first[1] + row % owned[1], crossing.axis,
-                            crossing.lower_is_inside != 0},
-          crossing, first[2] + row / owned[1]);
-}
 
 }  // namespace
 
@@ -181,13 +174,13 @@ Pockets sweep_pockets(const Molecule& molecule, double probe_radius, const Pocke
         {buffer.receiver(MapQuantity::inside, &PocketPlane::small, grid),
          buffer.receiver(MapQuantity::ion_access, &PocketPlane::covered, grid)},
         [&](const BlockResult& result) {
-          for_each_edge(result, [&](auto&&... edge) { buffer.add_wall(edge...); });
+          for_each_crossing(result, [&](auto&&... crossing) { buffer.add_wall(crossing...); });
         },
         report);
     large.sweep(
         planes, {buffer.receiver(MapQuantity::inside, &PocketPlane::large, grid)},
         [&](const BlockResult& result) {
-          for_each_edge(result, [&](auto&&... edge) { buffer.add_mouth(edge...); });
+          for_each_crossing(result, [&](auto&&... crossing) { buffer.add_mouth(crossing...); });
         },
         report);
     for (PocketPlane& plane : buffer.planes()) {

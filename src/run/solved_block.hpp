@@ -24,17 +24,25 @@ inline std::span<const BlockCrossing> row_crossings(std::span<const BlockCrossin
   return crossings.subspan(row_begin[r], row_begin[r + 1] - row_begin[r]);
 }
 
-/// Calls `action(crossing)` for the crossings of all edges that the block owns, by lower point (z,
-/// y, x), then axis.
+/// Calls `action(row_start, crossing)` for the crossings of all edges that the block owns, by lower
+/// point (z, y, x), then axis. The lower point of a crossing is its `x` beyond `row_start`.
 template <class Action>
-void for_each_crossing(const Grid& grid, const BlockResult& result, Action&& action) {
+void for_each_crossing(const BlockResult& result, Action&& action) {
   if (result.crossings.empty()) return;
   const auto& [first, points, owned] = result.block;
   for (std::int64_t row = 0; row < owned[1] * owned[2]; ++row) {
     const GridIndex row_start{first[0], first[1] + row % owned[1], first[2] + row / owned[1]};
-    for (const BlockCrossing& found : row_crossings(result.crossings, result.row_begin, row))
-      action(to_crossing(grid, row_start, found));
+    for (const BlockCrossing& crossing : row_crossings(result.crossings, result.row_begin, row))
+      action(row_start, crossing);
   }
+}
+
+/// Calls `action(crossing)` for the same crossings, as those of the grid.
+template <class Action>
+void for_each_crossing(const Grid& grid, const BlockResult& result, Action&& action) {
+  for_each_crossing(result, [&](const GridIndex& row_start, const BlockCrossing& crossing) {
+    action(to_crossing(grid, row_start, crossing));
+  });
 }
 
 }  // namespace eses::detail

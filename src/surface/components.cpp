@@ -5,6 +5,7 @@
 #include <bit>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <utility>
 
 #include "surface/atom_loops.hpp"
@@ -20,7 +21,7 @@ constexpr double end_search = 1e-5;
 // Placements and ends of arcs this close together are connected (angstrom), unless three arcs end
 // at each placement. Rounding may hide the arcs between them.
 constexpr double connected = tolerance::touching;
-static_assert(connected <= end_search, "ArcEndCells finds points within end_search only");
+static_assert(connected <= end_search, "PlacementCells finds placements within end_search only");
 
 // The extreme point of a wall must be this far outside of the other SAS balls, or this deep in one
 // of them, so that rounding does not decide whether it is accessible (angstrom).
@@ -36,33 +37,50 @@ struct ArcMatch {
   std::uint32_t arc, placement;
 };
 
-// Points in cells, to find those within `end_search` of a position.
-class ArcEndCells {
+// The placements of a layer in cells, to find those within `end_search` of a position.
+class PlacementCells {
  public:
-  explicit ArcEndCells(std::span<const Vec3> points)
-      : points_(points), first_(std::bit_ceil(points.size() + 1), none), next_(points.size()) {
-    for (auto k = static_cast<std::uint32_t>(points.size()); k-- > 0;) {
-      const Cell cell = cell_of(points[k], 0);
-      next_[k] = std::exchange(first_[bucket_of(cell[0], cell[1], cell[2])], k);
+  struct Item {
+    Vec3 center;
+    std::array<AtomIndex, 3> atoms;
+    std::uint32_t placement;  // index within the layer
+
+    bool touches(AtomIndex atom) const {
+      return std::find(atoms.begin(), atoms.end(), atom) != atoms.end();
     }
+  };
+
+  explicit PlacementCells(const SweepLayer& layer)
+      : begins_(std::bit_ceil(layer.centers.size() + 1) + 1), items_(layer.centers.size()) {
+    const auto bucket = [&](Vec3 center) {
+      const Cell cell = cell_of(center, 0);
+      return bucket_of(cell[0], cell[1], cell[2]);
+    };
+    for (const Vec3 center : layer.centers) ++begins_[bucket(center)];
+    std::partial_sum(begins_.begin(), begins_.end(), begins_.begin());
+    // Each bucket is filled from its end, which moves its entry of `begins_` to its begin.
+    for (auto k = static_cast<std::uint32_t>(items_.size()); k-- > 0;)
+      items_[--begins_[bucket(layer.centers[k])]] = {layer.centers[k], layer.placements[k]->atoms,
+                                                     k};
   }
 
-  // Calls `action(index, squared distance)` at least once for each such point.
+  // Calls `action(item, squared distance)` at least once for each such placement.
   template <class Action>
   void for_each(Vec3 position, Action&& action) const {
     const Cell low = cell_of(position, -end_search), high = cell_of(position, end_search);
     for (std::uint64_t x = low[0]; x <= high[0]; ++x)
       for (std::uint64_t y = low[1]; y <= high[1]; ++y)
-        for (std::uint64_t z = low[2]; z <= high[2]; ++z)
-          for (std::uint32_t k = first_[bucket_of(x, y, z)]; k != none; k = next_[k])
-            if (const double squared = squared_norm(points_[k] - position);
+        for (std::uint64_t z = low[2]; z <= high[2]; ++z) {
+          const std::size_t bucket = bucket_of(x, y, z);
+          for (std::uint32_t k = begins_[bucket]; k < begins_[bucket + 1]; ++k)
+            if (const double squared = squared_norm(items_[k].center - position);
                 squared < end_search * end_search)
-              action(k, squared);
+              action(items_[k], squared);
+        }
   }
 
  private:
-  using Cell = std::array<std::uint64_t, 3>;  // cubes with sides of 1 angstrom
-  static constexpr std::uint32_t none = 0xffffffff;
+  using Cell = std::array<std::uint64_t, 3>;     // cubes with sides of 1 angstrom
   static constexpr double cell_count = 1 << 21;  // along an axis; the outermost cells are endless
 
   static Cell cell_of(Vec3 point, double offset) {
@@ -72,14 +90,15 @@ class ArcEndCells {
           std::clamp(point[axis] + offset + 0.5 * cell_count, 0.0, cell_count - 1));
     return cell;
   }
-  // Cells along x have consecutive buckets, so that they share cache lines. The factors are powers
-  // of 2 divided by the golden ratio, which spread the rows.
+  // The 64 cells of a cube have consecutive buckets, so that they share cache lines. The factors
+  // are powers of 2 divided by the golden ratio, which spread the cubes.
   std::size_t bucket_of(std::uint64_t x, std::uint64_t y, std::uint64_t z) const {
-    return (x + 0x9e37 * y + 0x9e3779b9 * z) & (first_.size() - 1);
+    const std::uint64_t cube = (x >> 2) + 0x9e37 * (y >> 2) + 0x9e3779b9 * (z >> 2);
+    return ((cube << 6) + ((z & 3) << 4) + ((y & 3) << 2) + (x & 3)) & (begins_.size() - 2);
   }
 
-  std::span<const Vec3> points_;
-  std::vector<std::uint32_t> first_, next_;  // lists of the points in cells with the same bucket
+  std::vector<std::uint32_t> begins_;  // by bucket: its first item; and the number of items
+  std::vector<Item> items_;            // by bucket
 };
 
 // Returns whether there may be places that no arc connects although probes pass between them.
@@ -87,29 +106,28 @@ bool may_hide_arcs(const SurfaceModel& surface, const ClusterPatches& patches) {
   return !surface.has_slack || !patches.is_regular;
 }
 
-// Finds the placements at the ends of the arcs of a cluster.
+// Finds the placements at the ends of the arcs of a cluster, or only of the arcs whose atoms are
+// measured in this layer.
 void find_ends(const SurfaceModel& surface, const ClusterPatches& patches, const SweepLayer& layer,
-               const ArcEndCells& placements, std::vector<ArcMatch>& matches) {
+               bool has_all_arcs, const PlacementCells& placements,
+               std::vector<ArcMatch>& matches) {
   matches.clear();
   const bool may_be_hidden = may_hide_arcs(surface, patches);
   for (std::uint32_t k = 0; k < patches.arcs.size(); ++k) {
     const Arc& arc = patches.arcs[k];
-    if (arc.kind == ArcKind::full) continue;
+    if (arc.kind == ArcKind::full || !(has_all_arcs || layer.is_measured(arc))) continue;
     const ContactCircle circle =
         make_contact_circle(surface.sas_sphere(arc.first), surface.sas_sphere(arc.second));
     for (const Vec3 radial : {arc.start, arc.end}) {
       const Vec3 end = circle.center + circle.radius * radial;
       double min_squared = std::numeric_limits<double>::infinity();
       ArcMatch best{k, 0};
-      placements.for_each(end, [&](std::uint32_t number, double squared) {
-        if (may_be_hidden && squared < connected * connected) matches.push_back({k, number});
-        const auto& atoms = layer.placements[number]->atoms;
-        if (squared >= min_squared ||
-            std::find(atoms.begin(), atoms.end(), arc.first) == atoms.end() ||
-            std::find(atoms.begin(), atoms.end(), arc.second) == atoms.end())
-          return;
+      placements.for_each(end, [&](const PlacementCells::Item& item, double squared) {
+        if (may_be_hidden && squared < connected * connected)
+          matches.push_back({k, item.placement});
+        if (squared >= min_squared || !item.touches(arc.first) || !item.touches(arc.second)) return;
         min_squared = squared;
-        best.placement = number;
+        best.placement = item.placement;
       });
       if (min_squared < std::numeric_limits<double>::infinity()) matches.push_back(best);
     }
@@ -240,6 +258,7 @@ void ComponentFinder::begin_layer(const SweepLayer& layer) {
   add_nodes(layer);
   connect_arcs(layer);
   connect_faces_of_atoms(layer);
+  find_outside();
 }
 
 void ComponentFinder::add_nodes(const SweepLayer& layer) {
@@ -256,33 +275,33 @@ void ComponentFinder::add_nodes(const SweepLayer& layer) {
   });
 }
 
-// Connects each arc with the placements at its ends. If other clusters are not complete yet, some
-// of the arcs of a cluster are connected in a later layer.
+// Connects each arc with the placements at its ends. If other clusters are not complete yet, only
+// the arcs that are measured in this layer are connected, and the others in a later layer.
 void ComponentFinder::connect_arcs(const SweepLayer& layer) {
   const AtomClusters& clusters = layer.schedule.patches().clusters();
   std::vector<ClusterIndex> chosen;
   for_each_complete(layer, [&](ClusterIndex cluster, const ClusterPatches&) {
     if (are_connected_[cluster] == 0) chosen.push_back(cluster);
   });
-  const ArcEndCells placements(layer.centers);
+  const PlacementCells placements(layer);
   std::vector<std::vector<ArcMatch>> matches(chosen.size());
   for_each_index(chosen.size(), layer.threads, [&](std::size_t k) {
-    find_ends(surface_, layer.schedule.patches().of_cluster(chosen[k]), layer, placements,
-              matches[k]);
+    const double high = clusters.heights(chosen[k]).high + look_up_slack;
+    const bool has_all_arcs = clusters.count_below(high) <= layer.complete_end;
+    find_ends(surface_, layer.schedule.patches().of_cluster(chosen[k]), layer, has_all_arcs,
+              placements, matches[k]);
+    are_connected_[chosen[k]] = has_all_arcs ? 1 : 0;
   });
-  for (std::size_t k = 0; k < chosen.size(); ++k) {
+  for (std::size_t k = 0; k < chosen.size(); ++k)
     for (const ArcMatch& match : matches[k])
       sets_.unite(first_node_[chosen[k]] + match.arc, placement_node_[match.placement]);
-    const double high = clusters.heights(chosen[k]).high + look_up_slack;
-    are_connected_[chosen[k]] = clusters.count_below(high) <= layer.complete_end ? 1 : 0;
-  }
   for_each_complete(layer, [&](ClusterIndex cluster, const ClusterPatches& patches) {
     if (!may_hide_arcs(surface_, patches)) return;
     const std::uint32_t first = layer.first_placement[cluster];
     for (std::uint32_t k = first; k < first + patches.placements.size(); ++k)
-      placements.for_each(layer.centers[k], [&](std::uint32_t other, double squared) {
+      placements.for_each(layer.centers[k], [&](const PlacementCells::Item& other, double squared) {
         if (squared < connected * connected)
-          sets_.unite(placement_node_[k], placement_node_[other]);
+          sets_.unite(placement_node_[k], placement_node_[other.placement]);
       });
   });
   if (surface_.has_slack) return;
@@ -295,13 +314,9 @@ void ComponentFinder::connect_arcs(const SweepLayer& layer) {
 void ComponentFinder::connect_faces_of_atoms(const SweepLayer& layer) {
   const Patches& patches = layer.schedule.patches();
   const AtomClusters& clusters = patches.clusters();
-  const auto is_measured = [&](AtomIndex i) {
-    const ClusterIndex cluster = clusters.position_of(i).cluster;
-    return cluster >= layer.begin && cluster < layer.end;
-  };
   std::vector<std::pair<AtomIndex, Components::DividedAtom>> candidates;
   const auto visit = [&](AtomIndex i, Node root) {
-    if (!is_measured(i)) return;
+    if (!layer.is_measured(i)) return;
     Node& node = node_of_atom_[i];
     if (node == no_node) {
       node = root;
@@ -312,13 +327,14 @@ void ComponentFinder::connect_faces_of_atoms(const SweepLayer& layer) {
   };
   for_each_complete(layer, [&](ClusterIndex cluster, const ClusterPatches& of) {
     for (std::size_t k = 0; k < of.arcs.size(); ++k) {
+      if (!layer.is_measured(of.arcs[k])) continue;
       const Node root = root_of_arc(cluster, k);
       visit(of.arcs[k].first, root);
       visit(of.arcs[k].second, root);
     }
   });
   const auto is_candidate = [&](AtomIndex i) {
-    return is_measured(i) && node_of_atom_[i] >= divided_begin && node_of_atom_[i] != no_node;
+    return layer.is_measured(i) && node_of_atom_[i] >= divided_begin && node_of_atom_[i] != no_node;
   };
   const auto keep = [&](AtomIndex i, SphereArc arc, Node root) {
     arc.node = root;
@@ -360,7 +376,7 @@ void ComponentFinder::add(SharedCut cut) { cuts_.push_back(std::move(cut)); }
 
 void ComponentFinder::end_layer() {
   merge_sums();
-  drop_kept_outside();
+  std::erase_if(kept_, [&](const auto& kept) { return is_known_outside(sets_.root(kept.wall)); });
   std::erase_if(cuts_, [&](const SharedCut& cut) {
     const Node root = sets_.root(cut.node);
     return std::all_of(cut.cutters.begin(), cut.cutters.end(),
@@ -368,11 +384,9 @@ void ComponentFinder::end_layer() {
   });
 }
 
-void ComponentFinder::drop_kept_outside() {
+void ComponentFinder::find_outside() {
   const Node outside = node_of_atom_[lowest_atom_];
-  if (outside >= divided_begin) return;
-  const Node root = sets_.root(outside);
-  std::erase_if(kept_, [&](const auto& kept) { return sets_.root(kept.wall) == root; });
+  outside_root_ = outside < divided_begin ? sets_.root(outside) : no_node;
 }
 
 // Adds up the sums of nodes that have been united.

@@ -35,7 +35,8 @@ std::vector<AtomIndex> touched_atoms(const SurfaceModel& surface, Vec3 center);
 struct Wall {
   PatchSums patches;
   FaceSums faces;
-  Vec3 moment;  ///< integral of |x|^2 n / 2 over the faces, where x is relative to the origin
+  /// Integral of |x|^2 n / 2 over the faces, where x is relative to the origin. Only for cavities.
+  Vec3 moment;
   Box box = empty_box();            ///< box around the placements
   std::optional<AtomIndex> atom{};  ///< the first atom with a face on the wall
   bool encloses_atoms = false;      ///< whether the set of probe centres is outside of the wall
@@ -107,6 +108,15 @@ struct SweepLayer {
   std::span<const std::uint32_t> first_placement;     ///< by cluster
   std::span<const std::uint32_t> first_coinciding;  ///< by placement: the first one with its centre
   int threads;
+
+  /// Returns whether the patches of an atom are measured in this step.
+  bool is_measured(AtomIndex atom) const {
+    const ClusterIndex cluster = schedule.patches().clusters().position_of(atom).cluster;
+    return cluster >= begin && cluster < end;
+  }
+  bool is_measured(const Arc& arc) const {
+    return is_measured(arc.first) || is_measured(arc.second);
+  }
 };
 
 /// A concave patch that placements cut which may belong to other components.
@@ -137,6 +147,8 @@ class ComponentFinder {
     return sets_.root(first_node_[cluster] + static_cast<Node>(arc));
   }
   Node root_of_placement(std::uint32_t number) const { return sets_.root(placement_node_[number]); }
+  /// Returns whether this root of the current layer is already connected with the outside.
+  bool is_known_outside(Node root) const { return root == outside_root_; }
 
   /// Sums over patches of the same root.
   struct RootSums {
@@ -169,7 +181,7 @@ class ComponentFinder {
   void connect_arcs(const SweepLayer& layer);
   void connect_faces_of_atoms(const SweepLayer& layer);
   void merge_sums();
-  void drop_kept_outside();
+  void find_outside();
   void add_face(Wall& wall, AtomIndex atom, const FaceIntegrals& integrals) const;
   void add_divided_atom(AtomIndex atom, Components::DividedAtom& divided,
                         std::vector<Wall>& walls) const;
@@ -191,6 +203,7 @@ class ComponentFinder {
   std::vector<SharedCut> cuts_;
   std::vector<Components::WallPlacement> kept_;  // with nodes instead of walls
   AtomIndex lowest_atom_ = 0;                    // it has a face outside
+  Node outside_root_ = no_node;                  // in the current layer, if known
 };
 
 }  // namespace eses::detail

@@ -23,7 +23,7 @@ constexpr double min_cell = 0.1 * max_error;
 constexpr int max_evaluations = 400'000;
 
 // Number of the nearest atoms among which a maximum is searched.
-constexpr std::size_t max_touched = 6;
+constexpr std::size_t max_touched = 5;
 
 // An atom near a cell.
 struct NearAtom {
@@ -33,19 +33,28 @@ struct NearAtom {
   bool is_adjacent;  // whether the atom touches probes of the component
 
   double gap_to(Vec3 point) const { return norm(point - center) - radius; }
+  // Returns the largest gap to a point of a box.
+  double max_gap_to(Vec3 box_center, Vec3 half) const {
+    const Vec3 offset = box_center - center;
+    return norm(Vec3{std::fabs(offset.x) + half.x, std::fabs(offset.y) + half.y,
+                     std::fabs(offset.z) + half.z}) -
+           radius;
+  }
 };
 
 struct Cell {
-  Vec3 center, half;             // half of the sides
-  double gap = 0;                // of the centre to the nearest atom
-  std::vector<NearAtom> near{};  // atoms that can be the nearest ones of points in the cell
+  Vec3 center, half;   // half of the sides
+  double gap = 0;      // of the centre to the nearest atom
+  double max_gap = 0;  // upper bound of the gaps of all points to their nearest atoms
+  // Atoms that can be the nearest ones of points in the cell. The first one is nearest to the
+  // centre.
+  std::vector<NearAtom> near{};
   int number = 0;
 
   double size() const { return norm(half); }
-  double bound() const { return gap + size(); }
   // Cells with equal bounds are searched in the order of their numbers.
   bool operator<(const Cell& other) const {
-    return bound() != other.bound() ? bound() < other.bound() : number > other.number;
+    return max_gap != other.max_gap ? max_gap < other.max_gap : number > other.number;
   }
 };
 
@@ -86,21 +95,22 @@ class Search {
       : surface_(surface), components_(components), component_(component) {
     const Vec3 middle = 0.5 * (centers.low + centers.high);
     const Vec3 half = 0.5 * (centers.high - centers.low);
-    // The gap of a point of the component is at most this larger than the probe radius.
-    const double diagonal = 2 * norm(half);
+    // No point of the component has a larger gap.
+    double max_gap = surface.probe_radius + 2 * norm(half);
+    for (const AtomIndex i : adjacent)
+      max_gap = std::min(max_gap, near_atom(i, true).max_gap_to(middle, half));
     std::vector<AtomIndex> found;
-    surface.cells().find_reaching(centers, surface.probe_radius + diagonal + look_up_slack, found);
+    surface.cells().find_reaching(centers, max_gap + look_up_slack, found);
     for (const AtomIndex i : found)
       if (!surface.molecule.is_contained(i))
-        all_.push_back({surface.atoms[i].center, surface.atoms[i].radius, i,
-                        std::binary_search(adjacent.begin(), adjacent.end(), i)});
+        all_.push_back(near_atom(i, std::binary_search(adjacent.begin(), adjacent.end(), i)));
     best_ = {middle, surface.probe_radius};
     add({middle, half}, all_);
     while (!open_.empty() && evaluations_ < max_evaluations) {
       std::pop_heap(open_.begin(), open_.end());
       Cell cell = std::move(open_.back());
       open_.pop_back();
-      if (cell.bound() <= best_.radius + max_error) break;
+      if (cell.max_gap <= best_.radius + max_error) break;
       visit(cell);
     }
   }
@@ -108,6 +118,10 @@ class Search {
   const LargestProbe& best() const { return best_; }
 
  private:
+  NearAtom near_atom(AtomIndex i, bool is_adjacent) const {
+    return {surface_.atoms[i].center, surface_.atoms[i].radius, i, is_adjacent};
+  }
+
   const NearAtom& evaluate(const std::vector<NearAtom>& atoms, Vec3 point) {
     ++evaluations_;
     const NearAtom* nearest = &atoms.front();
@@ -136,17 +150,32 @@ class Search {
     });
   }
 
+  // Sets the gaps of a cell, and the gaps of its centre to all atoms. Returns whether the cell can
+  // improve the result; if not, the gaps are incomplete.
+  bool find_gaps(Cell& cell, const std::vector<NearAtom>& atoms) {
+    ++evaluations_;
+    cell.gap = cell.max_gap = std::numeric_limits<double>::infinity();
+    gaps_.clear();
+    for (const NearAtom& atom : atoms) {
+      cell.max_gap = std::min(cell.max_gap, atom.max_gap_to(cell.center, cell.half));
+      if (cell.max_gap <= best_.radius + max_error) return false;
+      gaps_.push_back(atom.gap_to(cell.center));
+      cell.gap = std::min(cell.gap, gaps_.back());
+    }
+    return true;
+  }
+
   // Adds a cell, unless it cannot improve the result.
   void add(Cell cell, const std::vector<NearAtom>& atoms) {
     const double size = cell.size();
     if (size < min_cell || is_settled(cell.center, size)) return;
-    cell.gap = evaluate(atoms, cell.center).gap_to(cell.center);
-    if (cell.bound() <= best_.radius + max_error) return;
+    if (!find_gaps(cell, atoms)) return;
     bool has_adjacent = false;
-    for (const NearAtom& atom : atoms) {
-      if (atom.gap_to(cell.center) > cell.gap + 2 * size) continue;
-      cell.near.push_back(atom);
-      has_adjacent = has_adjacent || atom.is_adjacent;
+    for (std::size_t k = 0; k < atoms.size(); ++k) {
+      if (gaps_[k] > cell.max_gap + size) continue;
+      cell.near.push_back(atoms[k]);
+      if (gaps_[k] == cell.gap) std::swap(cell.near.front(), cell.near.back());
+      has_adjacent = has_adjacent || atoms[k].is_adjacent;
     }
     if (!has_adjacent) return;
     cell.number = evaluations_;
@@ -158,7 +187,7 @@ class Search {
     const double size = cell.size();
     if (is_settled(cell.center, size)) return;
     if (cell.gap > surface_.probe_radius) {
-      const auto component = component_at(evaluate(cell.near, cell.center), cell.center);
+      const auto component = component_at(cell.near.front(), cell.center);
       if (component && *component != component_ && cell.gap - surface_.probe_radius > size) return;
       if (component == component_) improve(cell);
     }
@@ -189,8 +218,10 @@ class Search {
         for (std::size_t c = b + 1; c < count; ++c)
           for (std::size_t d = c + 1; d < count; ++d)
             if (const std::array atoms{near[a], near[b], near[c], near[d]};
-                start_trial(atoms, cell.size()))
-              try_maximum(atoms, cell.center);
+                start_trial(atoms, cell.size())) {
+              try_maximum(atoms, cell);
+              if (is_settled(cell.center, cell.size())) return;
+            }
   }
 
   // Returns whether these atoms are worth a trial, and records it: they are new, or the last cell
@@ -207,10 +238,11 @@ class Search {
     return true;
   }
 
-  // Newton's method for the point with equal gaps to four atoms.
-  void try_maximum(const std::array<NearAtom, 4>& atoms, Vec3 point) {
+  // Newton's method for the point with equal gaps to four atoms near a cell.
+  void try_maximum(const std::array<NearAtom, 4>& atoms, const Cell& cell) {
     constexpr int max_steps = 12;
     constexpr double converged = 1e-13;
+    Vec3 point = cell.center;
     std::array<Vec3, 4> away;
     for (int step = 0; step < max_steps; ++step) {
       for (std::size_t k = 0; k < 4; ++k) away[k] = normalized(point - atoms[k].center);
@@ -224,12 +256,17 @@ class Search {
     }
     const double depth = depth_in_tetrahedron(away);
     if (depth < 1e-6) return;
+    // Atoms near the cell are the nearest ones of most points, and few of all atoms.
+    const auto is_maximum = [&](double gap) {
+      return gap >= surface_.probe_radius &&
+             std::all_of(atoms.begin(), atoms.end(), [&](const NearAtom& atom) {
+               return atom.gap_to(point) < gap + 0.1 * max_error;
+             });
+    };
+    if (!is_maximum(evaluate(cell.near, point).gap_to(point))) return;
     const NearAtom& nearest = evaluate(all_, point);
     const double gap = nearest.gap_to(point);
-    const bool is_maximum = std::all_of(atoms.begin(), atoms.end(), [&](const NearAtom& atom) {
-      return atom.gap_to(point) < gap + 0.1 * max_error;
-    });
-    if (!is_maximum || gap < surface_.probe_radius) return;
+    if (!is_maximum(gap)) return;
     if (component_at(nearest, point) != component_) return;
     take(point, gap);
     // At a distance d from the point, the gap of one atom is smaller by depth d - d^2 / (2 D),
@@ -245,7 +282,8 @@ class Search {
   const Components& components_;
   std::uint32_t component_;
   std::vector<NearAtom> all_;
-  std::vector<Cell> open_;  // a heap
+  std::vector<Cell> open_;    // a heap
+  std::vector<double> gaps_;  // scratch memory of `add`
   std::vector<SettledBall> settled_;
   std::map<std::array<AtomIndex, 4>, double> tried_;  // size of the last cell that tried atoms
   LargestProbe best_;

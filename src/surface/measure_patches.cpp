@@ -243,7 +243,7 @@ class PatchMeasurement {
   Vec3 middle_probe(const Arc& arc) const;
   void measure_cluster(ClusterIndex cluster, MeasureScratch& scratch, ClusterTerms& terms) const;
   void add_terms(ClusterIndex cluster, const ClusterTerms& terms);
-  PatchSums add_arc(const Arc& arc, ClusterTerms& terms) const;
+  PatchSums add_arc(const Arc& arc, bool has_moments, ClusterTerms& terms) const;
   PatchSums add_placement(std::uint32_t number, MeasureScratch& scratch, ClusterTerms& terms) const;
   void record_shared_cut(std::uint32_t number, const SpherePart& part, MeasureScratch& scratch,
                          ClusterTerms& terms) const;
@@ -497,9 +497,12 @@ void PatchMeasurement::measure_cluster(ClusterIndex cluster, MeasureScratch& scr
   }
   if (settings_.gradients && surface_.has_slack)
     terms.is_smooth = !has_tangent_spheres(surface_, weights_, schedule_.patches(), cluster);
-  for (std::size_t k = 0; k < patches.arcs.size(); ++k)
-    terms.add(add_arc(patches.arcs[k], terms),
-              components_ ? components_->root_of_arc(cluster, k) : 0);
+  for (std::size_t k = 0; k < patches.arcs.size(); ++k) {
+    const ComponentFinder::Node root = components_ ? components_->root_of_arc(cluster, k) : 0;
+    // Only cavities have a centroid.
+    const bool has_moments = components_ && !components_->is_known_outside(root);
+    terms.add(add_arc(patches.arcs[k], has_moments, terms), root);
+  }
   const std::uint32_t first = first_placement_[cluster];
   for (std::uint32_t k = first; k < first + patches.placements.size(); ++k)
     terms.add(add_placement(k, scratch, terms), components_ ? components_->root_of_placement(k) : 0)
@@ -538,7 +541,7 @@ void PatchMeasurement::add_terms(ClusterIndex cluster, const ClusterTerms& terms
   }
 }
 
-PatchSums PatchMeasurement::add_arc(const Arc& arc, ClusterTerms& terms) const {
+PatchSums PatchMeasurement::add_arc(const Arc& arc, bool has_moments, ClusterTerms& terms) const {
   const SasSphere first = surface_.sas_sphere(arc.first), second = surface_.sas_sphere(arc.second);
   const ContactCircle circle = make_contact_circle(first, second);
   const SweptArc swept = sweep(arc, circle.axis);
@@ -548,7 +551,7 @@ PatchSums PatchMeasurement::add_arc(const Arc& arc, ClusterTerms& terms) const {
   const RimArc second_rim{0, swept.angle, arc.end, arc.start};
   terms.faces.push_back({arc.first, boundary_term(first_cap, first_rim), {}});
   terms.faces.push_back({arc.second, boundary_term(second_cap, second_rim), {}});
-  if (components_) {
+  if (has_moments) {
     const auto moment = [&](const SphericalCap& cap, const RimArc& rim, const SasSphere& sphere) {
       return second_moment_term(cap, rim, sphere.center - origin_);
     };

@@ -127,6 +127,21 @@ std::vector<std::uint32_t> begins_of(std::span<const std::uint32_t> counts) {
   return begins;
 }
 
+// Returns the keys sorted by member, and those of a member in ascending order.
+template <class MemberOf>
+std::vector<PlacementKey> sorted_by_member(std::span<const PlacementKey> keys, std::size_t members,
+                                           const MemberOf& member_of) {
+  std::vector<std::uint32_t> counts(members);
+  for (const PlacementKey& key : keys) ++counts[member_of(key)];
+  const std::vector<std::uint32_t> begins = begins_of(counts);
+  std::vector<std::uint32_t> next(begins.begin(), begins.end() - 1);
+  std::vector<PlacementKey> sorted(keys.size());
+  for (const PlacementKey& key : keys) sorted[next[member_of(key)]++] = key;
+  for (std::size_t m = 0; m < members; ++m)
+    std::sort(sorted.begin() + begins[m], sorted.begin() + begins[m + 1]);
+  return sorted;
+}
+
 // Removes the items for which `is_dropped` holds. The items of member m are [begin[m], begin[m +
 // 1]).
 template <class Item, class IsDropped>
@@ -270,20 +285,18 @@ void Patches::extend_face_to_poles(AtomIndex atom) {
 
 // Makes one placement for each accessible key, sorted by member and then by key.
 void Patches::place_probes(ClusterPatches& patches) {
-  std::vector<PlacementKey>& keys = patches.found.placements;
   const auto member_of = [&](const PlacementKey& key) {
     return clusters_.position_of(key.atoms[0]).member;
   };
-  std::sort(keys.begin(), keys.end(), [&](const PlacementKey& a, const PlacementKey& b) {
-    const std::uint32_t member_a = member_of(a), member_b = member_of(b);
-    return member_a < member_b || (member_a == member_b && a < b);
-  });
+  const std::size_t members = patches.exposure.size();
+  std::vector<PlacementKey> keys = sorted_by_member(
+      std::exchange(patches.found.placements, std::vector<PlacementKey>()), members, member_of);
   patches.is_regular = patches.is_regular && end_in_threes(keys);
   const auto end =
       std::unique(keys.begin(), keys.end(), [](const PlacementKey& key, const PlacementKey& next) {
         return key.is_same_placement(next);
       });
-  std::vector<std::uint32_t> counts(patches.exposure.size());
+  std::vector<std::uint32_t> counts(members);
   patches.placements.reserve(static_cast<std::size_t>(end - keys.begin()));
   for (auto key = keys.begin(); key != end; ++key)
     if (const auto placement = place_probe(*this, *key, has_bounds_)) {
@@ -293,7 +306,6 @@ void Patches::place_probes(ClusterPatches& patches) {
   patches.placement_begin = begins_of(counts);
   patches.is_regular = patches.is_regular &&
                        patches.placements.size() == static_cast<std::size_t>(end - keys.begin());
-  keys = std::vector<PlacementKey>();  // unlike {}, this frees the memory
 }
 
 // An atom whose faces are all filled counts as buried.
