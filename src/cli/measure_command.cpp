@@ -120,7 +120,7 @@ struct Outcome {
 /// Prints outcomes in the order of the files, and writes the table of `--csv`.
 class Reporter {
  public:
-  Reporter(const MeasureCommandOptions& options, OutputFile* csv) : options_(options) {
+  Reporter(const MeasureCommandOptions& options, OutputFile* csv) {
     if (csv != nullptr) csv_.emplace(*csv, false);
     append_csv(measure_csv_heading(options));
     if (options.inputs.size() > 1 && !options.quiet && !options.json)
@@ -150,7 +150,6 @@ class Reporter {
     has_errors_ = has_errors_ || !outcome.errors.empty();
   }
 
-  const MeasureCommandOptions& options_;
   std::optional<SequentialWriter> csv_;
   std::mutex mutex_;
   std::map<std::size_t, Outcome> waiting_;  // by index of the file
