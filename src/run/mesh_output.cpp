@@ -33,7 +33,7 @@ MeshOutput::MeshOutput(const Plan& plan, const GridRegion& region, const mesh::M
       has_local_triangles_(sinks.has_local_triangles || sinks.is_stream),
       is_stream_(sinks.is_stream),
       component_of_(std::move(component_of)),
-      vertex_output_(std::move(sinks.vertices)),
+      vertex_output_(std::move(sinks.vertices), sinks.vertex_calls),
       triangle_output_(std::move(sinks.triangles)) {}
 
 double MeshOutput::memory_bytes(const BlockTiling& tiling, MeshFormat format,
@@ -218,7 +218,7 @@ void MeshOutput::write(const Layer& layer, std::int64_t batch, const BatchOfLaye
     }
   }
   vertex_output_.write(batch, scratch.vertex_text.text());
-  triangle_output_.write(batch, scratch.triangle_text.text());
+  if (!is_stream_) triangle_output_.write(batch, scratch.triangle_text.text());
 }
 
 void MeshOutput::release(const Layer& layer) {
