@@ -41,8 +41,10 @@ void append(TextBuffer& to, const void* bytes, std::size_t count) {
 void append_streamed_vertex(TextBuffer& batch, const mesh::PlainVertex& vertex,
                             std::span<const char> text) {
   const VertexHead head{vertex, static_cast<std::uint32_t>(text.size())};
-  append(batch, &head, sizeof head);
-  append(batch, text.data(), text.size());
+  char* const out = batch.reserve(sizeof head + text.size());
+  std::memcpy(out, &head, sizeof head);
+  if (!text.empty()) std::memcpy(out + sizeof head, text.data(), text.size());
+  batch.advance_to(out + sizeof head + text.size());
 }
 
 void append_streamed_batch(TextBuffer& stream, std::uint64_t vertices,
