@@ -195,10 +195,14 @@ void QualityMesh::list_ring(Index vertex) {
     }
 }
 
+// Returns whether a collapse of an edge would give its end too many neighbours.
+bool QualityMesh::has_too_many_neighbors(Index from, Index to) const {
+  return vertices_[from].valence + vertices_[to].valence - 4 > max_valence;
+}
+
 // Considers the collapse of `from`, whose ring is listed.
 void QualityMesh::consider_collapse(Index from, Index to) {
   if (ring_.size() < 3 || !can_change(to)) return;
-  if (vertices_[from].valence + vertices_[to].valence - 4 > max_valence) return;
   // The lengths reject most candidates, and cost less than the shapes.
   const Vec3 end = position(to);
   for (const RingCorner& at : ring_)
@@ -229,6 +233,7 @@ void QualityMesh::consider_collapse(Index from, Index to) {
 // Considers the two collapses of the edge opposite to a corner that improve the worst triangle.
 void QualityMesh::consider_collapses(Index corner) {
   const std::array<Index, 2> ends{vertex_at(after(corner)), vertex_at(before(corner))};
+  if (has_too_many_neighbors(ends[0], ends[1])) return;
   for (std::size_t i = 0; i < 2; ++i) {
     if (!can_change(ends[i])) continue;
     list_ring(ends[i]);
@@ -533,7 +538,8 @@ void QualityMesh::collapse_short_edges(std::int32_t plane) {
     operations_.clear();
     list_ring(vertex);
     for (const RingCorner& at : ring_)
-      if (is_short(at.left)) consider_collapse(vertex, at.left);
+      if (is_short(at.left) && !has_too_many_neighbors(vertex, at.left))
+        consider_collapse(vertex, at.left);
     perform_best();
   }
 }

@@ -30,7 +30,7 @@ MeshOutput::MeshOutput(const Plan& plan, const GridRegion& region, const mesh::M
       rows_y_(region_.size()[1]),
       has_cells_(std::ranges::min(region_.size()) > 1),
       text_(text),
-      has_local_triangles_(sinks.has_local_triangles || sinks.is_stream),
+      has_local_triangles_(sinks.has_local_triangles),
       is_stream_(sinks.is_stream),
       component_of_(std::move(component_of)),
       vertex_output_(std::move(sinks.vertices), sinks.vertex_calls),
@@ -178,21 +178,24 @@ void MeshOutput::append_triangles(const LayerView& view, const RowRange& rows,
     const mesh::CellRows around{&lower_row(front, y - 1, z), &lower_row(back, y, z), &front.upper,
                                 &back.upper};
     mesh::triangulate(around, region_.size()[0], triangles);
+    count += triangles.size();
+    if (is_stream_) {
+      mesh::append_local_triangles(text, triangles);
+      continue;
+    }
     for (const mesh::Triangle& triangle : triangles) {
-      if (text_.has_corner_positions() && !is_stream_) {
+      if (text_.has_corner_positions()) {
         mesh::MeshText::append_corners(text, mesh::corners_of(around, triangle));
         continue;
       }
-      const std::uint8_t patch = text_.has_triangle_patches() && !is_stream_
-                                     ? mesh::patch_of(around, triangle)
-                                     : std::uint8_t{0};
+      const std::uint8_t patch =
+          text_.has_triangle_patches() ? mesh::patch_of(around, triangle) : std::uint8_t{0};
       if (has_local_triangles_) {
         mesh::append_local_triangle(text, triangle, patch);
       } else {
         text_.append_triangle(text, triangle, patch);
       }
     }
-    count += triangles.size();
   }
 }
 
