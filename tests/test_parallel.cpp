@@ -65,6 +65,27 @@ TEST_CASE("chunks stand in a file in the order of their numbers") {
   CHECK(read_bytes(path) == expected);
 }
 
+TEST_CASE("with sequential calls, a receiver gets all pieces in order, one at a time") {
+  const auto text_of = [](std::int64_t piece) {
+    return std::string(static_cast<std::size_t>(piece * 7919 % 50000),
+                       static_cast<char>('a' + piece % 26));
+  };
+  std::string expected, received;
+  for (std::int64_t piece = 0; piece < 200; ++piece) expected += text_of(piece);
+  std::atomic<int> calls = 0;
+  OrderedOutput output(
+      [&](std::span<const char> text, std::uint64_t offset) {
+        CHECK(++calls == 1);
+        CHECK(offset == received.size());
+        received.append(text.begin(), text.end());
+        --calls;
+      },
+      OrderedOutput::Calls::sequential);
+  parallel_for(200, 4, [&](std::int64_t piece, int) { output.write(piece, text_of(piece)); });
+  CHECK(output.size() == expected.size());
+  CHECK(received == expected);
+}
+
 TEST_CASE("a missing chunk does not block the others once it is abandoned") {
   const TemporaryDirectory directory;
   const OutputDirectory place(directory.path());

@@ -57,8 +57,8 @@ struct SurfaceOptions {
 /// that can contain a probe are outside, unless SurfaceOptions::max_filled_void fills them.
 ///
 /// A Surface is immutable. Copies share all data and are cheap. Moving a Surface copies it, so that
-/// the old object stays valid. A Surface may be used for many grids, and from several threads at the
-/// same time.
+/// the old object stays valid. A Surface may be used for many grids, and from several threads at
+/// the same time.
 class Surface {
  public:
   /// Checks and indexes the atoms. Throws std::invalid_argument if there are no atoms or more than

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -23,6 +24,14 @@ inline Directions directions_not_faced(const Vec3& area) {
   const double sum = x + y, difference = x - y;
   const std::array<double, 7> along{x, y, z, sum + z, sum - z, difference + z, difference - z};
   unsigned result = 0;
+  // If no value is 0, their signs are enough. The product of small values may be 0, too.
+  double product = 1;
+  for (const double value : along) product *= value;
+  if (product != 0) {
+    for (std::size_t i = 0; i < along.size(); ++i)
+      result |= static_cast<unsigned>(std::bit_cast<std::uint64_t>(along[i]) >> 63U) << i;
+    return static_cast<Directions>(result | (~result & 127U) << along.size());
+  }
   for (std::size_t i = 0; i < along.size(); ++i) {
     result |= static_cast<unsigned>(along[i] <= 0) << i;
     result |= static_cast<unsigned>(along[i] >= 0) << (i + along.size());

@@ -178,12 +178,15 @@ QualityMesh::Index QualityMesh::corner_across(Index corner) const {
 void QualityMesh::list_ring(Index vertex) {
   if (ring_center_ == vertex) return;
   ring_center_ = vertex;
-  ++mark_;
-  ring_.clear();
-  for (Index corner = vertices_[vertex].first_corner; corner != none;
-       corner = next_corner(corner)) {
-    ring_.push_back({corner, vertex_at(after(corner)), vertex_at(before(corner))});
-    vertices_[ring_.back().left].mark = mark_;
+  const Index mark = ++mark_;
+  ring_.resize(vertices_[vertex].valence);
+  Index corner = vertices_[vertex].first_corner;
+  for (RingCorner& at : ring_) {
+    const Face& face = faces_[corner >> 2];
+    const Index i = corner & 3;
+    at = {corner, face.vertices[i < 2 ? i + 1 : 0], face.vertices[i > 0 ? i - 1 : 2]};
+    vertices_[at.left].mark = mark;
+    corner = face.next[i];
   }
   for (const RingCorner& at : ring_)
     if (vertices_[at.right].mark != mark_) {
@@ -192,18 +195,25 @@ void QualityMesh::list_ring(Index vertex) {
     }
 }
 
+// Returns whether a collapse of an edge would give its end too many neighbours.
+bool QualityMesh::has_too_many_neighbors(Index from, Index to) const {
+  return vertices_[from].valence + vertices_[to].valence - 4 > max_valence;
+}
+
 // Considers the collapse of `from`, whose ring is listed.
 void QualityMesh::consider_collapse(Index from, Index to) {
   if (ring_.size() < 3 || !can_change(to)) return;
-  if (vertices_[from].valence + vertices_[to].valence - 4 > max_valence) return;
+  // The lengths reject most candidates, and cost less than the shapes.
+  const Vec3 end = position(to);
+  for (const RingCorner& at : ring_)
+    if (squared_norm(position(at.left) - end) > limits_.max_squared_length && at.right != to)
+      return;
   float quality = 1;
   bool is_turned = false;
   for (const auto& [corner, left, right] : ring_) {
     if (left == to || right == to) continue;
-    const TrianglePoints t = points({to, left, right});
-    if (squared_norm(t[1] - t[0]) > limits_.max_squared_length ||
-        !can_have(faces_[corner >> 2], to))
-      return;
+    if (!can_have(faces_[corner >> 2], to)) return;
+    const TrianglePoints t{end, position(left), position(right)};
     const Vec3 area = area_vector(t);
     quality = std::min(quality, quality_of_shape(t, area));
     if (quality <= limits_.min_quality) return;
@@ -223,6 +233,7 @@ void QualityMesh::consider_collapse(Index from, Index to) {
 // Considers the two collapses of the edge opposite to a corner that improve the worst triangle.
 void QualityMesh::consider_collapses(Index corner) {
   const std::array<Index, 2> ends{vertex_at(after(corner)), vertex_at(before(corner))};
+  if (has_too_many_neighbors(ends[0], ends[1])) return;
   for (std::size_t i = 0; i < 2; ++i) {
     if (!can_change(ends[i])) continue;
     list_ring(ends[i]);
@@ -277,10 +288,14 @@ bool QualityMesh::is_collapsible(Index to) const {
   }
   for (const Index vertex : opposite)
     if (vertex == none || vertices_[vertex].valence < 4) return false;
-  for (Index corner = vertices_[to].first_corner; corner != none; corner = next_corner(corner))
-    for (const Index vertex : {vertex_at(after(corner)), vertex_at(before(corner))})
-      if (vertices_[vertex].mark == mark_ && vertex != opposite[0] && vertex != opposite[1])
+  for (Index corner = vertices_[to].first_corner; corner != none;) {
+    const Face& face = faces_[corner >> 2];
+    for (const Index vertex : face.vertices)
+      if (vertices_[vertex].mark == mark_ && vertex != opposite[0] && vertex != opposite[1] &&
+          vertex != to)
         return false;
+    corner = face.next[corner & 3];
+  }
   return true;
 }
 
@@ -513,14 +528,18 @@ void QualityMesh::collapse_short_edges(std::int32_t plane) {
       return squared_norm(position(other) - from) < max_squared_edge;
     };
     bool has_short = false;
-    for (Index corner = vertices_[vertex].first_corner; corner != none && !has_short;
-         corner = next_corner(corner))
-      has_short = is_short(vertex_at(after(corner)));
+    for (Index corner = vertices_[vertex].first_corner; corner != none && !has_short;) {
+      const Face& face = faces_[corner >> 2];
+      const Index i = corner & 3;
+      has_short = is_short(face.vertices[i < 2 ? i + 1 : 0]);
+      corner = face.next[i];
+    }
     if (!has_short) continue;
     operations_.clear();
     list_ring(vertex);
     for (const RingCorner& at : ring_)
-      if (is_short(at.left)) consider_collapse(vertex, at.left);
+      if (is_short(at.left) && !has_too_many_neighbors(vertex, at.left))
+        consider_collapse(vertex, at.left);
     perform_best();
   }
 }

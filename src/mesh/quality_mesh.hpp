@@ -151,6 +151,7 @@ class QualityMesh {
   void unlink(Index corner);
 
   void list_ring(Index vertex);
+  bool has_too_many_neighbors(Index from, Index to) const;
   void consider_collapse(Index from, Index to);
   void consider_collapses(Index corner);
   void consider_flip(Index corner);

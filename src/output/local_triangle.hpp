@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <cstring>
+#include <span>
 
 #include "mesh/triangulate.hpp"
 #include "output/eses_writer.hpp"
@@ -28,6 +29,19 @@ inline void append_local_triangle(TextBuffer& bytes, const Triangle& triangle, s
   char* const out = bytes.reserve(sizeof local);
   std::memcpy(out, &local, sizeof local);
   bytes.advance_to(out + sizeof local);
+}
+
+/// Appends triangles without patches in the same way.
+inline void append_local_triangles(TextBuffer& bytes, std::span<const Triangle> triangles) {
+  char* out = bytes.reserve(triangles.size() * sizeof(LocalTriangle));
+  for (const Triangle& triangle : triangles) {
+    LocalTriangle local;
+    for (std::size_t corner = 0; corner < triangle.size(); ++corner)
+      local.corners[corner] = static_cast<std::int32_t>(triangle[corner]);
+    std::memcpy(out, &local, sizeof local);
+    out += sizeof local;
+  }
+  bytes.advance_to(out);
 }
 
 /// Returns the vertex numbers in the whole mesh. `first` is the number of the part's first vertex.

@@ -277,7 +277,8 @@ RunResult execute(const RunTask& task, const RunPlan& plan, const RunPaths& path
   summary.area = total_area(areas, processes);
   if (result.exact && summary.verification) verify_volume(task, plan, check, summary);
   if (!has_faults(summary)) {
-    if (mesh && task.outputs.mesh->quality) summary.mesh_quality = merge.improve_mesh(*mesh);
+    if (mesh && task.outputs.mesh->quality)
+      summary.mesh_quality = swept.mesh_quality ? swept.mesh_quality : merge.improve_mesh(*mesh);
     if (mesh) summary.mesh = merge.mesh_counts();
     summary.bytes_written =
         write_files(task, plan, mesh, areas, merge, files.get(), check, processes) +

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <string>
+#include <utility>
 
 #include "distributed/checkpoint.hpp"
 #include "distributed/group_numbers.hpp"
@@ -147,7 +148,8 @@ double min_expected_memory(std::size_t atoms) {
 }
 
 double expected_memory(const SurfaceSurvey& survey, const LabelTotals& labels, bool has_groups,
-                       const Grid& grid, const Schedule& schedule, const Outputs& outputs) {
+                       const Grid& grid, const Schedule& schedule, const Outputs& outputs,
+                       bool is_in_place) {
   const auto atoms = static_cast<double>(survey.atom_count());
   const BlockTiling& tiling = schedule.tiling;
   const double threads = schedule.threads;
@@ -163,11 +165,12 @@ double expected_memory(const SurfaceSurvey& survey, const LabelTotals& labels, b
   if (outputs.mesh)
     held += MeshOutput::memory_bytes(tiling, required_mesh_format(*outputs.mesh),
                                      halo_growth(tiling) * crossings_of_plane);
-  // The mesh is improved after the sweep, when blocks and patches are freed.
-  const double improving =
-      outputs.mesh && outputs.mesh->quality
-          ? QualityPass::memory_bytes(*outputs.mesh, tiling.region_with_halo, crossings_of_plane)
-          : 0;
+  // The mesh is improved during the sweep, or after it, when blocks and patches are freed.
+  double improving = outputs.mesh && outputs.mesh->quality
+                         ? QualityPass::memory_bytes(*outputs.mesh, tiling.region_with_halo,
+                                                     crossings_of_plane, is_in_place)
+                         : 0;
+  if (is_in_place) held += std::exchange(improving, 0);
   constexpr double bytes_per_area = sizeof(double) + list_growth * sizeof(AtomSum);
   double names = 0;
   if (has_groups)

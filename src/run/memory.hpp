@@ -51,8 +51,10 @@ double halo_growth(const BlockTiling& tiling);
 double min_expected_memory(std::size_t atoms);
 
 /// Returns an estimate of the peak memory of the process in bytes, without its labels, intended as
-/// an upper bound. `has_groups` is whether chains and residues of atoms are numbered.
+/// an upper bound. `has_groups` is whether chains and residues of atoms are numbered, and
+/// `is_in_place` whether texts are written directly to the output files.
 double expected_memory(const SurfaceSurvey& survey, const LabelTotals& labels, bool has_groups,
-                       const Grid& grid, const Schedule& schedule, const Outputs& outputs);
+                       const Grid& grid, const Schedule& schedule, const Outputs& outputs,
+                       bool is_in_place);
 
 }  // namespace eses::detail

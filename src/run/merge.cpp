@@ -347,12 +347,14 @@ MeshQuality Merge::improve_mesh(const mesh::MeshText& text) {
     if (!processes_.is_first()) return;
     const auto sink_of = [&](ChunkText which) {
       improved.text(which) = std::make_unique<ScratchFile>(mesh_directory_of(*task_.outputs.mesh));
-      return [file = improved.text(which).get()](std::span<const char> bytes) {
+      return [file = improved.text(which).get()](std::span<const char> bytes, std::uint64_t) {
         file->append(std::as_bytes(bytes));
       };
     };
     pass.emplace(text, plan_.whole_plan.grid, plan_.whole_plan.tiling.region_with_halo,
-                 QualityPass::Sinks{sink_of(ChunkText::vertices), sink_of(ChunkText::triangles)});
+                 QualityPass::Sinks{.vertices = sink_of(ChunkText::vertices),
+                                    .triangles = sink_of(ChunkText::triangles),
+                                    .has_local_triangles = true});
   });
   stream_mesh(pass);
   struct Result {

@@ -33,7 +33,8 @@ class Merge {
   const RegionTotals& totals() const { return totals_; }
   const MeshCounts& mesh_counts() const { return mesh_; }
 
-  /// Improves the triangles of the mesh before `write_mesh`. Returns their angles.
+  /// Improves the triangles of the mesh before `write_mesh`. Returns their angles. It is not called
+  /// if the sweep has improved the mesh.
   MeshQuality improve_mesh(const mesh::MeshText& text);
 
   /// These functions complete a file and return its length in bytes.

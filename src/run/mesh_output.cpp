@@ -30,10 +30,10 @@ MeshOutput::MeshOutput(const Plan& plan, const GridRegion& region, const mesh::M
       rows_y_(region_.size()[1]),
       has_cells_(std::ranges::min(region_.size()) > 1),
       text_(text),
-      has_local_triangles_(sinks.has_local_triangles || sinks.is_stream),
+      has_local_triangles_(sinks.has_local_triangles),
       is_stream_(sinks.is_stream),
       component_of_(std::move(component_of)),
-      vertex_output_(std::move(sinks.vertices)),
+      vertex_output_(std::move(sinks.vertices), sinks.vertex_calls),
       triangle_output_(std::move(sinks.triangles)) {}
 
 double MeshOutput::memory_bytes(const BlockTiling& tiling, MeshFormat format,
@@ -168,8 +168,9 @@ std::uint64_t MeshOutput::append_vertices(const LayerView& view, const RowRange&
 // Appends triangles of a row of cells in the format of their file.
 void MeshOutput::append_text(const mesh::CellRows& around,
                              std::span<const mesh::Triangle> triangles, TextBuffer& text) const {
-  const bool has_patches = text_.has_triangle_patches() && !is_stream_;
-  if (text_.has_corner_positions() && !is_stream_) {
+  if (is_stream_) return mesh::append_local_triangles(text, triangles);
+  const bool has_patches = text_.has_triangle_patches();
+  if (text_.has_corner_positions()) {
     for (const mesh::Triangle& triangle : triangles)
       mesh::MeshText::append_corners(text, mesh::corners_of(around, triangle));
   } else if (has_patches || has_local_triangles_) {
@@ -232,7 +233,7 @@ void MeshOutput::write(const Layer& layer, std::int64_t batch, const BatchOfLaye
     }
   }
   vertex_output_.write(batch, scratch.vertex_text.text());
-  triangle_output_.write(batch, scratch.triangle_text.text());
+  if (!is_stream_) triangle_output_.write(batch, scratch.triangle_text.text());
 }
 
 void MeshOutput::release(const Layer& layer) {

@@ -41,6 +41,7 @@ struct MeshSinks {
   bool has_local_triangles = false;
   /// Whether `vertices` receives both vertices and triangles as the stream of a QualityPass.
   bool is_stream = false;
+  OrderedOutput::Calls vertex_calls = OrderedOutput::Calls::concurrent;  ///< of `vertices`
 };
 
 /// The mesh of a region. The cells between two planes are triangulated when the upper plane is

@@ -198,12 +198,10 @@ void expect_mesh(const MeshOptions& mesh, const LabelTotals& labels, const Plan&
   files.mesh_scratch = bytes_of(bytes.scratch_vertex, bytes.scratch_triangle);
   files.mesh = bytes_of(bytes.vertex, bytes.triangle);
   if (mesh.quality) {
-    // About this fraction of the vertices and triangles is left. The plain mesh is on disk as a
-    // stream until it is improved.
-    constexpr double left = 0.6;
-    files.mesh_scratch =
-        whole_bytes(vertices * static_cast<double>(streamed_vertex_bytes(bytes.vertex)) +
-                    left * static_cast<double>(files.mesh));
+    constexpr double left = 0.6;  // fraction of the vertices and triangles that is left
+    files.mesh_stream =
+        whole_bytes(vertices * static_cast<double>(streamed_vertex_bytes(bytes.vertex)));
+    files.mesh_scratch = whole_bytes(left * static_cast<double>(files.mesh_scratch));
     files.mesh = whole_bytes(left * static_cast<double>(files.mesh));
   }
   if (has_names)
@@ -214,7 +212,7 @@ void expect_mesh(const MeshOptions& mesh, const LabelTotals& labels, const Plan&
 // Chooses the fastest schedule that exceeds neither the limit nor the available memory.
 void choose_schedule(const SurfaceSurvey& survey, const MemoryBudget& budget,
                      const Outputs& outputs, Plan& plan) {
-  const auto& [available, held, labels, has_groups, caller] = budget;
+  const auto& [available, held, labels, has_groups, caller, is_in_place] = budget;
   const Parameters& p = plan.parameters;
   const std::uint64_t limit = p.max_memory > 0 ? std::min(p.max_memory, available) : available;
   const double always = static_cast<double>(held) +
@@ -224,7 +222,8 @@ void choose_schedule(const SurfaceSurvey& survey, const MemoryBudget& budget,
   double smallest = std::numeric_limits<double>::infinity();
   for (const Schedule& schedule : possible_schedules(plan.grid, plan.region, p, survey)) {
     const double memory =
-        always + expected_memory(survey, labels, has_groups, plan.grid, schedule, outputs) +
+        always +
+        expected_memory(survey, labels, has_groups, plan.grid, schedule, outputs, is_in_place) +
         Verifier::memory_bytes(p.verify, schedule.threads, plan.crossings);
     smallest = std::min(smallest, memory);
     if (memory > static_cast<double>(limit)) continue;

@@ -58,6 +58,7 @@ struct MemoryBudget {
   LabelTotals labels = {};   ///< totals of the labels that the process has read
   bool has_groups = false;   ///< whether chains and residues of atoms are numbered
   CallerMemory caller = {};  ///< memory that the caller needs for the results
+  bool is_in_place = true;   ///< whether texts are written directly to the output files
 };
 
 /// Performs step 2 of a plan: chooses block size, threads and number of blocks ahead for the region

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "output/local_triangle.hpp"
+#include "system/resources.hpp"
 
 namespace eses::detail {
 namespace {
@@ -40,8 +41,10 @@ void append(TextBuffer& to, const void* bytes, std::size_t count) {
 void append_streamed_vertex(TextBuffer& batch, const mesh::PlainVertex& vertex,
                             std::span<const char> text) {
   const VertexHead head{vertex, static_cast<std::uint32_t>(text.size())};
-  append(batch, &head, sizeof head);
-  append(batch, text.data(), text.size());
+  char* const out = batch.reserve(sizeof head + text.size());
+  std::memcpy(out, &head, sizeof head);
+  if (!text.empty()) std::memcpy(out + sizeof head, text.data(), text.size());
+  batch.advance_to(out + sizeof head + text.size());
 }
 
 void append_streamed_batch(TextBuffer& stream, std::uint64_t vertices,
@@ -67,11 +70,14 @@ QualityPass::QualityPass(const mesh::MeshText& text, const Grid& grid, const Gri
              .triangle = [this](const mesh::Triangle& triangle) { take_triangle(triangle); }}) {}
 
 double QualityPass::memory_bytes(const MeshOptions& mesh, const GridRegion& region,
-                                 double plane_crossings) {
-  constexpr double parts = 6;  // parts of the stream and of the result in memory
+                                 double plane_crossings, bool is_in_place) {
+  // Parts of the stream and of the result in memory.
+  constexpr double read_bytes = 4 * (std::size_t{1} << 22);
+  const double buffers = list_growth * 2 * write_buffer_bytes +
+                         (is_in_place ? double{OrderedOutput::max_waiting_bytes} : read_bytes);
   const auto text = static_cast<double>(mesh::typical_mesh_bytes(mesh, true).vertex);
   return mesh::QualityMesh::memory_bytes(region, plane_crossings, text + sizeof(std::size_t)) +
-         parts * (std::size_t{1} << 22);
+         buffers;
 }
 
 void QualityPass::add(std::span<const char> bytes) {
@@ -130,19 +136,25 @@ void QualityPass::take_triangle(const mesh::Triangle& triangle) {
     numbers[i] = mesh_.new_number(triangle[i]);
     patches[i] = mesh_.patch_of(triangle[i]);
   }
-  mesh::append_local_triangle(triangles_, numbers, mesh::patch_of(patches));
+  if (sinks_.has_local_triangles) {
+    mesh::append_local_triangle(triangles_, numbers, mesh::patch_of(patches));
+  } else {
+    text_.append_triangle(triangles_, numbers, mesh::patch_of(patches));
+  }
 }
 
 // Passes on the results if there are at least `min_bytes`, and forgets texts that were written.
 void QualityPass::flush(std::size_t min_bytes) {
-  if (vertices_.text().size() >= min_bytes) {
-    sinks_.vertices(vertices_.text());
-    vertices_.clear();
-  }
-  if (triangles_.text().size() >= min_bytes) {
-    sinks_.triangles(triangles_.text());
-    triangles_.clear();
-  }
+  const auto pass_on = [&](TextBuffer& text, const OrderedOutput::WriteAt& sink,
+                           std::uint64_t& passed_bytes) {
+    const std::span<const char> bytes = text.text();
+    if (bytes.size() < min_bytes) return;
+    sink(bytes, passed_bytes);
+    passed_bytes += bytes.size();
+    text.clear();
+  };
+  pass_on(vertices_, sinks_.vertices, vertex_bytes_);
+  pass_on(triangles_, sinks_.triangles, triangle_bytes_);
   const auto written = static_cast<std::ptrdiff_t>(next_vertex_ - first_text_);
   if (2 * written < static_cast<std::ptrdiff_t>(text_begins_.size())) return;
   const std::size_t bytes = text_begins_[static_cast<std::size_t>(written)];

@@ -2,7 +2,6 @@
 /// The improvement of a mesh that is read as a stream, and its result as vertices and triangles.
 
 #include <cstdint>
-#include <functional>
 #include <span>
 #include <vector>
 
@@ -10,6 +9,7 @@
 #include "mesh/quality_mesh.hpp"
 #include "output/eses_writer.hpp"
 #include "output/mesh_writer.hpp"
+#include "output/ordered_output.hpp"
 
 namespace eses::detail {
 
@@ -27,12 +27,14 @@ std::uint64_t streamed_vertex_bytes(std::uint64_t text_bytes);
 /// Improves the triangles of a mesh. See mesh::QualityMesh.
 class QualityPass {
  public:
-  /// The receivers of the result: vertices as text or records of the mesh's format, triangles as
-  /// mesh::LocalTriangle with numbers in the whole mesh, or by the positions of their corners if
-  /// the format has them. Keeps a reference to `text`.
+  /// The receivers of the result: vertices and triangles as text or records of the mesh's format.
   struct Sinks {
-    std::function<void(std::span<const char>)> vertices, triangles;
+    OrderedOutput::WriteAt vertices, triangles;
+    /// Whether triangles are passed as mesh::LocalTriangle with numbers in the whole mesh, unless
+    /// the format has the positions of their corners.
+    bool has_local_triangles = false;
   };
+  /// Keeps a reference to `text`.
   QualityPass(const mesh::MeshText& text, const Grid& grid, const GridRegion& region, Sinks sinks);
 
   /// Begins the stream of a chunk of planes. `first_vertex` is the number of vertices before it.
@@ -42,13 +44,16 @@ class QualityPass {
   /// Finishes the mesh.
   void finish();
 
-  /// Returns the estimated memory in bytes for this number of crossings of a plane.
+  /// Returns the estimated memory in bytes for this number of crossings of a plane. `is_in_place`
+  /// is whether the stream comes from the sweep and not from chunks.
   static double memory_bytes(const MeshOptions& mesh, const GridRegion& region,
-                             double plane_crossings);
+                             double plane_crossings, bool is_in_place);
 
   /// These are the figures of the finished mesh.
   MeshCounts counts() const { return counts_; }
   MeshQuality quality() const { return mesh_.quality(); }
+  std::uint64_t vertex_bytes() const { return vertex_bytes_; }
+  std::uint64_t triangle_bytes() const { return triangle_bytes_; }
 
  private:
   std::size_t add_batch(std::span<const char> bytes);
@@ -66,6 +71,7 @@ class QualityPass {
   std::uint64_t first_text_ = 0;   // number of the vertex of the first text
   std::uint64_t next_vertex_ = 0;  // texts before this vertex are not needed any more
   TextBuffer vertices_, triangles_;
+  std::uint64_t vertex_bytes_ = 0, triangle_bytes_ = 0;  // bytes that the sinks have received
   MeshCounts counts_;
   mesh::QualityMesh mesh_;
 };

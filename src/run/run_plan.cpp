@@ -245,7 +245,8 @@ void plan_slab(const RunTask& task, const LabelTotals& labels, const Processes::
                    .held = processes.mpi_memory() + held_bytes(run),
                    .labels = labels,
                    .has_groups = run.groups.are_known,
-                   .caller = task.caller_memory},
+                   .caller = task.caller_memory,
+                   .is_in_place = writes_in_place(task, processes)},
                   run.slab.molecule, task.outputs, run.slab_plan);
     if (const auto* file = std::get_if<InputFile>(&task.atoms))
       require_memory_held(*file, task.parameters.max_memory);
@@ -279,9 +280,13 @@ void expect_chunks(const RunTask& task, const GridRegion& region, FileSizes& fil
   for (const MapChoice& map : chosen_maps(task.outputs))
     files.text_scratch += GridMap::row_bytes(map.quantity, region);
   const bool is_improved = task.outputs.mesh && task.outputs.mesh->quality;
-  const std::uint64_t mesh = is_improved ? files.mesh_scratch : files.mesh;
-  files.mesh_scratch = task.resume ? 0 : mesh;
-  if (task.resume) files.text_scratch += mesh;
+  const std::uint64_t of_chunks = is_improved ? files.mesh_stream : files.mesh;
+  files.mesh_scratch = is_improved ? files.mesh : 0;
+  if (task.resume) {
+    files.text_scratch += of_chunks;
+  } else {
+    files.mesh_scratch += of_chunks;
+  }
 }
 
 // Whether cavities are filled, or the mesh has components.

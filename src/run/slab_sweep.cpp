@@ -179,7 +179,7 @@ Plan SlabSweep::plan_of(const PlaneRange& planes) const {
 // Returns whether a text is written directly to its final file. In a run in place, this is possible
 // if its offset does not depend on the length of another text.
 bool SlabSweep::is_written_in_place(ChunkText text) const {
-  if (!is_in_place_ || (is_of_mesh(text) && task_.outputs.mesh->quality)) return false;
+  if (!is_in_place_) return false;
   if (text == ChunkText::vertices) return !files_.mesh_text->has_columns();
   if (text == ChunkText::triangles) return files_.mesh_text->has_face_file();
   return true;
@@ -226,6 +226,32 @@ OrderedOutput::WriteAt SlabSweep::sink_of_text(ChunkText text, PlaneChunk& chunk
       break;
   }
   return {};
+}
+
+// Whether the sweep improves the triangles of the mesh. Otherwise, `Merge` does so.
+bool SlabSweep::improves_mesh() const {
+  return is_in_place_ && task_.outputs.mesh && task_.outputs.mesh->quality;
+}
+
+// Returns the receivers of the mesh. Makes `pass` if the sweep improves the mesh.
+MeshSinks SlabSweep::mesh_sinks(PlaneChunk& chunk, Checksums& checksums,
+                                std::optional<QualityPass>& pass) const {
+  const mesh::MeshText& text = *files_.mesh_text;
+  const bool has_local_triangles =
+      (!is_in_place_ || text.has_columns()) && !text.has_corner_positions();
+  MeshSinks sinks{.vertices = sink_of_text(ChunkText::vertices, chunk, checksums),
+                  .triangles = sink_of_text(ChunkText::triangles, chunk, checksums),
+                  .has_local_triangles = has_local_triangles,
+                  .is_stream = task_.outputs.mesh->quality};
+  if (!improves_mesh()) return sinks;
+  pass.emplace(text, plan_.whole_plan.grid, plan_.whole_plan.tiling.region_with_halo,
+               QualityPass::Sinks{.vertices = std::move(sinks.vertices),
+                                  .triangles = std::move(sinks.triangles),
+                                  .has_local_triangles = has_local_triangles});
+  sinks.vertices = [&pass](std::span<const char> stream, std::uint64_t) { pass->add(stream); };
+  sinks.triangles = {};
+  sinks.vertex_calls = OrderedOutput::Calls::sequential;
+  return sinks;
 }
 
 // Returns the receivers of the rows of all maps.
@@ -275,14 +301,10 @@ PlaneChunk SlabSweep::sweep(PatchSchedule& patches, const PlaneRange& planes, Sw
   Checksums checksums;
   const auto into = [&](ChunkText text) { return sink_of_text(text, chunk, checksums); };
   std::optional<MeshOutput> mesh;
+  std::optional<QualityPass> pass;
   if (const mesh::MeshText* const text = files_.mesh_text)
     mesh.emplace(plan, plan_.whole_plan.tiling.region_with_halo, *text,
-                 MeshSinks{.vertices = into(ChunkText::vertices),
-                           .triangles = into(ChunkText::triangles),
-                           .has_local_triangles = (!is_in_place_ || text->has_columns()) &&
-                                                  !text->has_corner_positions(),
-                           .is_stream = task_.outputs.mesh->quality},
-                 component_of_crossing());
+                 mesh_sinks(chunk, checksums, pass), component_of_crossing());
   std::optional<Verifier> verifier;
   if (plan.parameters.verify > 0) {
     const Stopwatch drawing;
@@ -316,6 +338,13 @@ PlaneChunk SlabSweep::sweep(PatchSchedule& patches, const PlaneRange& planes, Sw
   for (const MapChoice& map : chosen_maps(task_.outputs))
     set_bytes(text_of(map.quantity), GridMap::row_bytes(map.quantity, plan.tiling.region));
   if (mesh) chunk.info.mesh = {mesh->vertex_count(), pipeline.triangle_count()};
+  if (pass) {
+    pass->finish();
+    set_bytes(ChunkText::vertices, pass->vertex_bytes());
+    set_bytes(ChunkText::triangles, pass->triangle_bytes());
+    chunk.info.mesh = pass->counts();
+    result.mesh_quality = pass->quality();
+  }
   const bool has_faults = verifier && !verify(*verifier, summary);
   if (plan_.checkpoint && !has_faults) save_chunk(chunk, checksums, sums.atom_shares);
   add_shares(std::move(sums.atom_shares), result.atom_shares);

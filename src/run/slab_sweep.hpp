@@ -1,9 +1,11 @@
 #pragma once
 /// Step 2 of a run: the sweep over the planes of this process, range by range. The rows, crossings
-/// and triangles of a range are written to the output files directly, or to a chunk.
+/// and triangles of a range are written to the output files directly, or to a chunk. The triangles
+/// of a mesh that is written directly are improved before, if the task says so.
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -14,6 +16,7 @@
 #include "run/mesh_output.hpp"
 #include "run/pipeline.hpp"
 #include "run/progress_report.hpp"
+#include "run/quality_pass.hpp"
 #include "run/run_plan.hpp"
 #include "run/verifier.hpp"
 #include "surface/patch_schedule.hpp"
@@ -38,7 +41,8 @@ struct SweepFiles {
 /// The result of a sweep.
 struct SweepResult {
   std::vector<PlaneChunk> chunks;
-  std::vector<AreaShare> atom_shares;  ///< area share of each atom of the slab; empty if none
+  std::vector<AreaShare> atom_shares;       ///< area share of each atom of the slab; empty if none
+  std::optional<MeshQuality> mesh_quality;  ///< if the sweep has improved the mesh
 };
 
 /// Sweeps the planes of this process's slab.
@@ -65,6 +69,9 @@ class SlabSweep {
   bool is_written_in_place(ChunkText text) const;
   OrderedOutput::WriteAt sink_of_text(ChunkText text, PlaneChunk& chunk,
                                       Checksums& checksums) const;
+  bool improves_mesh() const;
+  MeshSinks mesh_sinks(PlaneChunk& chunk, Checksums& checksums,
+                       std::optional<QualityPass>& pass) const;
   std::vector<MapSink> map_sinks(PlaneChunk& chunk, const GridRegion& region,
                                  Checksums& checksums) const;
   PlaneChunk sweep(PatchSchedule& patches, const PlaneRange& planes, SweepResult& result,
