@@ -131,15 +131,15 @@ void QualityPass::take_triangle(const mesh::Triangle& triangle) {
     return;
   }
   mesh::Triangle numbers{};
-  std::array<std::uint8_t, 3> patches{};
-  for (std::size_t i = 0; i < 3; ++i) {
-    numbers[i] = mesh_.new_number(triangle[i]);
-    patches[i] = mesh_.patch_of(triangle[i]);
-  }
+  for (std::size_t i = 0; i < 3; ++i) numbers[i] = mesh_.new_number(triangle[i]);
+  std::uint8_t patch = 0;
+  if (text_.has_triangle_patches())
+    patch = mesh::patch_of(
+        {mesh_.patch_of(triangle[0]), mesh_.patch_of(triangle[1]), mesh_.patch_of(triangle[2])});
   if (sinks_.has_local_triangles) {
-    mesh::append_local_triangle(triangles_, numbers, mesh::patch_of(patches));
+    mesh::append_local_triangle(triangles_, numbers, patch);
   } else {
-    text_.append_triangle(triangles_, numbers, mesh::patch_of(patches));
+    text_.append_triangle(triangles_, numbers, patch);
   }
 }
 
