@@ -15,8 +15,8 @@ class CellRowWalk {
   CellRowWalk(const CellRows& rows, std::int64_t points_x, EdgeVertices& vertices,
               std::vector<Triangle>& triangles)
       : rows_(rows), cells_(static_cast<std::uint64_t>(points_x - 1)), triangles_(triangles) {
-    const std::size_t row_slots = edge_key(static_cast<std::uint64_t>(points_x), 0);
-    vertices.resize(std::max(vertices.size(), rows.size() * row_slots));
+    vertices.resize(std::max(vertices.size(), edge_slots(points_x)));
+    const std::size_t row_slots = edge_slots(points_x) / rows.size();
     for (std::size_t row = 0; row < rows.size(); ++row)
       list_vertices(*rows[row], vertices.data() + row * row_slots);
     vertices_ = vertices.data();

@@ -32,6 +32,10 @@ using CellRows = std::array<const Row*, 4>;
 /// Scratch memory of triangulate(): the vertices of four rows, each by the key of its edge. Slots
 /// of edges without a vertex keep old values, which are not read.
 using EdgeVertices = std::vector<std::uint64_t>;
+/// Returns the number of slots that rows of `points_x` points need.
+constexpr std::size_t edge_slots(std::int64_t points_x) {
+  return std::tuple_size_v<CellRows> * edge_key(static_cast<std::uint64_t>(points_x), 0);
+}
 
 /// Appends the triangles of a row of cells, ordered by x. Each edge whose ends are classified
 /// differently must have a crossing in the row of its lower point.

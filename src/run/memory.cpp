@@ -7,6 +7,7 @@
 #include "distributed/checkpoint.hpp"
 #include "distributed/group_numbers.hpp"
 #include "input/atom_names.hpp"
+#include "mesh/triangulate.hpp"
 #include "output/area_table_writer.hpp"
 #include "output/eses_writer.hpp"
 #include "output/grid_map.hpp"
@@ -58,7 +59,9 @@ double text_bytes(const GridRegion& region, const Outputs& outputs) {
     map = std::max({map, rows, GridMap::thread_bytes(choice, region)});
   }
   bytes += map;
-  if (outputs.mesh) bytes += batch;
+  if (outputs.mesh)
+    bytes +=
+        batch + static_cast<double>(mesh::edge_slots(row) * sizeof(mesh::EdgeVertices::value_type));
   return bytes;
 }
 
