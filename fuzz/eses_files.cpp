@@ -118,16 +118,16 @@ void check_box(const MemoryFile& file) {
   }
 }
 
-/// Checks that the reader of edges alone finds the same edges as the reader of whole lines.
+/// Checks that RowReader<GridEdge> finds the same edges as RowReader<Crossing>.
 void check_edges(const MemoryFile& file) {
-  const auto edges = check_lines<Crossing>(file);
-  const auto places = read_all<GridEdge>(file);
-  expect(places.items.size() >= edges.items.size(), "edges are lost");
-  expect(std::equal(edges.items.begin(), edges.items.end(), places.items.begin(),
+  const auto crossings = check_lines<Crossing>(file);
+  const auto edges = read_all<GridEdge>(file);
+  expect(edges.items.size() >= crossings.items.size(), "edges are lost");
+  expect(std::equal(crossings.items.begin(), crossings.items.end(), edges.items.begin(),
                     [](const Crossing& crossing, const GridEdge& edge) {
                       return edge_of(crossing) == edge;
                     }),
-         "edges are in other places");
+         "edges differ");
 }
 
 /// The first byte is the first letter of a file's name. Every other byte also chooses a file.

@@ -20,8 +20,8 @@ struct FileSizes {
   std::uint64_t gzip_maps = 0;     ///< compressed maps, included in `maps`; estimate
   std::uint64_t map_scratch = 0;   ///< scratch files of maps
   std::uint64_t mesh_scratch = 0;  ///< scratch files of the mesh; estimate
-  /// Stream of a mesh that is improved. It is in scratch files, and then added to `mesh_scratch` or
-  /// `text_scratch`, only if texts are written to chunks. Estimate.
+  /// Stream of a mesh whose triangles are improved; estimate. If texts are written to chunks, the
+  /// stream is in scratch files, and is included in `mesh_scratch` or `text_scratch`.
   std::uint64_t mesh_stream = 0;
   /// Scratch files of the texts of chunks; 0 if texts are written in place. Estimate.
   std::uint64_t text_scratch = 0;

@@ -355,7 +355,8 @@ void MeshText::append_triangles(TextBuffer& text, std::span<const Triangle> tria
     case MeshFormat::msms:
     case MeshFormat::vtp:
     case MeshFormat::stl:
-      return;  // Done by append_triangle, append_triangle_record and append_corners.
+      // Their triangles are appended by append_triangle, append_triangle_record and append_corners.
+      return;
   }
 }
 

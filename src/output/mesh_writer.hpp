@@ -47,7 +47,7 @@ struct MeshSource {
   std::uint64_t atom_count = 0;  ///< number of atoms of the whole molecule
   double probe_radius = 0;       ///< angstrom
   double density = 0;            ///< expected number of vertices in a square angstrom
-  Grid grid;                     ///< of which the vertices lie on edges
+  Grid grid;                     ///< the vertices lie on its edges
   Vec3 center;                   ///< centre of the grid, in angstrom
   VertexPotential potential = {};
 };

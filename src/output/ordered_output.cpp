@@ -29,12 +29,12 @@ void OrderedOutput::write_concurrently(std::int64_t piece, std::span<const char>
 void OrderedOutput::write_in_turn(std::int64_t piece, std::span<const char> text) {
   std::unique_lock lock(mutex_);
   turn_.wait(lock, [&] {
-    return next_ == piece || waiting_bytes_ + text.size() <= max_waiting_bytes || is_abandoned_;
+    return next_ == piece || kept_bytes_ + text.size() <= max_kept_bytes || is_abandoned_;
   });
   if (is_abandoned_) return;
   if (is_passing_ || next_ != piece) {
-    waiting_.try_emplace(piece, text.begin(), text.end());
-    waiting_bytes_ += text.size();
+    kept_.try_emplace(piece, text.begin(), text.end());
+    kept_bytes_ += text.size();
     return;
   }
   is_passing_ = true;
@@ -48,9 +48,9 @@ void OrderedOutput::write_in_turn(std::int64_t piece, std::span<const char> text
     lock.lock();
   };
   pass(text);
-  while (!is_abandoned_ && !waiting_.empty() && waiting_.begin()->first == next_) {
-    const auto kept = waiting_.extract(waiting_.begin());
-    waiting_bytes_ -= kept.mapped().size();
+  while (!is_abandoned_ && !kept_.empty() && kept_.begin()->first == next_) {
+    const auto kept = kept_.extract(kept_.begin());
+    kept_bytes_ -= kept.mapped().size();
     pass(kept.mapped());
   }
   is_passing_ = false;

@@ -13,8 +13,7 @@
 
 namespace eses::detail {
 
-/// Passes numbered pieces to a receiver, which writes them to consecutive ranges of a file, in the
-/// order of their numbers.
+/// Passes numbered pieces to a receiver, with the offset of each piece in the text of all pieces.
 class OrderedOutput {
  public:
   /// Receives text and its offset.
@@ -24,7 +23,7 @@ class OrderedOutput {
     sequential,  ///< the receiver is called in the order of the pieces, by one thread at a time
   };
   /// Bytes of pieces in memory, with sequential calls, before other threads wait.
-  static constexpr std::size_t max_waiting_bytes = std::size_t{1} << 20;
+  static constexpr std::size_t max_kept_bytes = std::size_t{1} << 20;
 
   explicit OrderedOutput(WriteAt write_at, Calls calls = Calls::concurrent)
       : write_at_(std::move(write_at)), calls_(calls) {}
@@ -35,7 +34,8 @@ class OrderedOutput {
   /// passed once, unless another thread calls `abandon`; the waits are short if the pieces are
   /// finished roughly in order.
   void write(std::int64_t piece, std::span<const char> text);
-  /// Releases all waiting threads, whose pieces are then not written. Called after a failure.
+  /// Releases all waiting threads. Pieces that the receiver has not got are lost. Called after a
+  /// failure.
   void abandon();
 
   std::uint64_t size() const { return offset_; }
@@ -52,9 +52,9 @@ class OrderedOutput {
   std::uint64_t offset_ = 0;
   bool is_abandoned_ = false;
   // Only with sequential calls.
-  bool is_passing_ = false;                            // whether a thread calls the receiver
-  std::map<std::int64_t, std::vector<char>> waiting_;  // pieces that are kept
-  std::size_t waiting_bytes_ = 0;
+  bool is_passing_ = false;  // whether a thread calls the receiver, or the receiver has thrown
+  std::map<std::int64_t, std::vector<char>> kept_;  // pieces that are passed on later
+  std::size_t kept_bytes_ = 0;
 };
 
 }  // namespace eses::detail

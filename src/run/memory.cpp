@@ -168,7 +168,8 @@ double expected_memory(const SurfaceSurvey& survey, const LabelTotals& labels, b
   if (outputs.mesh)
     held += MeshOutput::memory_bytes(tiling, required_mesh_format(*outputs.mesh),
                                      halo_growth(tiling) * crossings_of_plane);
-  // The mesh is improved during the sweep, or after it, when blocks and patches are freed.
+  // In place, the mesh is improved during the sweep. Otherwise it is improved afterwards, when
+  // blocks and patches are freed.
   double improving = outputs.mesh && outputs.mesh->quality
                          ? QualityPass::memory_bytes(*outputs.mesh, tiling.region_with_halo,
                                                      crossings_of_plane, is_in_place)

@@ -168,20 +168,20 @@ std::uint64_t MeshOutput::append_vertices(const LayerView& view, const RowRange&
 // Appends triangles of a row of cells in the format of their file.
 void MeshOutput::append_text(const mesh::CellRows& around,
                              std::span<const mesh::Triangle> triangles, TextBuffer& text) const {
-  if (is_stream_) return mesh::append_local_triangles(text, triangles);
-  const bool has_patches = text_.has_triangle_patches();
-  if (text_.has_corner_positions()) {
+  if (text_.has_corner_positions() && !is_stream_) {
     for (const mesh::Triangle& triangle : triangles)
       mesh::MeshText::append_corners(text, mesh::corners_of(around, triangle));
-  } else if (has_patches || has_local_triangles_) {
+  } else if (text_.has_triangle_patches() && !is_stream_) {
     for (const mesh::Triangle& triangle : triangles) {
-      const std::uint8_t patch = has_patches ? mesh::patch_of(around, triangle) : std::uint8_t{0};
+      const std::uint8_t patch = mesh::patch_of(around, triangle);
       if (has_local_triangles_) {
         mesh::append_local_triangle(text, triangle, patch);
       } else {
         text_.append_triangle(text, triangle, patch);
       }
     }
+  } else if (has_local_triangles_ || is_stream_) {
+    mesh::append_local_triangles(text, triangles);
   } else {
     text_.append_triangles(text, triangles);
   }

@@ -74,7 +74,7 @@ double QualityPass::memory_bytes(const MeshOptions& mesh, const GridRegion& regi
   // Parts of the stream and of the result in memory.
   constexpr double read_bytes = 4 * (std::size_t{1} << 22);
   const double buffers = list_growth * 2 * write_buffer_bytes +
-                         (is_in_place ? double{OrderedOutput::max_waiting_bytes} : read_bytes);
+                         (is_in_place ? double{OrderedOutput::max_kept_bytes} : read_bytes);
   const auto text = static_cast<double>(mesh::typical_mesh_bytes(mesh, true).vertex);
   return mesh::QualityMesh::memory_bytes(region, plane_crossings, text + sizeof(std::size_t)) +
          buffers;

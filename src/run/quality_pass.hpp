@@ -30,8 +30,8 @@ class QualityPass {
   /// The receivers of the result: vertices and triangles as text or records of the mesh's format.
   struct Sinks {
     OrderedOutput::WriteAt vertices, triangles;
-    /// Whether triangles are passed as mesh::LocalTriangle with numbers in the whole mesh, unless
-    /// the format has the positions of their corners.
+    /// Whether triangles are passed as mesh::LocalTriangle, with indices of vertices in the whole
+    /// mesh. Ignored if the format has the positions of the corners.
     bool has_local_triangles = false;
   };
   /// Keeps a reference to `text`.
@@ -44,8 +44,9 @@ class QualityPass {
   /// Finishes the mesh.
   void finish();
 
-  /// Returns the estimated memory in bytes for this number of crossings of a plane. `is_in_place`
-  /// is whether the stream comes from the sweep and not from chunks.
+  /// Returns the estimated memory in bytes. `plane_crossings` is the expected number of crossings
+  /// of a plane. `is_in_place` is true if the stream comes from the sweep, and false if it is read
+  /// from chunks.
   static double memory_bytes(const MeshOptions& mesh, const GridRegion& region,
                              double plane_crossings, bool is_in_place);
 

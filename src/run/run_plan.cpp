@@ -280,12 +280,12 @@ void expect_chunks(const RunTask& task, const GridRegion& region, FileSizes& fil
   for (const MapChoice& map : chosen_maps(task.outputs))
     files.text_scratch += GridMap::row_bytes(map.quantity, region);
   const bool is_improved = task.outputs.mesh && task.outputs.mesh->quality;
-  const std::uint64_t of_chunks = is_improved ? files.mesh_stream : files.mesh;
+  const std::uint64_t mesh_chunk_bytes = is_improved ? files.mesh_stream : files.mesh;
   files.mesh_scratch = is_improved ? files.mesh : 0;
   if (task.resume) {
-    files.text_scratch += of_chunks;
+    files.text_scratch += mesh_chunk_bytes;
   } else {
-    files.mesh_scratch += of_chunks;
+    files.mesh_scratch += mesh_chunk_bytes;
   }
 }
 

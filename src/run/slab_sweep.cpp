@@ -339,7 +339,9 @@ PlaneChunk SlabSweep::sweep(PatchSchedule& patches, const PlaneRange& planes, Sw
     set_bytes(text_of(map.quantity), GridMap::row_bytes(map.quantity, plan.tiling.region));
   if (mesh) chunk.info.mesh = {mesh->vertex_count(), pipeline.triangle_count()};
   if (pass) {
+    const Stopwatch finishing;
     pass->finish();
+    summary.seconds.output += finishing.seconds();
     set_bytes(ChunkText::vertices, pass->vertex_bytes());
     set_bytes(ChunkText::triangles, pass->triangle_bytes());
     chunk.info.mesh = pass->counts();

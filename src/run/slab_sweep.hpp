@@ -1,7 +1,7 @@
 #pragma once
 /// Step 2 of a run: the sweep over the planes of this process, range by range. The rows, crossings
-/// and triangles of a range are written to the output files directly, or to a chunk. The triangles
-/// of a mesh that is written directly are improved before, if the task says so.
+/// and triangles of a range are written to the output files directly, or to a chunk. In a run that
+/// writes directly, the sweep also improves the triangles of a mesh with MeshOptions::quality.
 
 #include <array>
 #include <cstdint>

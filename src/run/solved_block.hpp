@@ -25,7 +25,8 @@ inline std::span<const BlockCrossing> row_crossings(std::span<const BlockCrossin
 }
 
 /// Calls `action(row_start, crossing)` for the crossings of all edges that the block owns, by lower
-/// point (z, y, x), then axis. The lower point of a crossing is its `x` beyond `row_start`.
+/// point (z, y, x), then axis. The lower point of a crossing is `crossing.x` points
+/// from `row_start` along x.
 template <class Action>
 void for_each_crossing(const BlockResult& result, Action&& action) {
   if (result.crossings.empty()) return;
@@ -37,7 +38,7 @@ void for_each_crossing(const BlockResult& result, Action&& action) {
   }
 }
 
-/// Calls `action(crossing)` for the same crossings, as those of the grid.
+/// Calls `action(crossing)` for the same crossings, converted by to_crossing().
 template <class Action>
 void for_each_crossing(const Grid& grid, const BlockResult& result, Action&& action) {
   for_each_crossing(result, [&](const GridIndex& row_start, const BlockCrossing& crossing) {

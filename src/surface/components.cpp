@@ -97,11 +97,12 @@ class PlacementCells {
     return ((cube << 6) + ((z & 3) << 4) + ((y & 3) << 2) + (x & 3)) & (begins_.size() - 2);
   }
 
-  std::vector<std::uint32_t> begins_;  // by bucket: its first item; and the number of items
-  std::vector<Item> items_;            // by bucket
+  std::vector<std::uint32_t>
+      begins_;  // index of the first item of each bucket, followed by the number of items
+  std::vector<Item> items_;  // by bucket
 };
 
-// Returns whether there may be places that no arc connects although probes pass between them.
+// Returns whether there may be placements that no arc connects although probes pass between them.
 bool may_hide_arcs(const SurfaceModel& surface, const ClusterPatches& patches) {
   return !surface.has_slack || !patches.is_regular;
 }

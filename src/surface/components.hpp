@@ -35,7 +35,8 @@ std::vector<AtomIndex> touched_atoms(const SurfaceModel& surface, Vec3 center);
 struct Wall {
   PatchSums patches;
   FaceSums faces;
-  /// Integral of |x|^2 n / 2 over the faces, where x is relative to the origin. Only for cavities.
+  /// Integral of |x|^2 n / 2 over the faces, where x is relative to the origin. Valid only for
+  /// walls of cavities.
   Vec3 moment;
   Box box = empty_box();            ///< box around the placements
   std::optional<AtomIndex> atom{};  ///< the first atom with a face on the wall
@@ -114,6 +115,7 @@ struct SweepLayer {
     const ClusterIndex cluster = schedule.patches().clusters().position_of(atom).cluster;
     return cluster >= begin && cluster < end;
   }
+  /// Returns whether an atom of the arc is measured in this step.
   bool is_measured(const Arc& arc) const {
     return is_measured(arc.first) || is_measured(arc.second);
   }

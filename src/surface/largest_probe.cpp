@@ -44,17 +44,17 @@ struct NearAtom {
 
 struct Cell {
   Vec3 center, half;   // half of the sides
-  double gap = 0;      // of the centre to the nearest atom
+  double gap = 0;      // from the centre to its nearest atom
   double max_gap = 0;  // upper bound of the gaps of all points to their nearest atoms
   // Atoms that can be the nearest ones of points in the cell. The first one is nearest to the
   // centre.
   std::vector<NearAtom> near{};
-  int number = 0;
+  int order = 0;  // evaluations before the cell was added
 
   double size() const { return norm(half); }
-  // Cells with equal bounds are searched in the order of their numbers.
+  // Cells with equal bounds are searched in the order in which they were added.
   bool operator<(const Cell& other) const {
-    return max_gap != other.max_gap ? max_gap < other.max_gap : number > other.number;
+    return max_gap != other.max_gap ? max_gap < other.max_gap : order > other.order;
   }
 };
 
@@ -122,8 +122,7 @@ class Search {
     return {surface_.atoms[i].center, surface_.atoms[i].radius, i, is_adjacent};
   }
 
-  const NearAtom& evaluate(const std::vector<NearAtom>& atoms, Vec3 point) {
-    ++evaluations_;
+  static const NearAtom& nearest_of(const std::vector<NearAtom>& atoms, Vec3 point) {
     const NearAtom* nearest = &atoms.front();
     double min_gap = std::numeric_limits<double>::infinity();
     for (const NearAtom& atom : atoms) {
@@ -178,7 +177,7 @@ class Search {
       has_adjacent = has_adjacent || atoms[k].is_adjacent;
     }
     if (!has_adjacent) return;
-    cell.number = evaluations_;
+    cell.order = evaluations_;
     open_.push_back(std::move(cell));
     std::push_heap(open_.begin(), open_.end());
   }
@@ -256,15 +255,16 @@ class Search {
     }
     const double depth = depth_in_tetrahedron(away);
     if (depth < 1e-6) return;
-    // Atoms near the cell are the nearest ones of most points, and few of all atoms.
+    // Only a few atoms are near the cell. They reject most points before all atoms are searched.
     const auto is_maximum = [&](double gap) {
       return gap >= surface_.probe_radius &&
              std::all_of(atoms.begin(), atoms.end(), [&](const NearAtom& atom) {
                return atom.gap_to(point) < gap + 0.1 * max_error;
              });
     };
-    if (!is_maximum(evaluate(cell.near, point).gap_to(point))) return;
-    const NearAtom& nearest = evaluate(all_, point);
+    if (!is_maximum(nearest_of(cell.near, point).gap_to(point))) return;
+    ++evaluations_;
+    const NearAtom& nearest = nearest_of(all_, point);
     const double gap = nearest.gap_to(point);
     if (!is_maximum(gap)) return;
     if (component_at(nearest, point) != component_) return;

@@ -73,7 +73,7 @@ constexpr double max_curvature_error = 1e-6;
 struct FaceTerm {
   AtomIndex atom;
   SpherePart part;
-  Vec3 moment;  // term of the second moment, if there are components
+  Vec3 moment;  // term of the second moment; zero if the arc is known to be outside
 };
 
 // The part of a patch that belongs to an atom.
@@ -285,7 +285,7 @@ class PatchMeasurement {
   PatchSums sums_;
   Measures result_;
   std::optional<ComponentFinder> components_;
-  std::vector<Vec3> face_moments_;  // by atom, if there are components
+  std::vector<Vec3> face_moments_;  // by atom; valid only for faces of cavities
 
   // The placements of the clusters that are complete.
   std::vector<const ProbePlacement*> placements_;

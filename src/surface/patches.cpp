@@ -127,7 +127,7 @@ std::vector<std::uint32_t> begins_of(std::span<const std::uint32_t> counts) {
   return begins;
 }
 
-// Returns the keys sorted by member, and those of a member in ascending order.
+// Returns the keys sorted by member. Keys of the same member are in ascending order.
 template <class MemberOf>
 std::vector<PlacementKey> sorted_by_member(std::span<const PlacementKey> keys, std::size_t members,
                                            const MemberOf& member_of) {

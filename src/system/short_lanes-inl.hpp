@@ -7,6 +7,8 @@
 
 #include <hwy/highway.h>
 
+#include <array>
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 
