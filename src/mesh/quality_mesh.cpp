@@ -31,6 +31,8 @@ struct Stage {
   double max_edge;   // longest new edge, in units of the spacing
 };
 constexpr std::array<Stage, 3> stages{{{30, 1.75}, {22, 2.25}, {22, 2.25}}};
+// Below this angle, in degrees, all collapses of the corners of a triangle are candidates.
+constexpr double removal_angle = 22;
 // Edges below this length are collapsed if possible, in units of the spacing.
 constexpr double short_edge = 0.6, max_edge_of_short = 1.75;
 // Longest edge of any triangle, in units of the spacing. The edges of the plain mesh have at most
@@ -195,6 +197,14 @@ void QualityMesh::list_ring(Index vertex) {
     }
 }
 
+// Lists the ring of a vertex. From now on, new triangles must be better than its worst triangle.
+void QualityMesh::list_ring_to_improve(Index vertex) {
+  list_ring(vertex);
+  limits_.min_quality = 1;
+  for (const RingCorner& at : ring_)
+    limits_.min_quality = std::min(limits_.min_quality, quality_of(at.corner >> 2));
+}
+
 // Returns whether a collapse of an edge would give its end too many neighbours.
 bool QualityMesh::has_too_many_neighbors(Index from, Index to) const {
   return vertices_[from].valence + vertices_[to].valence - 4 > max_valence;
@@ -236,12 +246,17 @@ void QualityMesh::consider_collapses(Index corner) {
   if (has_too_many_neighbors(ends[0], ends[1])) return;
   for (std::size_t i = 0; i < 2; ++i) {
     if (!can_change(ends[i])) continue;
-    list_ring(ends[i]);
-    limits_.min_quality = 1;
-    for (const RingCorner& at : ring_)
-      limits_.min_quality = std::min(limits_.min_quality, quality_of(at.corner >> 2));
+    list_ring_to_improve(ends[i]);
     consider_collapse(ends[i], ends[1 - i]);
   }
+}
+
+// Considers the collapses of a vertex into each of its neighbours that improve the worst triangle.
+void QualityMesh::consider_all_collapses(Index vertex) {
+  if (!can_change(vertex)) return;
+  list_ring_to_improve(vertex);
+  for (const RingCorner& at : ring_)
+    if (!has_too_many_neighbors(vertex, at.left)) consider_collapse(vertex, at.left);
 }
 
 // Considers the flip of the edge opposite to a corner.
@@ -545,6 +560,7 @@ void QualityMesh::collapse_short_edges(std::int32_t plane) {
 }
 
 void QualityMesh::improve_faces(std::int32_t plane, float min_quality) {
+  static const auto removal_quality = static_cast<float>(squared_sine(removal_angle));
   const auto at = std::find_if(face_planes_.begin(), face_planes_.end(),
                                [&](const FacePlane& p) { return p.z == plane; });
   if (at == face_planes_.end()) return;
@@ -566,6 +582,8 @@ void QualityMesh::improve_faces(std::int32_t plane, float min_quality) {
     consider_flip(edges[0].second);
     consider_collapses(edges[1].second);
     consider_collapses(edges[2].second);
+    if (perform_best() || quality_of(face) >= removal_quality) continue;
+    for (const Index vertex : triangle) consider_all_collapses(vertex);
     perform_best();
   }
 }

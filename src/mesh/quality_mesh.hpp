@@ -151,9 +151,11 @@ class QualityMesh {
   void unlink(Index corner);
 
   void list_ring(Index vertex);
+  void list_ring_to_improve(Index vertex);
   bool has_too_many_neighbors(Index from, Index to) const;
   void consider_collapse(Index from, Index to);
   void consider_collapses(Index corner);
+  void consider_all_collapses(Index vertex);
   void consider_flip(Index corner);
   bool is_collapsible(Index to) const;
   bool are_neighbors(Index one, Index other) const;
