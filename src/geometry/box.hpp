@@ -2,6 +2,7 @@
 /// Axis-aligned boxes in space.
 
 #include <algorithm>
+#include <cstddef>
 
 #include "eses/vec3.hpp"
 
@@ -31,6 +32,16 @@ inline Box ball_box(Vec3 center, double radius) { return grown({center, center},
 inline bool overlap(const Box& a, const Box& b) {
   return a.low.x <= b.high.x && a.high.x >= b.low.x && a.low.y <= b.high.y && a.high.y >= b.low.y &&
          a.low.z <= b.high.z && a.high.z >= b.low.z;
+}
+
+/// Returns the common part of two boxes that overlap.
+inline Box intersection(const Box& a, const Box& b) {
+  Box common;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    common.low[axis] = std::max(a.low[axis], b.low[axis]);
+    common.high[axis] = std::min(a.high[axis], b.high[axis]);
+  }
+  return common;
 }
 
 /// Returns whether `p` is in the box.

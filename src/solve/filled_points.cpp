@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <span>
 
 #include "solve/axis_range.hpp"
 #include "solve/classify.hpp"
@@ -9,14 +10,18 @@
 namespace eses::detail {
 namespace {
 
-// Sets the bits of the points outside of all SAS balls.
-void find_free_points(const SurfaceModel& surface, const BlockGrid& grid,
-                      std::vector<AtomIndex>& found, PointBits& bits) {
-  const Box& box = grid.box;
-  surface.cells().find_reaching(
-      0.5 * (box.low + box.high),
-      0.5 * norm(box.high - box.low) + surface.probe_radius + look_up_slack, found);
-  fill_balls(grid, surface.atoms, found, surface.probe_radius, bits);
+// Sets the bits of the points in `scratch.boxes` that are outside of all SAS balls. The bits of
+// other points do not matter.
+void find_free_points(const SurfaceModel& surface, const BlockGrid& grid, FilledScratch& scratch) {
+  auto& [boxes, found, near, bits, before] = scratch;
+  near.clear();
+  for (const Box& box : boxes) {
+    surface.cells().find_reaching(box, surface.probe_radius + look_up_slack, found);
+    near.insert(near.end(), found.begin(), found.end());
+  }
+  std::sort(near.begin(), near.end());
+  near.erase(std::unique(near.begin(), near.end()), near.end());
+  fill_balls(grid, surface.atoms, near, surface.probe_radius, bits);
   const std::int64_t rows = bits.size[1] * bits.size[2];
   for (std::int64_t column = 0; column < bits.columns; ++column) {
     const std::uint64_t in_row = low_bits(bits.size[0] - column * PointBits::column_step);
@@ -41,8 +46,13 @@ void find_filled_points(const SurfaceModel& surface, const BlockGrid& grid,
                         const BlockFeatures& features, FilledScratch& scratch, PointBits& filled) {
   const CavityMap& cavities = *features.cavities;
   PointBits& left = scratch.left;
-  find_free_points(surface, grid, scratch.found, left);
   const bool is_outside_filled = cavities.is_filled(ComponentNumber{0});
+  scratch.boxes.clear();
+  for (const Box& box : cavities.boxes_unlike_outside())
+    if (overlap(box, grid.box)) scratch.boxes.push_back(intersection(box, grid.box));
+  const std::size_t cavity_boxes = scratch.boxes.size();
+  if (is_outside_filled) scratch.boxes.push_back(grid.box);
+  find_free_points(surface, grid, scratch);
   if (is_outside_filled)
     filled = left;
   else
@@ -63,8 +73,7 @@ void find_filled_points(const SurfaceModel& surface, const BlockGrid& grid,
     for (std::size_t w = 0; w < left.words.size(); ++w)
       filled.words[w] ^= scratch.before[w] & ~left.words[w];
   };
-  for (const Box& box : cavities.boxes_unlike_outside()) {
-    if (!overlap(box, grid.box)) continue;
+  for (const Box& box : std::span(scratch.boxes).first(cavity_boxes)) {
     std::array<AxisRange, 3> range;
     for (std::size_t axis = 0; axis < 3; ++axis)
       range[axis] = points_within(grid, axis, box.low[axis], box.high[axis]);

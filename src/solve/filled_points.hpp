@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "geometry/box.hpp"
 #include "grid/point_bits.hpp"
 #include "solve/block_features.hpp"
 #include "surface/surface_model.hpp"
@@ -11,7 +12,8 @@ namespace eses::detail {
 
 /// Scratch memory of find_filled_points.
 struct FilledScratch {
-  std::vector<AtomIndex> found;
+  std::vector<Box> boxes;
+  std::vector<AtomIndex> found, near;
   PointBits left;
   std::vector<std::uint64_t> before;
 };

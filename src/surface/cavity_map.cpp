@@ -115,17 +115,16 @@ void CavityMap::add_contacts(std::vector<std::pair<AtomIndex, WallAtom::Contact>
 }
 
 void CavityMap::add_surroundings(const SurfaceModel& surface) {
-  std::vector<AtomIndex> near, found;
+  std::vector<AtomIndex> found;
+  std::vector<std::uint8_t> is_near(surface.atoms.size());
   for (const auto& [atom, position] : index_) {
     const SasSphere sphere = surface.sas_sphere(atom);
     surface.cells().find_reaching(sphere.center, sphere.radius + surface.probe_radius, found);
-    near.insert(near.end(), found.begin(), found.end());
+    for (const AtomIndex i : found) is_near[i] = 1;
   }
-  std::sort(near.begin(), near.end());
-  near.erase(std::unique(near.begin(), near.end()), near.end());
   std::vector<Atom> balls;
-  for (const AtomIndex i : near) {
-    if (surface.molecule.is_contained(i)) continue;
+  for (AtomIndex i = 0; i < is_near.size(); ++i) {
+    if (is_near[i] == 0 || surface.molecule.is_contained(i)) continue;
     const auto wall_atom =
         std::lower_bound(index_.begin(), index_.end(), std::pair(i, std::uint32_t{0}));
     const bool has_wall = wall_atom != index_.end() && wall_atom->first == i;
