@@ -35,8 +35,7 @@ CavityMap::CavityMap(const SurfaceModel& surface, const Components& components,
     : void_volumes_(std::move(void_volumes)),
       is_filled_(void_volumes_.size() + 1),
       numbers_(void_volumes_.size() + 1),
-      boxes_(void_volumes_.size(), empty_box()),
-      balls_(std::vector<Atom>()) {
+      boxes_(void_volumes_.size(), empty_box()) {
   std::iota(numbers_.begin(), numbers_.end(), ComponentNumber{0});
   add_atoms(surface, components, number_of);
   add_placements(surface, components, number_of);
@@ -131,7 +130,7 @@ void CavityMap::add_surroundings(const SurfaceModel& surface) {
     balls.push_back({surface.atoms[i].center, surface.atoms[i].radius + surface.probe_radius});
     atom_of_ball_.push_back(has_wall ? wall_atom->second : none);
   }
-  balls_ = Molecule(std::move(balls));
+  balls_ = std::make_shared<const Balls>(std::move(balls));
 }
 
 void CavityMap::fill(double max_void_volume) {
@@ -241,22 +240,21 @@ bool CavityMap::may_be_kept(const Box& box) const {
 
 CavityMap::Location CavityMap::locate(Vec3 center, std::vector<AtomIndex>& found) const {
   if (const ComponentNumber component = component_of_placement(center)) return {component, 0};
-  if (balls_.atoms().empty()) return {};
-  const auto gap_to = [&](AtomIndex i) {
-    return norm(center - balls_.atoms()[i].center) - balls_.atoms()[i].radius;
-  };
+  const std::span<const Atom> balls = balls_->balls;
+  if (balls.empty()) return {};
+  const auto gap_to = [&](AtomIndex i) { return norm(center - balls[i].center) - balls[i].radius; };
   double min_gap = std::numeric_limits<double>::infinity();
   double reach = 0.5 * first_reach;
   do {
     reach *= 2;
-    balls_.cells().find_reaching(center, reach + same, found);
+    balls_->cells.find_reaching(center, reach + same, found);
     for (const AtomIndex i : found) min_gap = std::min(min_gap, gap_to(i));
   } while (min_gap > reach);
   Location location{0, std::max(0.0, min_gap)};
   for (const AtomIndex i : found) {
     if (gap_to(i) > min_gap + same) continue;
     if (atom_of_ball_[i] == none) return {0, location.clearance};
-    const Vec3 offset = center - balls_.atoms()[i].center;
+    const Vec3 offset = center - balls[i].center;
     const ComponentNumber component =
         atoms_[atom_of_ball_[i]].component_at(norm(offset) > 0 ? normalized(offset) : offset);
     location.component = std::max(location.component, component);

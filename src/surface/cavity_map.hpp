@@ -8,6 +8,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <span>
 #include <utility>
@@ -15,6 +16,7 @@
 
 #include "eses/cavities.hpp"
 #include "geometry/box.hpp"
+#include "surface/cell_list.hpp"
 #include "surface/components.hpp"
 #include "surface/surface_model.hpp"
 
@@ -110,6 +112,14 @@ class CavityMap {
     ComponentNumber component = 0;
   };
 
+  // SAS balls with a spatial index, which refers to them.
+  struct Balls {
+    std::vector<Atom> balls;
+    CellList cells;
+
+    explicit Balls(std::vector<Atom> of) : balls(std::move(of)), cells(balls) {}
+  };
+
   void add_atoms(const SurfaceModel& surface, const Components& components,
                  std::span<const ComponentNumber> number_of);
   void add_placements(const SurfaceModel& surface, const Components& components,
@@ -126,8 +136,7 @@ class CavityMap {
   std::vector<WallAtom> atoms_;
   std::vector<std::pair<AtomIndex, std::uint32_t>> index_;  // indices into `atoms_`, by atom
   std::vector<Placement> placements_;                       // of the cavities, in the order of x
-  // The SAS balls of the atoms, and those of other atoms that they meet.
-  Molecule balls_;
+  std::shared_ptr<const Balls> balls_;       // of the atoms, and of other atoms that they meet
   std::vector<std::uint32_t> atom_of_ball_;  // index into `atoms_`, or `none`
 };
 
