@@ -76,6 +76,7 @@ class Surface {
   /// not taken for a file.
   template <class File>
   requires std::same_as<std::remove_cvref_t<File>, AtomFile>
+  // NOLINTNEXTLINE(bugprone-forwarding-reference-overload): the constraint excludes a Surface
   explicit Surface(File&& file, const SurfaceOptions& options = {})
       : Surface(std::forward<File>(file).atoms, std::forward<File>(file).labels, options) {}
 

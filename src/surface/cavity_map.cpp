@@ -96,10 +96,10 @@ void CavityMap::add_placements(const SurfaceModel& surface, const Components& co
   }
   std::sort(placements_.begin(), placements_.end(),
             [](const Placement& a, const Placement& b) { return a.center.x < b.center.x; });
-  add_contacts(std::move(contacts));
+  add_contacts(contacts);
 }
 
-void CavityMap::add_contacts(std::vector<std::pair<AtomIndex, WallAtom::Contact>> contacts) {
+void CavityMap::add_contacts(std::span<const std::pair<AtomIndex, WallAtom::Contact>> contacts) {
   for (const auto& [i, contact] : contacts)
     if (find(i) == nullptr) {
       index_.emplace_back(i, static_cast<std::uint32_t>(atoms_.size()));

@@ -124,7 +124,7 @@ class CavityMap {
                  std::span<const ComponentNumber> number_of);
   void add_placements(const SurfaceModel& surface, const Components& components,
                       std::span<const ComponentNumber> number_of);
-  void add_contacts(std::vector<std::pair<AtomIndex, WallAtom::Contact>> contacts);
+  void add_contacts(std::span<const std::pair<AtomIndex, WallAtom::Contact>> contacts);
   void add_surroundings(const SurfaceModel& surface);
   void choose_boxes();
   bool meets_box_unlike_outside(const Box& box) const;
