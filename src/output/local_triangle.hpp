@@ -33,15 +33,8 @@ inline void append_local_triangle(TextBuffer& bytes, const Triangle& triangle, s
 
 /// Appends triangles without patches in the same way.
 inline void append_local_triangles(TextBuffer& bytes, std::span<const Triangle> triangles) {
-  char* out = bytes.reserve(triangles.size() * sizeof(LocalTriangle));
-  for (const Triangle& triangle : triangles) {
-    LocalTriangle local;
-    for (std::size_t corner = 0; corner < triangle.size(); ++corner)
-      local.corners[corner] = static_cast<std::int32_t>(triangle[corner]);
-    std::memcpy(out, &local, sizeof local);
-    out += sizeof local;
-  }
-  bytes.advance_to(out);
+  bytes.reserve(triangles.size() * sizeof(LocalTriangle));
+  for (const Triangle& triangle : triangles) append_local_triangle(bytes, triangle, 0);
 }
 
 /// Returns the vertex numbers in the whole mesh. `first` is the number of the part's first vertex.

@@ -228,12 +228,8 @@ OrderedOutput::WriteAt SlabSweep::sink_of_text(ChunkText text, PlaneChunk& chunk
   return {};
 }
 
-// Whether the sweep improves the triangles of the mesh. Otherwise, `Merge` does so.
-bool SlabSweep::improves_mesh() const {
-  return is_in_place_ && task_.outputs.mesh && task_.outputs.mesh->quality;
-}
-
-// Returns the receivers of the mesh. Makes `pass` if the sweep improves the mesh.
+// Returns the receivers of the mesh. Makes `pass` if the sweep improves the triangles. With chunks,
+// `Merge` does so.
 MeshSinks SlabSweep::mesh_sinks(PlaneChunk& chunk, Checksums& checksums,
                                 std::optional<QualityPass>& pass) const {
   const mesh::MeshText& text = *files_.mesh_text;
@@ -243,7 +239,7 @@ MeshSinks SlabSweep::mesh_sinks(PlaneChunk& chunk, Checksums& checksums,
                   .triangles = sink_of_text(ChunkText::triangles, chunk, checksums),
                   .has_local_triangles = has_local_triangles,
                   .is_stream = task_.outputs.mesh->quality};
-  if (!improves_mesh()) return sinks;
+  if (!is_in_place_ || !sinks.is_stream) return sinks;
   pass.emplace(text, plan_.whole_plan.grid, plan_.whole_plan.tiling.region_with_halo,
                QualityPass::Sinks{.vertices = std::move(sinks.vertices),
                                   .triangles = std::move(sinks.triangles),

@@ -69,7 +69,6 @@ class SlabSweep {
   bool is_written_in_place(ChunkText text) const;
   OrderedOutput::WriteAt sink_of_text(ChunkText text, PlaneChunk& chunk,
                                       Checksums& checksums) const;
-  bool improves_mesh() const;
   MeshSinks mesh_sinks(PlaneChunk& chunk, Checksums& checksums,
                        std::optional<QualityPass>& pass) const;
   std::vector<MapSink> map_sinks(PlaneChunk& chunk, const GridRegion& region,

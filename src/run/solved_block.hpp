@@ -25,8 +25,8 @@ inline std::span<const BlockCrossing> row_crossings(std::span<const BlockCrossin
 }
 
 /// Calls `action(row_start, crossing)` for the crossings of all edges that the block owns, by lower
-/// point (z, y, x), then axis. The lower point of a crossing is `crossing.x` points
-/// from `row_start` along x.
+/// point (z, y, x), then axis. The lower point of a crossing is `crossing.x` points from
+/// `row_start` along x.
 template <class Action>
 void for_each_crossing(const BlockResult& result, Action&& action) {
   if (result.crossings.empty()) return;

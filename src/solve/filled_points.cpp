@@ -13,11 +13,12 @@ namespace {
 // Sets the bits of the points in `scratch.boxes` that are outside of all SAS balls. The bits of
 // other points do not matter.
 void find_free_points(const SurfaceModel& surface, const BlockGrid& grid, FilledScratch& scratch) {
-  auto& [boxes, found, near, bits, before] = scratch;
+  std::vector<AtomIndex>& near = scratch.near;
+  PointBits& bits = scratch.left;
   near.clear();
-  for (const Box& box : boxes) {
-    surface.cells().find_reaching(box, surface.probe_radius + look_up_slack, found);
-    near.insert(near.end(), found.begin(), found.end());
+  for (const Box& box : scratch.boxes) {
+    surface.cells().find_reaching(box, surface.probe_radius + look_up_slack, scratch.found);
+    near.insert(near.end(), scratch.found.begin(), scratch.found.end());
   }
   std::sort(near.begin(), near.end());
   near.erase(std::unique(near.begin(), near.end()), near.end());
