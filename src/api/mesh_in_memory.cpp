@@ -103,11 +103,12 @@ Mesh improve(const Mesh& plain, std::span<const RowBegin> rows, const eses::Grid
                                         if (!plain.components.empty())
                                           mesh.components.push_back(plain.components[vertex]);
                                       },
-                                  .triangle =
-                                      [&](const mesh::Triangle& triangle) {
-                                        mesh::Triangle& numbers = mesh.faces.emplace_back(triangle);
-                                        for (std::uint64_t& vertex : numbers)
-                                          vertex = quality_mesh.new_number(vertex);
+                                  .triangles =
+                                      [&](std::span<const mesh::Triangle> triangles) {
+                                        for (const auto& [a, b, c] : triangles)
+                                          mesh.faces.push_back({quality_mesh.new_number(a),
+                                                                quality_mesh.new_number(b),
+                                                                quality_mesh.new_number(c)});
                                       }});
   std::uint64_t next = 0;
   auto row = rows.begin();

@@ -601,6 +601,7 @@ void QualityMesh::freeze(std::int32_t plane) {
 
 // Delivers the triangles that were added at planes up to this one.
 void QualityMesh::deliver(std::int32_t plane) {
+  delivered_triangles_.clear();
   while (!face_planes_.empty() && face_planes_.front().z <= plane) {
     const Index end =
         face_planes_.size() > 1 ? face_planes_[1].first_face : static_cast<Index>(faces_.size());
@@ -608,12 +609,12 @@ void QualityMesh::deliver(std::int32_t plane) {
       const Face& face = faces_[delivered_];
       if (face.vertices[0] == none) continue;
       count(delivered_);
-      Triangle triangle{};
-      for (std::size_t i = 0; i < 3; ++i) triangle[i] = first_number_ + face.vertices[i];
-      sink_.triangle(triangle);
+      const auto [a, b, c] = face.vertices;
+      delivered_triangles_.push_back({first_number_ + a, first_number_ + b, first_number_ + c});
     }
     face_planes_.pop_front();
   }
+  sink_.triangles(delivered_triangles_);
 }
 
 void QualityMesh::count(Index index) {

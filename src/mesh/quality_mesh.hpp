@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <deque>
 #include <functional>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -48,8 +49,8 @@ class QualityMesh {
   /// The receivers of the result. Vertices are identified by their numbers in the plain mesh.
   struct Sink {
     std::function<void(std::uint64_t vertex)> vertex;  ///< called in ascending order
-    /// Called for each triangle after the calls of `vertex` for its corners.
-    std::function<void(const Triangle& triangle)> triangle;
+    /// Called for the triangles of a plane, after the calls of `vertex` for their corners.
+    std::function<void(std::span<const Triangle> triangles)> triangles;
   };
 
   /// `region` has the points of all triangles.
@@ -62,8 +63,8 @@ class QualityMesh {
   /// Finishes all triangles.
   void finish();
 
-  /// Returns the position of a vertex. Valid for the corners of a triangle while `Sink::triangle`
-  /// is called.
+  /// Returns the position of a vertex. Valid for the corners of triangles while `Sink::triangles`
+  /// is called with them.
   const Vec3& position_of(std::uint64_t number) const { return at(number).position; }
   /// Returns the patch of a vertex. Valid like `position_of`.
   std::uint8_t patch_of(std::uint64_t number) const { return at(number).patch; }
@@ -86,7 +87,7 @@ class QualityMesh {
   static constexpr Index none = ~Index{0};
   using Corners = std::array<Index, 3>;
 
-  struct Vertex {
+  struct alignas(64) Vertex {
     Vec3 position, normal;
     Index first_corner = none;  // head of the list of the corners at this vertex
     std::int32_t z = 0;
@@ -96,7 +97,7 @@ class QualityMesh {
     bool is_removed = false;
   };
   static_assert(sizeof(Vertex) == 64);  // a cache line
-  struct Face {
+  struct alignas(32) Face {
     Corners vertices{};       // the first one is `none` if the triangle was removed
     Corners next{};           // next corner in the list of each vertex
     std::int32_t plane = 0;   // plane at which the triangle was added
@@ -203,6 +204,7 @@ class QualityMesh {
   std::vector<Index> old_faces_;
   std::vector<NearFace> near_faces_;
   std::vector<Corners> new_triangles_;
+  std::vector<Triangle> delivered_triangles_;
 };
 
 }  // namespace eses::detail::mesh

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <cstring>
 #include <span>
 #include <string>
 #include <vector>
@@ -25,6 +26,11 @@ class TextBuffer {
     return bytes_.data() + size_;
   }
   void advance_to(const char* end) { size_ = static_cast<std::size_t>(end - bytes_.data()); }
+  /// Replaces the bytes from `begin` on by the bytes of a value.
+  template <class Value>
+  void replace(std::size_t begin, const Value& value) {
+    std::memcpy(&bytes_[begin], &value, sizeof value);
+  }
   void clear() { size_ = 0; }
   std::span<const char> text() const { return {bytes_.data(), size_}; }
 

@@ -8,6 +8,7 @@
 
 #include "mesh/triangulate.hpp"
 #include "output/eses_writer.hpp"
+#include "output/mesh_writer.hpp"
 
 namespace eses::detail::mesh {
 
@@ -35,6 +36,29 @@ inline void append_local_triangle(TextBuffer& bytes, const Triangle& triangle, s
 inline void append_local_triangles(TextBuffer& bytes, std::span<const Triangle> triangles) {
   bytes.reserve(triangles.size() * sizeof(LocalTriangle));
   for (const Triangle& triangle : triangles) append_local_triangle(bytes, triangle, 0);
+}
+
+/// Appends triangles in the format of their file or, if `as_local`, as LocalTriangle. Formats with
+/// the positions of corners have no LocalTriangle. `patch_of(i)` and `corners_of(i)` return the
+/// patch of triangle i and the positions of its corners. They are called for formats that need them.
+template <class PatchOf, class CornersOf>
+void append_triangles(TextBuffer& text, const MeshText& format, bool as_local,
+                      std::span<const Triangle> triangles, PatchOf patch_of, CornersOf corners_of) {
+  if (format.has_corner_positions()) {
+    for (std::size_t i = 0; i < triangles.size(); ++i)
+      MeshText::append_corners(text, corners_of(i));
+  } else if (format.has_triangle_patches()) {
+    for (std::size_t i = 0; i < triangles.size(); ++i)
+      if (as_local) {
+        append_local_triangle(text, triangles[i], patch_of(i));
+      } else {
+        format.append_triangle(text, triangles[i], patch_of(i));
+      }
+  } else if (as_local) {
+    append_local_triangles(text, triangles);
+  } else {
+    format.append_triangles(text, triangles);
+  }
 }
 
 /// Returns the vertex numbers in the whole mesh. `first` is the number of the part's first vertex.

@@ -136,61 +136,36 @@ bool MeshOutput::has_triangles(std::int64_t y, std::int64_t z) const {
          is_crossed(y, z);
 }
 
-// Appends the vertices of rows and returns their number.
-std::uint64_t MeshOutput::append_vertices(const LayerView& view, const RowRange& rows,
-                                          MeshScratch& scratch) const {
-  std::uint64_t count = 0;
+void MeshOutput::append_vertices(const LayerView& view, const RowRange& rows,
+                                 TextBuffer& text) const {
   rows.for_each(rows_y_, [&](std::int64_t y, std::int64_t z) {
     view.crossings.for_each_row_part(
         y, z, [&](std::int64_t first_x, std::span<const BlockCrossing> part) {
-          count += part.size();
           for (const BlockCrossing& crossing : part) {
             const mesh::Vertex vertex = vertex_of(view, first_x + crossing.x, y, z, crossing);
-            if (!is_stream_) {
-              text_.append_vertex(scratch.vertex_text, vertex);
-              continue;
+            if (is_stream_) {
+              append_streamed_vertex(text, text_, vertex, y);
+            } else {
+              text_.append_vertex(text, vertex);
             }
-            scratch.one_vertex.clear();
-            text_.append_vertex(scratch.one_vertex, vertex);
-            append_streamed_vertex(scratch.vertex_text,
-                                   {.position = vertex.position,
-                                    .normal = vertex.normal,
-                                    .y = static_cast<std::int32_t>(y),
-                                    .z = static_cast<std::int32_t>(view.first_z + z),
-                                    .patch = vertex.patch},
-                                   scratch.one_vertex.text());
           }
         });
   });
-  return count;
 }
 
-// Appends triangles of a row of cells in the format of their file.
+// Appends triangles of a row of cells in the format of their file or of the stream.
 void MeshOutput::append_text(const mesh::CellRows& around,
                              std::span<const mesh::Triangle> triangles, TextBuffer& text) const {
-  if (text_.has_corner_positions() && !is_stream_) {
-    for (const mesh::Triangle& triangle : triangles)
-      mesh::MeshText::append_corners(text, mesh::corners_of(around, triangle));
-  } else if (text_.has_triangle_patches() && !is_stream_) {
-    for (const mesh::Triangle& triangle : triangles) {
-      const std::uint8_t patch = mesh::patch_of(around, triangle);
-      if (has_local_triangles_) {
-        mesh::append_local_triangle(text, triangle, patch);
-      } else {
-        text_.append_triangle(text, triangle, patch);
-      }
-    }
-  } else if (has_local_triangles_ || is_stream_) {
-    mesh::append_local_triangles(text, triangles);
-  } else {
-    text_.append_triangles(text, triangles);
-  }
+  if (is_stream_) return mesh::append_local_triangles(text, triangles);
+  mesh::append_triangles(
+      text, text_, has_local_triangles_, triangles,
+      [&](std::size_t i) { return mesh::patch_of(around, triangles[i]); },
+      [&](std::size_t i) { return mesh::corners_of(around, triangles[i]); });
 }
 
 void MeshOutput::append_triangles(const LayerView& view, const RowRange& rows,
-                                  MeshScratch& scratch) const {
-  auto& [front, back, edge_vertices, triangles, vertex_text, text, one_vertex, stream, count] =
-      scratch;
+                                  MeshScratch& scratch, TextBuffer& text) const {
+  auto& [front, back, edge_vertices, triangles, vertex_text, triangle_text, count] = scratch;
   std::int64_t made = -1;  // the row whose pair is `back`
   for (std::int64_t row = rows.begin; row < rows.end; ++row) {
     const std::int64_t y = row % rows_y_, z = row / rows_y_;
@@ -221,15 +196,15 @@ void MeshOutput::write(const Layer& layer, std::int64_t batch, const BatchOfLaye
     const std::int64_t count = planes_of(layer) * rows_y_;
     const RowRange rows{of_layer.index * count / of_layer.count,
                         (of_layer.index + 1) * count / of_layer.count};
-    const std::uint64_t vertices = append_vertices(view, rows, scratch);
-    append_triangles(view, rows, scratch);
     if (is_stream_) {
-      scratch.stream.clear();
-      append_streamed_batch(scratch.stream, vertices, scratch.vertex_text.text(),
-                            scratch.triangle_text.text());
-      scratch.vertex_text.clear();
-      scratch.triangle_text.clear();
-      std::swap(scratch.vertex_text, scratch.stream);
+      begin_batch(scratch.vertex_text);
+      append_vertices(view, rows, scratch.vertex_text);
+      append_triangles(view, rows, scratch, scratch.vertex_text);
+      end_batch(scratch.vertex_text, row_begin_[static_cast<std::size_t>(rows.end)] -
+                                         row_begin_[static_cast<std::size_t>(rows.begin)]);
+    } else {
+      append_vertices(view, rows, scratch.vertex_text);
+      append_triangles(view, rows, scratch, scratch.triangle_text);
     }
   }
   vertex_output_.write(batch, scratch.vertex_text.text());

@@ -26,7 +26,6 @@ struct MeshScratch {
   mesh::EdgeVertices edge_vertices;
   std::vector<mesh::Triangle> triangles;
   TextBuffer vertex_text, triangle_text;
-  TextBuffer one_vertex, stream;     ///< only for a stream
   std::uint64_t triangle_count = 0;  ///< total number of triangles of this thread
 };
 
@@ -95,11 +94,11 @@ class MeshOutput {
   void make_rows(const LayerView& view, std::int64_t row, MeshScratch::RowPair& pair) const;
   bool is_crossed(std::int64_t y, std::int64_t z) const;
   bool has_triangles(std::int64_t y, std::int64_t z) const;
-  std::uint64_t append_vertices(const LayerView& view, const RowRange& rows,
-                                MeshScratch& scratch) const;
+  void append_vertices(const LayerView& view, const RowRange& rows, TextBuffer& text) const;
   void append_text(const mesh::CellRows& around, std::span<const mesh::Triangle> triangles,
                    TextBuffer& text) const;
-  void append_triangles(const LayerView& view, const RowRange& rows, MeshScratch& scratch) const;
+  void append_triangles(const LayerView& view, const RowRange& rows, MeshScratch& scratch,
+                        TextBuffer& text) const;
 
   const Plan& plan_;
   GridRegion region_;    // region of the mesh; rows are relative to it

@@ -38,23 +38,28 @@ void append(TextBuffer& to, const void* bytes, std::size_t count) {
 
 }  // namespace
 
-void append_streamed_vertex(TextBuffer& batch, const mesh::PlainVertex& vertex,
-                            std::span<const char> text) {
-  const VertexHead head{vertex, static_cast<std::uint32_t>(text.size())};
-  char* const out = batch.reserve(sizeof head + text.size());
-  std::memcpy(out, &head, sizeof head);
-  if (!text.empty()) std::memcpy(out + sizeof head, text.data(), text.size());
-  batch.advance_to(out + sizeof head + text.size());
+void begin_batch(TextBuffer& batch) {
+  batch.advance_to(batch.reserve(sizeof(BatchHead)) + sizeof(BatchHead));
 }
 
-void append_streamed_batch(TextBuffer& stream, std::uint64_t vertices,
-                           std::span<const char> vertex_bytes,
-                           std::span<const char> triangle_bytes) {
-  const BatchHead head{vertex_bytes.size() + triangle_bytes.size(), vertices};
-  if (head.bytes == 0) return;
-  append(stream, &head, sizeof head);
-  append(stream, vertex_bytes.data(), vertex_bytes.size());
-  append(stream, triangle_bytes.data(), triangle_bytes.size());
+void append_streamed_vertex(TextBuffer& batch, const mesh::MeshText& text,
+                            const mesh::Vertex& vertex, std::int64_t y) {
+  const std::size_t begin = batch.text().size();
+  batch.advance_to(batch.reserve(sizeof(VertexHead)) + sizeof(VertexHead));
+  text.append_vertex(batch, vertex);
+  const std::size_t text_bytes = batch.text().size() - begin - sizeof(VertexHead);
+  batch.replace(begin, VertexHead{{.position = vertex.position,
+                                   .normal = vertex.normal,
+                                   .y = static_cast<std::int32_t>(y),
+                                   .z = static_cast<std::int32_t>(vertex.lower[2]),
+                                   .patch = vertex.patch},
+                                  static_cast<std::uint32_t>(text_bytes)});
+}
+
+void end_batch(TextBuffer& batch, std::uint64_t vertices) {
+  const std::size_t bytes = batch.text().size() - sizeof(BatchHead);
+  if (bytes == 0) return batch.clear();
+  batch.replace(0, BatchHead{bytes, vertices});
 }
 
 std::uint64_t streamed_vertex_bytes(std::uint64_t text_bytes) {
@@ -67,7 +72,10 @@ QualityPass::QualityPass(const mesh::MeshText& text, const Grid& grid, const Gri
       sinks_(std::move(sinks)),
       mesh_(grid, region,
             {.vertex = [this](std::uint64_t number) { take_vertex(number); },
-             .triangle = [this](const mesh::Triangle& triangle) { take_triangle(triangle); }}) {}
+             .triangles =
+                 [this](std::span<const mesh::Triangle> triangles) {
+                   take_triangles(triangles);
+                 }}) {}
 
 double QualityPass::memory_bytes(const MeshOptions& mesh, const GridRegion& region,
                                  double plane_crossings, bool is_in_place) {
@@ -122,25 +130,21 @@ void QualityPass::take_vertex(std::uint64_t number) {
   ++counts_.vertices;
 }
 
-void QualityPass::take_triangle(const mesh::Triangle& triangle) {
-  ++counts_.triangles;
-  if (text_.has_corner_positions()) {
-    std::array<Vec3, 3> corners;
-    for (std::size_t i = 0; i < 3; ++i) corners[i] = mesh_.position_of(triangle[i]);
-    mesh::MeshText::append_corners(triangles_, corners);
-    return;
-  }
-  mesh::Triangle numbers{};
-  for (std::size_t i = 0; i < 3; ++i) numbers[i] = mesh_.new_number(triangle[i]);
-  std::uint8_t patch = 0;
-  if (text_.has_triangle_patches())
-    patch = mesh::patch_of(
-        {mesh_.patch_of(triangle[0]), mesh_.patch_of(triangle[1]), mesh_.patch_of(triangle[2])});
-  if (sinks_.has_local_triangles) {
-    mesh::append_local_triangle(triangles_, numbers, patch);
-  } else {
-    text_.append_triangle(triangles_, numbers, patch);
-  }
+void QualityPass::take_triangles(std::span<const mesh::Triangle> triangles) {
+  counts_.triangles += triangles.size();
+  numbers_.clear();
+  for (const auto& [a, b, c] : triangles)
+    numbers_.push_back({mesh_.new_number(a), mesh_.new_number(b), mesh_.new_number(c)});
+  mesh::append_triangles(
+      triangles_, text_, sinks_.has_local_triangles, numbers_,
+      [&](std::size_t i) {
+        const auto& [a, b, c] = triangles[i];
+        return mesh::patch_of({mesh_.patch_of(a), mesh_.patch_of(b), mesh_.patch_of(c)});
+      },
+      [&](std::size_t i) {
+        const auto& [a, b, c] = triangles[i];
+        return std::array{mesh_.position_of(a), mesh_.position_of(b), mesh_.position_of(c)};
+      });
 }
 
 // Passes on the results if there are at least `min_bytes`, and forgets texts that were written.

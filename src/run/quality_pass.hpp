@@ -13,14 +13,17 @@
 
 namespace eses::detail {
 
-/// Batches of a mesh for QualityPass. A batch has its length in bytes and the number of its
-/// vertices; the vertices with their text in the mesh's format; and triangles as
-/// mesh::LocalTriangle. The corners of a triangle are in its batch or before it.
-void append_streamed_vertex(TextBuffer& batch, const mesh::PlainVertex& vertex,
-                            std::span<const char> text);
-void append_streamed_batch(TextBuffer& stream, std::uint64_t vertices,
-                           std::span<const char> vertex_bytes,
-                           std::span<const char> triangle_bytes);
+/// A batch of a mesh for QualityPass has its length in bytes and the number of its vertices; the
+/// vertices with their text in the mesh's format; and triangles as mesh::LocalTriangle. The corners
+/// of a triangle are in its batch or before it.
+///
+/// Begins a batch in an empty buffer. Vertices and then triangles follow.
+void begin_batch(TextBuffer& batch);
+/// Appends a vertex. `y` is its row in the region of the mesh.
+void append_streamed_vertex(TextBuffer& batch, const mesh::MeshText& text,
+                            const mesh::Vertex& vertex, std::int64_t y);
+/// Completes a batch. A batch without vertices and triangles becomes empty.
+void end_batch(TextBuffer& batch, std::uint64_t vertices);
 /// Typical size in bytes of a vertex and its two triangles in the stream.
 std::uint64_t streamed_vertex_bytes(std::uint64_t text_bytes);
 
@@ -59,7 +62,7 @@ class QualityPass {
  private:
   std::size_t add_batch(std::span<const char> bytes);
   void take_vertex(std::uint64_t number);
-  void take_triangle(const mesh::Triangle& triangle);
+  void take_triangles(std::span<const mesh::Triangle> triangles);
   void flush(std::size_t min_bytes);
 
   const mesh::MeshText& text_;
@@ -71,6 +74,7 @@ class QualityPass {
   std::vector<std::size_t> text_begins_{0};
   std::uint64_t first_text_ = 0;   // number of the vertex of the first text
   std::uint64_t next_vertex_ = 0;  // texts before this vertex are not needed any more
+  std::vector<mesh::Triangle> numbers_;  // scratch memory: triangles with new numbers
   TextBuffer vertices_, triangles_;
   std::uint64_t vertex_bytes_ = 0, triangle_bytes_ = 0;  // bytes that the sinks have received
   MeshCounts counts_;
