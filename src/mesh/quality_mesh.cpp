@@ -25,14 +25,10 @@ float quality_of_shape(const TrianglePoints& t) { return quality_of_shape(t, are
 // Number of planes between a stage and the stage before it. An operation at a plane changes
 // triangles with vertices about two planes away.
 constexpr std::int32_t stage_planes = 2;
-// The stages after the collapse of short edges: triangles with a smaller angle are improved.
-struct Stage {
-  double min_angle;  // degrees
-  double max_edge;   // longest new edge, in units of the spacing
-};
-constexpr std::array<Stage, 3> stages{{{30, 1.75}, {22, 2.25}, {22, 2.25}}};
-// Below this angle, in degrees, all collapses of the corners of a triangle are candidates.
-constexpr double removal_angle = 22;
+// Number of stages after the collapse of short edges, which improve triangles with an angle below
+// this one, in degrees.
+constexpr std::int32_t improving_stages = 2;
+constexpr double min_angle = 22;
 // Edges below this length are collapsed if possible, in units of the spacing.
 constexpr double short_edge = 0.6, max_edge_of_short = 1.75;
 // Longest edge of any triangle, in units of the spacing. The edges of the plain mesh have at most
@@ -42,8 +38,7 @@ constexpr double max_edge = 2.25;
 constexpr double min_angle_of_collapse = 0.001;
 // Planes after which vertices are frozen, and the largest distance between the plane at which a
 // triangle was added and its vertices.
-constexpr std::int32_t freeze_planes =
-    stage_planes * (2 + static_cast<std::int32_t>(stages.size())) + 2;
+constexpr std::int32_t freeze_planes = stage_planes * (2 + improving_stages) + 2;
 constexpr std::int32_t max_drift = 3;
 static_assert(freeze_planes + 2 * max_drift <= FacingCells::kept_planes);
 // Planes below the frozen ones whose triangles may be near a triangle that changes.
@@ -218,6 +213,8 @@ void QualityMesh::consider_collapse(Index from, Index to) {
   for (const RingCorner& at : ring_)
     if (squared_norm(position(at.left) - end) > limits_.max_squared_length && at.right != to)
       return;
+  if (!is_collapsible(to)) return;
+  const float min_quality = std::max(limits_.min_quality, best_quality());
   float quality = 1;
   bool is_turned = false;
   for (const auto& [corner, left, right] : ring_) {
@@ -226,7 +223,7 @@ void QualityMesh::consider_collapse(Index from, Index to) {
     const TrianglePoints t{end, position(left), position(right)};
     const Vec3 area = area_vector(t);
     quality = std::min(quality, quality_of_shape(t, area));
-    if (quality <= limits_.min_quality) return;
+    if (quality <= min_quality) return;
     is_turned = is_turned || !faces_outward({to, left, right}, area);
   }
   if (is_turned) {
@@ -274,7 +271,9 @@ void QualityMesh::consider_flip(Index corner) {
     return;
   const Corners left{from, a, to}, right{from, to, b};
   const float quality = std::min(quality_of_shape(points(left)), quality_of_shape(points(right)));
-  if (quality <= std::min(quality_of(corner >> 2), quality_of(other >> 2))) return;
+  if (quality <= std::min(quality_of(corner >> 2), quality_of(other >> 2)) ||
+      quality <= best_quality())
+    return;
   const double new_facing = std::min(facing(left), facing(right));
   if (new_facing < min_facing && new_facing < std::min(facing(one.vertices), facing(two.vertices)))
     return;
@@ -283,13 +282,8 @@ void QualityMesh::consider_flip(Index corner) {
 
 // Performs the best operation that is possible. Returns false if there is none.
 bool QualityMesh::perform_best() {
-  while (!operations_.empty()) {
-    const auto best = std::max_element(
-        operations_.begin(), operations_.end(),
-        [](const Operation& a, const Operation& b) { return a.quality < b.quality; });
-    if (perform(*best)) return true;
-    operations_.erase(best);
-  }
+  for (; !operations_.empty(); operations_.pop_back())
+    if (perform(operations_.back())) return true;
   return false;
 }
 
@@ -341,7 +335,6 @@ bool QualityMesh::perform(const Operation& operation) {
     for (const Index vertex : {a, b, q}) bounds.extend(position(vertex));
   } else {
     list_ring(from);
-    if (!is_collapsible(to)) return false;
     for (const auto& [corner, left, right] : ring_) {
       old_faces_.push_back(corner >> 2);
       bounds.extend(position(left));
@@ -522,11 +515,9 @@ void QualityMesh::advance_to(std::int32_t plane) {
     limits_ = {std::pow(max_edge_of_short * grid_.spacing, 2),
                static_cast<float>(squared_sine(min_angle_of_collapse))};
     collapse_short_edges(at);
-    for (const Stage& stage : stages) {
-      at -= stage_planes;
-      limits_.max_squared_length = std::pow(stage.max_edge * grid_.spacing, 2);
-      improve_faces(at, static_cast<float>(squared_sine(stage.min_angle)));
-    }
+    limits_.max_squared_length = std::pow(max_edge * grid_.spacing, 2);
+    for (std::int32_t stage = 0; stage < improving_stages; ++stage)
+      improve_faces(at -= stage_planes);
     freeze(plane_ - freeze_planes);
     deliver(plane_ - freeze_planes - kept_planes);
   }
@@ -559,8 +550,9 @@ void QualityMesh::collapse_short_edges(std::int32_t plane) {
   }
 }
 
-void QualityMesh::improve_faces(std::int32_t plane, float min_quality) {
-  static const auto removal_quality = static_cast<float>(squared_sine(removal_angle));
+// Improves the triangles that were added at a plane.
+void QualityMesh::improve_faces(std::int32_t plane) {
+  static const auto min_quality = static_cast<float>(squared_sine(min_angle));
   const auto at = std::find_if(face_planes_.begin(), face_planes_.end(),
                                [&](const FacePlane& p) { return p.z == plane; });
   if (at == face_planes_.end()) return;
@@ -582,7 +574,7 @@ void QualityMesh::improve_faces(std::int32_t plane, float min_quality) {
     consider_flip(edges[0].second);
     consider_collapses(edges[1].second);
     consider_collapses(edges[2].second);
-    if (perform_best() || quality_of(face) >= removal_quality) continue;
+    if (perform_best()) continue;
     for (const Index vertex : triangle) consider_all_collapses(vertex);
     perform_best();
   }

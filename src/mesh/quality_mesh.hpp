@@ -151,6 +151,7 @@ class QualityMesh {
   void link(Index corner);
   void unlink(Index corner);
 
+  float best_quality() const { return operations_.empty() ? 0 : operations_.back().quality; }
   void list_ring(Index vertex);
   void list_ring_to_improve(Index vertex);
   bool has_too_many_neighbors(Index from, Index to) const;
@@ -172,7 +173,7 @@ class QualityMesh {
   std::pair<Index, Index> vertices_of(std::int32_t z) const;
   void advance_to(std::int32_t plane);
   void collapse_short_edges(std::int32_t plane);
-  void improve_faces(std::int32_t plane, float min_quality);
+  void improve_faces(std::int32_t plane);
   void freeze(std::int32_t plane);
   void deliver(std::int32_t plane);
   void count(Index index);
@@ -199,7 +200,7 @@ class QualityMesh {
   MeshQuality quality_;
   double smallest_quality_ = 1;  // squared sine of the smallest angle
   // Scratch memory.
-  std::vector<Operation> operations_;
+  std::vector<Operation> operations_;  // in ascending order of quality
   std::vector<RingCorner> ring_;
   std::vector<Index> old_faces_;
   std::vector<NearFace> near_faces_;
