@@ -61,6 +61,13 @@ double smallest_angle(const Points& t) {
   return smallest;
 }
 
+// Whether normals at two corners form an angle of more than 60 degrees.
+bool is_at_cusp(const Mesh& mesh, const MeshTriangle& t) {
+  const auto normal = [&](std::size_t i) { return mesh.normals[t[i]]; };
+  return std::min({dot(normal(0), normal(1)), dot(normal(1), normal(2)),
+                   dot(normal(2), normal(0))}) < 0.5;
+}
+
 // Returns the sign of the volume of a tetrahedron, or 0 if rounding may decide it. Its edges have a
 // few angstrom, so that errors are below 1e-14.
 int orientation(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
@@ -124,17 +131,28 @@ void check_quality_mesh(const QualityRun& plain, const QualityRun& improved, dou
   CHECK(mesh.positions.size() == improved.summary.mesh->vertices);
 
   const MeshQuality& quality = improved.summary.mesh_quality.value();
+  std::vector<bool> is_near_cusp(mesh.positions.size());
+  std::uint64_t at_cusps = 0;
+  for (const MeshTriangle& t : mesh.triangles)
+    if (is_at_cusp(mesh, t)) {
+      ++at_cusps;
+      for (const auto vertex : t) is_near_cusp[vertex] = true;
+    }
   double smallest = 90;
-  std::uint64_t below_20 = 0, below_5 = 0;
+  std::uint64_t below_20 = 0, below_5 = 0, below_5_near_cusps = 0;
   for (const MeshTriangle& t : mesh.triangles) {
     const double angle = smallest_angle(points_of(mesh, t));
     smallest = std::min(smallest, angle);
     if (angle < 20) ++below_20;
-    if (angle < 5) ++below_5;
+    if (angle >= 5) continue;
+    ++below_5;
+    if (is_near_cusp[t[0]] || is_near_cusp[t[1]] || is_near_cusp[t[2]]) ++below_5_near_cusps;
   }
   CHECK(std::fabs(quality.smallest_angle - smallest) < 1e-6);
   CHECK(quality.below_20 == below_20);
   CHECK(quality.below_5 == below_5);
+  CHECK(quality.at_cusps == at_cusps);
+  CHECK(quality.below_5_near_cusps == below_5_near_cusps);
 
   // The vertices are crossings in the same order, with their normals and atoms.
   std::size_t next = 0, missing = 0;
@@ -167,7 +185,7 @@ TEST_CASE("quality mesh: angles and topology of molecules", "[mesh][quality]") {
     check_quality_mesh(plain, improved, 0.4);
     const MeshQuality& quality = improved.summary.mesh_quality.value();
     CHECK(1000 * quality.below_20 < improved.mesh.triangles.size());
-    CHECK(quality.below_5 - quality.below_5_at_cusps <= 2);
+    CHECK(quality.below_5 == quality.below_5_near_cusps);
     CHECK_FALSE(plain.summary.mesh_quality);
   }
 }

@@ -40,12 +40,13 @@ struct MeshCounts {
 
 /// Angles of the triangles of a mesh with MeshOptions::quality.
 struct MeshQuality {
-  double smallest_angle = 0;           ///< Smallest angle of all triangles, in degrees.
-  std::uint64_t below_20 = 0;          ///< Number of triangles with an angle below 20 degrees.
-  std::uint64_t below_5 = 0;           ///< Number of triangles with an angle below 5 degrees.
-  std::uint64_t at_cusps = 0;          ///< Number of triangles at cusps: normals of the surface at
-                                       ///< two corners form an angle of more than 60 degrees.
-  std::uint64_t below_5_at_cusps = 0;  ///< Number of triangles at cusps among `below_5`.
+  double smallest_angle = 0;             ///< Smallest angle of all triangles, in degrees.
+  std::uint64_t below_20 = 0;            ///< Number of triangles with an angle below 20 degrees.
+  std::uint64_t below_5 = 0;             ///< Number of triangles with an angle below 5 degrees.
+  std::uint64_t at_cusps = 0;            ///< Number of triangles at cusps: normals of the surface
+                                         ///< at two corners form an angle of more than 60 degrees.
+  std::uint64_t below_5_near_cusps = 0;  ///< Number of triangles among `below_5` that are at cusps
+                                         ///< or have a common corner with a triangle at a cusp.
 };
 
 /// Totals of the points and edges that were computed. With MeshOptions::component, the inside

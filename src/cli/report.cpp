@@ -74,8 +74,8 @@ std::string mesh_text(const Report& report) {
   if (const auto& quality = report.summary.mesh_quality)
     text += formatted(
         "mesh quality: smallest angle {:.1f} degrees; {} triangles below 20 degrees, {} below 5 "
-        "degrees ({} of them at cusps)\n",
-        quality->smallest_angle, quality->below_20, quality->below_5, quality->below_5_at_cusps);
+        "degrees ({} of them near cusps)\n",
+        quality->smallest_angle, quality->below_20, quality->below_5, quality->below_5_near_cusps);
   return text;
 }
 
@@ -338,7 +338,7 @@ json::Value quality_json(const std::optional<MeshQuality>& quality) {
           {"below_20", quality->below_20},
           {"below_5", quality->below_5},
           {"at_cusps", quality->at_cusps},
-          {"below_5_at_cusps", quality->below_5_at_cusps}};
+          {"below_5_near_cusps", quality->below_5_near_cusps}};
 }
 
 json::Value mesh_json(const Report& report) {

@@ -25,8 +25,8 @@ float quality_of_shape(const TrianglePoints& t) { return quality_of_shape(t, are
 // Number of planes between a stage and the stage before it. An operation at a plane changes
 // triangles with vertices about two planes away.
 constexpr std::int32_t stage_planes = 2;
-// Number of stages after the collapse of short edges, which improve triangles with an angle below
-// this one, in degrees.
+// Number of stages after the collapse of short edges. They improve triangles with an angle below
+// `min_angle`, in degrees.
 constexpr std::int32_t improving_stages = 2;
 constexpr double min_angle = 22;
 // Edges below this length are collapsed if possible, in units of the spacing.
@@ -452,7 +452,7 @@ void QualityMesh::list_near_faces(const Bounds& bounds) {
       auto next = std::partition_point(
           begin_of(y), end, [&](const Vertex& vertex) { return vertex.position.x < low_x; });
       for (; next != end && next->position.x <= high_x; ++next) {
-        if (!is_near(*next)) continue;
+        if (next->is_removed || !is_near(*next)) continue;
         for (Index corner = next->first_corner; corner != none; corner = next_corner(corner)) {
           const Corners& triangle = faces_[corner >> 2].vertices;
           // The first corner that is near lists the triangle.
@@ -609,6 +609,25 @@ void QualityMesh::deliver(std::int32_t plane) {
   sink_.triangles(delivered_triangles_);
 }
 
+// Returns whether normals at two corners of a triangle form an angle of more than 60 degrees.
+bool QualityMesh::is_at_cusp(const Corners& triangle) const {
+  const auto normal = [&](std::size_t i) { return vertices_[triangle[i]].normal; };
+  return std::min({dot(normal(0), normal(1)), dot(normal(1), normal(2)),
+                   dot(normal(2), normal(0))}) < cusp;
+}
+
+// Returns whether a triangle has a common corner with a triangle at a cusp. Triangles that were
+// removed from the window have marked their corners.
+bool QualityMesh::is_near_cusp(const Corners& triangle) const {
+  for (const Index vertex : triangle) {
+    if (vertices_[vertex].is_at_cusp) return true;
+    for (Index corner = vertices_[vertex].first_corner; corner != none;
+         corner = next_corner(corner))
+      if (is_at_cusp(faces_[corner >> 2].vertices)) return true;
+  }
+  return false;
+}
+
 void QualityMesh::count(Index index) {
   static const double below_20 = squared_sine(20), below_5 = squared_sine(5);
   constexpr float rounding = 1 - 1e-6F;
@@ -619,13 +638,15 @@ void QualityMesh::count(Index index) {
   if (rounding * quality < std::max(below_20, smallest_quality_))
     quality = squared_sine_of_smallest_angle(t, area_vector(t));
   smallest_quality_ = std::min(smallest_quality_, quality);
-  const auto normal = [&](std::size_t i) { return vertices_[face.vertices[i]].normal; };
-  const bool is_at_cusp = std::min({dot(normal(0), normal(1)), dot(normal(1), normal(2)),
-                                    dot(normal(2), normal(0))}) < cusp;
+  if (is_at_cusp(face.vertices)) {
+    ++quality_.at_cusps;
+    for (const Index vertex : face.vertices) vertices_[vertex].is_at_cusp = true;
+  }
   if (quality < below_20) ++quality_.below_20;
-  if (quality < below_5) ++quality_.below_5;
-  if (is_at_cusp) ++quality_.at_cusps;
-  if (is_at_cusp && quality < below_5) ++quality_.below_5_at_cusps;
+  if (quality < below_5) {
+    ++quality_.below_5;
+    if (is_near_cusp(face.vertices)) ++quality_.below_5_near_cusps;
+  }
 }
 
 MeshQuality QualityMesh::quality() const {

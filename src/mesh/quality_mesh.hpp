@@ -95,6 +95,7 @@ class QualityMesh {
     std::uint8_t valence = 0;  // length of the list
     std::uint8_t patch = 1;
     bool is_removed = false;
+    bool is_at_cusp = false;  // corner of a delivered triangle at a cusp
   };
   static_assert(sizeof(Vertex) == 64);  // a cache line
   struct alignas(32) Face {
@@ -176,6 +177,8 @@ class QualityMesh {
   void improve_faces(std::int32_t plane);
   void freeze(std::int32_t plane);
   void deliver(std::int32_t plane);
+  bool is_at_cusp(const Corners& triangle) const;
+  bool is_near_cusp(const Corners& triangle) const;
   void count(Index index);
   void drop_delivered();
 
