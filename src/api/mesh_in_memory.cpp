@@ -92,24 +92,23 @@ struct RowBegin {
 Mesh improve(const Mesh& plain, std::span<const RowBegin> rows, const eses::Grid& grid,
              const GridRegion& region, const CheckCallback& check) {
   Mesh mesh;
-  mesh::QualityMesh quality_mesh(grid, region,
-                                 {.vertex =
-                                      [&](std::uint64_t vertex) {
-                                        mesh.vertices.push_back(plain.vertices[vertex]);
-                                        mesh.normals.push_back(plain.normals[vertex]);
-                                        mesh.atoms.push_back(plain.atoms[vertex]);
-                                        mesh.patches.push_back(plain.patches[vertex]);
-                                        mesh.crossings.push_back(plain.crossings[vertex]);
-                                        if (!plain.components.empty())
-                                          mesh.components.push_back(plain.components[vertex]);
-                                      },
-                                  .triangles =
-                                      [&](std::span<const mesh::Triangle> triangles) {
-                                        for (const auto& [a, b, c] : triangles)
-                                          mesh.faces.push_back({quality_mesh.new_number(a),
-                                                                quality_mesh.new_number(b),
-                                                                quality_mesh.new_number(c)});
-                                      }});
+  mesh::QualityMesh quality_mesh(
+      grid, region,
+      {.vertex =
+           [&](std::uint64_t vertex) {
+             mesh.vertices.push_back(plain.vertices[vertex]);
+             mesh.normals.push_back(plain.normals[vertex]);
+             mesh.atoms.push_back(plain.atoms[vertex]);
+             mesh.patches.push_back(plain.patches[vertex]);
+             mesh.crossings.push_back(plain.crossings[vertex]);
+             if (!plain.components.empty()) mesh.components.push_back(plain.components[vertex]);
+           },
+       .triangles =
+           [&](std::span<const mesh::Triangle> triangles) {
+             for (const auto& [a, b, c] : triangles)
+               mesh.faces.push_back({quality_mesh.new_number(a), quality_mesh.new_number(b),
+                                     quality_mesh.new_number(c)});
+           }});
   std::uint64_t next = 0;
   auto row = rows.begin();
   for (const mesh::Triangle& triangle : plain.faces) {

@@ -34,8 +34,10 @@ constexpr double short_edge = 0.6, max_edge_of_short = 1.75;
 // Longest edge of any triangle, in units of the spacing. The edges of the plain mesh have at most
 // the length of the diagonal of a cell.
 constexpr double max_edge = 2.25;
-// Smallest angle, in degrees, that a collapse of a short edge may leave.
-constexpr double min_angle_of_collapse = 0.001;
+// Smallest angle, in degrees, that a collapse of a short edge may leave. If there is an edge below
+// `tiny_edge`, in units of the spacing, the smallest angle may be halved instead: the crossings
+// next to a grid point are collapsed one after the other.
+constexpr double min_angle_of_collapse = 0.001, tiny_edge = 1e-4;
 // Planes after which vertices are frozen, and the largest distance between the plane at which a
 // triangle was added and its vertices.
 constexpr std::int32_t freeze_planes = stage_planes * (2 + improving_stages) + 2;
@@ -512,8 +514,7 @@ void QualityMesh::advance_to(std::int32_t plane) {
   while (plane_ < plane) {
     ++plane_;
     std::int32_t at = plane_ - stage_planes;
-    limits_ = {std::pow(max_edge_of_short * grid_.spacing, 2),
-               static_cast<float>(squared_sine(min_angle_of_collapse))};
+    limits_.max_squared_length = std::pow(max_edge_of_short * grid_.spacing, 2);
     collapse_short_edges(at);
     limits_.max_squared_length = std::pow(max_edge * grid_.spacing, 2);
     for (std::int32_t stage = 0; stage < improving_stages; ++stage)
@@ -526,25 +527,32 @@ void QualityMesh::advance_to(std::int32_t plane) {
 
 // Collapses vertices of a plane into neighbours that are near.
 void QualityMesh::collapse_short_edges(std::int32_t plane) {
-  const double max_squared_edge = std::pow(short_edge * grid_.spacing, 2);
+  static const auto min_quality = static_cast<float>(squared_sine(min_angle_of_collapse));
+  const double max_squared_edge = std::pow(short_edge * grid_.spacing, 2),
+               max_squared_tiny_edge = std::pow(tiny_edge * grid_.spacing, 2);
   const auto [begin, end] = vertices_of(plane);
   for (Index vertex = begin; vertex < end; ++vertex) {
-    const Vec3& from = position(vertex);
-    const auto is_short = [&](Index other) {
-      return squared_norm(position(other) - from) < max_squared_edge;
+    const auto squared_edge = [&](Index other) {
+      return squared_norm(position(other) - position(vertex));
     };
-    bool has_short = false;
-    for (Index corner = vertices_[vertex].first_corner; corner != none && !has_short;) {
+    double min_squared_edge = max_squared_edge;
+    for (Index corner = vertices_[vertex].first_corner; corner != none;) {
       const Face& face = faces_[corner >> 2];
       const Index i = corner & 3;
-      has_short = is_short(face.vertices[i < 2 ? i + 1 : 0]);
+      min_squared_edge = std::min(min_squared_edge, squared_edge(face.vertices[i < 2 ? i + 1 : 0]));
       corner = face.next[i];
     }
-    if (!has_short) continue;
+    if (min_squared_edge == max_squared_edge) continue;
     operations_.clear();
-    list_ring(vertex);
+    if (min_squared_edge < max_squared_tiny_edge) {
+      list_ring_to_improve(vertex);
+      limits_.min_quality /= 4;  // a squared sine
+    } else {
+      list_ring(vertex);
+      limits_.min_quality = min_quality;
+    }
     for (const RingCorner& at : ring_)
-      if (is_short(at.left) && !has_too_many_neighbors(vertex, at.left))
+      if (squared_edge(at.left) < max_squared_edge && !has_too_many_neighbors(vertex, at.left))
         consider_collapse(vertex, at.left);
     perform_best();
   }

@@ -40,7 +40,8 @@ inline void append_local_triangles(TextBuffer& bytes, std::span<const Triangle> 
 
 /// Appends triangles in the format of their file or, if `as_local`, as LocalTriangle. Formats with
 /// the positions of corners have no LocalTriangle. `patch_of(i)` and `corners_of(i)` return the
-/// patch of triangle i and the positions of its corners. They are called for formats that need them.
+/// patch of triangle i and the positions of its corners. They are called for formats that need
+/// them.
 template <class PatchOf, class CornersOf>
 void append_triangles(TextBuffer& text, const MeshText& format, bool as_local,
                       std::span<const Triangle> triangles, PatchOf patch_of, CornersOf corners_of) {

@@ -163,8 +163,8 @@ void MeshOutput::append_text(const mesh::CellRows& around,
       [&](std::size_t i) { return mesh::corners_of(around, triangles[i]); });
 }
 
-void MeshOutput::append_triangles(const LayerView& view, const RowRange& rows,
-                                  MeshScratch& scratch, TextBuffer& text) const {
+void MeshOutput::append_triangles(const LayerView& view, const RowRange& rows, MeshScratch& scratch,
+                                  TextBuffer& text) const {
   auto& [front, back, edge_vertices, triangles, vertex_text, triangle_text, count] = scratch;
   std::int64_t made = -1;  // the row whose pair is `back`
   for (std::int64_t row = rows.begin; row < rows.end; ++row) {

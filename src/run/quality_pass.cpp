@@ -70,12 +70,11 @@ QualityPass::QualityPass(const mesh::MeshText& text, const Grid& grid, const Gri
                          Sinks sinks)
     : text_(text),
       sinks_(std::move(sinks)),
-      mesh_(grid, region,
-            {.vertex = [this](std::uint64_t number) { take_vertex(number); },
-             .triangles =
-                 [this](std::span<const mesh::Triangle> triangles) {
-                   take_triangles(triangles);
-                 }}) {}
+      mesh_(
+          grid, region,
+          {.vertex = [this](std::uint64_t number) { take_vertex(number); },
+           .triangles =
+               [this](std::span<const mesh::Triangle> triangles) { take_triangles(triangles); }}) {}
 
 double QualityPass::memory_bytes(const MeshOptions& mesh, const GridRegion& region,
                                  double plane_crossings, bool is_in_place) {

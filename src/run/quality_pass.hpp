@@ -72,8 +72,8 @@ class QualityPass {
   // Texts of the vertices of the window. Text i ends where text i + 1 begins.
   std::vector<char> texts_;
   std::vector<std::size_t> text_begins_{0};
-  std::uint64_t first_text_ = 0;   // number of the vertex of the first text
-  std::uint64_t next_vertex_ = 0;  // texts before this vertex are not needed any more
+  std::uint64_t first_text_ = 0;         // number of the vertex of the first text
+  std::uint64_t next_vertex_ = 0;        // texts before this vertex are not needed any more
   std::vector<mesh::Triangle> numbers_;  // scratch memory: triangles with new numbers
   TextBuffer vertices_, triangles_;
   std::uint64_t vertex_bytes_ = 0, triangle_bytes_ = 0;  // bytes that the sinks have received
