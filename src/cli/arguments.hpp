@@ -16,7 +16,7 @@
 #include <utility>
 #include <vector>
 
-#include "cli/usage.hpp"
+#include "cli/command.hpp"
 
 namespace eses::detail::cli {
 
@@ -34,6 +34,10 @@ Format<double> number_between(double min, double max, std::string expected);
 
 /// Accepts whole numbers in [min, max].
 Format<std::int64_t> whole_number_between(std::int64_t min, std::int64_t max);
+
+/// Accepts the paths for which `is_accepted` returns true.
+Format<std::filesystem::path> path_if(bool (*is_accepted)(const std::filesystem::path& path),
+                                      std::string expected);
 
 /// Accepts all paths that are not empty.
 Format<std::filesystem::path> path_to(std::string expected);
@@ -109,7 +113,7 @@ void add_notices(CLI::App& app);
 
 /// Parses the arguments of a command. `positionals` has the names of the positional arguments, for
 /// the message about superfluous ones. Throws UsageError, or Notice for --help and --version.
-void parse(CLI::App& app, std::vector<std::string> arguments, std::string_view positionals);
+void parse(CLI::App& app, const Arguments& arguments, std::string_view positionals);
 
 /// Throws UsageError if one of these options is given without something that it needs.
 void refuse_without(const CLI::App& app, std::initializer_list<const char*> options,

@@ -50,20 +50,18 @@ Wording wording_of(DiagnosticKind kind) {
 }
 
 /// Returns the number of a line, with the label of its atom if there is one.
-std::string line_text(std::uint64_t line, const std::string& label) {
-  return label.empty() ? formatted("{}", line) : formatted("{}, {}", line, label);
+std::string line_text(std::uint64_t line, const std::optional<std::string>& label) {
+  return label ? formatted("{}, {}", line, *label) : formatted("{}", line);
 }
 
 std::string lines_text(const DiagnosticText& text, std::string_view relation) {
   std::vector<std::string> parts;
   bool has_labels = false;
   for (const DiagnosticText::Example& example : text.examples) {
-    has_labels = has_labels || !example.label.empty();
-    const std::string line = line_text(example.line, example.label);
-    parts.push_back(example.has_other
-                        ? formatted("{} ({} {})", line, relation,
-                                    line_text(example.other_line, example.other_label))
-                        : line);
+    has_labels = has_labels || example.label;
+    std::string& part = parts.emplace_back(line_text(example.line, example.label));
+    if (example.other_line)
+      part += formatted(" ({} {})", relation, line_text(*example.other_line, example.other_label));
   }
   const std::uint64_t more = text.count - text.examples.size();
   return formatted("{} {}{}", text.count == 1 ? "line" : "lines",
@@ -71,10 +69,11 @@ std::string lines_text(const DiagnosticText& text, std::string_view relation) {
                    more > 0 ? formatted(" and {} more", more) : "");
 }
 
-/// Returns a label such as `A/LYS 33/CE`; empty if it is unknown.
-std::string label_text(const std::map<AtomIndex, AtomLabel>& labels, AtomIndex atom) {
+/// Returns a label such as `A/LYS 33/CE`, if it is known.
+std::optional<std::string> label_text(const std::map<AtomIndex, AtomLabel>& labels,
+                                      AtomIndex atom) {
   const auto found = labels.find(atom);
-  if (found == labels.end()) return "";
+  if (found == labels.end()) return std::nullopt;
   const auto& [chain, residue, number, name, element] = found->second;
   return formatted("{}/{} {}/{}", chain, residue, number, name);
 }
@@ -88,9 +87,14 @@ DiagnosticText describe_diagnostic(const Diagnostic& diagnostic, const LineOf& l
   text.is_usual = is_usual(diagnostic.kind);
   text.count = diagnostic.count;
   text.short_text = diagnostic.count == 1 ? wording.one : wording.several;
-  for (const auto& [atom, other] : diagnostic.examples)
-    text.examples.push_back({atom, line_of(atom), atom != other, other, line_of(other),
-                             label_text(labels, atom), label_text(labels, other)});
+  for (const auto& [atom, other] : diagnostic.examples) {
+    auto& example = text.examples.emplace_back(
+        DiagnosticText::Example{atom, line_of(atom), label_text(labels, atom)});
+    if (other == atom) continue;
+    example.other_atom = other;
+    example.other_line = line_of(other);
+    example.other_label = label_text(labels, other);
+  }
   text.message = formatted("{}: {} {}: {}", input_name(input), text.count, text.short_text,
                            lines_text(text, wording.relation));
   return text;

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <functional>
 #include <map>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -19,10 +20,11 @@ struct DiagnosticText {
   struct Example {
     AtomIndex atom = 0;
     std::uint64_t line = 0;
-    bool has_other = false;
-    AtomIndex other_atom = 0;
-    std::uint64_t other_line = 0;
-    std::string label, other_label;  ///< such as A/LYS 33/CE; empty if unknown
+    std::optional<std::string> label = {};  ///< such as A/LYS 33/CE
+    // Of the other atom, if there is one.
+    std::optional<AtomIndex> other_atom = {};
+    std::optional<std::uint64_t> other_line = {};
+    std::optional<std::string> other_label = {};
   };
   std::string_view name;    ///< identifier in the JSON report
   bool is_usual = false;    ///< whether it is a note rather than a warning

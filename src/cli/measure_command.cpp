@@ -1,5 +1,3 @@
-#include "cli/measure_command.hpp"
-
 #include <unistd.h>
 
 #include <algorithm>
@@ -18,6 +16,7 @@
 
 #include "cli/command.hpp"
 #include "cli/interruption.hpp"
+#include "cli/measure_options.hpp"
 #include "cli/measure_report.hpp"
 #include "cli/measured_file.hpp"
 #include "cli/messages.hpp"
@@ -206,7 +205,9 @@ Outcome outcome_of(const MeasureCommandOptions& options, const std::filesystem::
 
 }  // namespace
 
-int measure_files(const MeasureCommandOptions& options) {
+int perform_measure(const Arguments& arguments, const Processes& /*processes*/) {
+  end_on_signals();
+  const MeasureCommandOptions options = parse_measure_arguments(arguments);
   require_standard_output();
   const Paths paths = paths_of(options);
   check_outputs(options, paths.final);

@@ -192,12 +192,12 @@ void check(const CLI::App& app, const MeasureCommandOptions& options) {
 
 }  // namespace
 
-MeasureCommandOptions parse_measure_arguments(std::vector<std::string> arguments) {
+MeasureCommandOptions parse_measure_arguments(const Arguments& arguments) {
   CLI::App app("Areas and volumes of molecular surfaces in closed form, without a grid.",
                "eses-blocks measure");
   MeasureCommandOptions options;
   add_options(app, options);
-  parse(app, std::move(arguments), "FILE...");
+  parse(app, arguments, "FILE...");
   options.pocket_options.probe_radius = options.probe_radius;
   check_pocket_options(app, options);
   check(app, options);

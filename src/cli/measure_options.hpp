@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "cli/command.hpp"
 #include "eses/pockets.hpp"
 #include "eses/read_atoms.hpp"
 #include "eses/surface.hpp"
@@ -43,6 +44,6 @@ struct MeasureCommandOptions {
 };
 
 /// Parses the arguments of the command. Throws UsageError and Notice.
-MeasureCommandOptions parse_measure_arguments(std::vector<std::string> arguments);
+MeasureCommandOptions parse_measure_arguments(const Arguments& arguments);
 
 }  // namespace eses::detail::cli

@@ -1,5 +1,3 @@
-#include "cli/msms_command.hpp"
-
 #include <unistd.h>
 
 #include <algorithm>
@@ -16,8 +14,10 @@
 #include <utility>
 #include <vector>
 
+#include "cli/command.hpp"
 #include "cli/interruption.hpp"
 #include "cli/messages.hpp"
+#include "cli/msms_options.hpp"
 #include "cli/msms_surface.hpp"
 #include "eses/error.hpp"
 #include "eses/version.hpp"
@@ -325,7 +325,9 @@ void write_areas(const MsmsOptions& options, const Input& input, const MsmsSurfa
 
 }  // namespace
 
-void run_msms(const MsmsOptions& options) {
+int perform_msms(const Arguments& arguments, const Processes& /*processes*/) {
+  end_on_signals();
+  const MsmsOptions options = parse_msms_arguments(arguments);
   require_standard_output();
   const Input input = read_input(options);
   print(input_text(options, input));
@@ -336,6 +338,7 @@ void run_msms(const MsmsOptions& options) {
   if (!options.areas.empty()) write_areas(options, input, surface, components);
   warn_about_others(options, surface);
   print(surface_text(options, surface, components));
+  return exit_done;
 }
 
 }  // namespace eses::detail::cli

@@ -9,7 +9,6 @@
 #include <string_view>
 
 #include "cli/arguments.hpp"
-#include "cli/usage.hpp"
 #include "eses/surface.hpp"
 #include "system/formatted.hpp"
 
@@ -173,7 +172,7 @@ const Option& option_named(std::string_view name) {
 
 }  // namespace
 
-MsmsOptions parse_msms_arguments(std::span<const std::string> arguments) {
+MsmsOptions parse_msms_arguments(const Arguments& arguments) {
   MsmsOptions options;
   for (std::span<const std::string> rest = arguments; !rest.empty();) {
     const std::string_view name = rest.front();

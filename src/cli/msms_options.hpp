@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "cli/command.hpp"
+
 namespace eses::detail::cli {
 
 struct MsmsOptions {
@@ -28,6 +30,6 @@ struct MsmsOptions {
 };
 
 /// Parses the arguments of the command. Throws UsageError and Notice.
-MsmsOptions parse_msms_arguments(std::span<const std::string> arguments);
+MsmsOptions parse_msms_arguments(const Arguments& arguments);
 
 }  // namespace eses::detail::cli
