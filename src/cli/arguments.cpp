@@ -113,16 +113,15 @@ Format<std::int64_t> whole_number_between(std::int64_t min, std::int64_t max) {
   return {read, formatted("a whole number from {} to {}", min, max)};
 }
 
-Format<std::filesystem::path> path_if(bool (*is_accepted)(const std::filesystem::path& path),
-                                      std::string expected) {
+Format<std::string> text_if(bool (*is_accepted)(const std::string& text), std::string expected) {
   const auto read = [is_accepted](const std::string& text) {
-    return is_accepted(text) ? std::optional<std::filesystem::path>(text) : std::nullopt;
+    return is_accepted(text) ? std::optional(text) : std::nullopt;
   };
   return {read, std::move(expected)};
 }
 
-Format<std::filesystem::path> path_to(std::string expected) {
-  return path_if([](const auto& path) { return !path.empty(); }, std::move(expected));
+Format<std::string> any_text(std::string expected) {
+  return text_if([](const std::string& text) { return !text.empty(); }, std::move(expected));
 }
 
 void refuse(std::string_view name, std::string_view value, std::string_view expected) {

@@ -6,7 +6,6 @@
 #include <charconv>
 #include <cstddef>
 #include <cstdint>
-#include <filesystem>
 #include <functional>
 #include <initializer_list>
 #include <optional>
@@ -35,12 +34,11 @@ Format<double> number_between(double min, double max, std::string expected);
 /// Accepts whole numbers in [min, max].
 Format<std::int64_t> whole_number_between(std::int64_t min, std::int64_t max);
 
-/// Accepts the paths for which `is_accepted` returns true.
-Format<std::filesystem::path> path_if(bool (*is_accepted)(const std::filesystem::path& path),
-                                      std::string expected);
+/// Accepts the texts, such as paths, for which `is_accepted` returns true.
+Format<std::string> text_if(bool (*is_accepted)(const std::string& text), std::string expected);
 
-/// Accepts all paths that are not empty.
-Format<std::filesystem::path> path_to(std::string expected);
+/// Accepts all texts that are not empty.
+Format<std::string> any_text(std::string expected);
 
 /// Accepts one of two or more names. CLI::CheckedTransformer would also accept the numbers of the
 /// enumerators, and CLI::IsMember has messages in another form.

@@ -176,16 +176,20 @@ int run_command(int argc, char** argv) {
   std::set_terminate(end_on_uncaught_exception);
   // Closed pipes and the file size limit are then reported as write errors.
   for (const int signal : {SIGPIPE, SIGXFSZ}) std::signal(signal, SIG_IGN);
-  const Command* const linked = argc > 0 ? linked_command(argv[0]) : nullptr;
-  const Command* const named = linked == nullptr && argc > 1 ? named_command(argv[1]) : nullptr;
-  const Command& command = linked != nullptr  ? *linked
-                           : named != nullptr ? *named
-                                              : surface_command;
+  const Command* command = argc > 0 ? linked_command(argv[0]) : nullptr;
+  if (command == nullptr && argc > 1) {
+    command = named_command(argv[1]);
+    if (command != nullptr) {
+      --argc;
+      ++argv;
+    }
+  }
+  if (command == nullptr) command = &surface_command;
   try {
-    return named != nullptr ? perform(command, argc - 1, argv + 1) : perform(command, argc, argv);
+    return perform(*command, argc, argv);
   } catch (const std::bad_alloc&) {
     print_out_of_memory();
-    return command.failure_code;
+    return command->failure_code;
   }
 }
 

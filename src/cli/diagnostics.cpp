@@ -2,6 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <array>
+#include <cstddef>
+
 #include "input/text_source.hpp"
 #include "system/formatted.hpp"
 
@@ -14,40 +17,28 @@ struct Wording {
   std::string_view relation;      // text between the lines of an atom and of the other atom
 };
 
-Wording wording_of(DiagnosticKind kind) {
-  switch (kind) {
-    case DiagnosticKind::duplicate:
-      return {"duplicate", "atom has the centre and radius of an earlier one",
-              "atoms have the centre and radius of an earlier one", "as"};
-    case DiagnosticKind::close:
-      return {"close", "atom is within 0.5 angstrom of an earlier one",
-              "atoms are within 0.5 angstrom of an earlier one", "near"};
-    case DiagnosticKind::nested:
-      return {"nested", "atom lies wholly inside another one",
-              "atoms lie wholly inside another one", "in"};
-    case DiagnosticKind::large_radius:
-      return {"large_radius", "atom has a radius above 4 angstrom",
-              "atoms have a radius above 4 angstrom", ""};
-    case DiagnosticKind::small_radii:
-      return {"small_radii", "atom, with a radius below 0.4 angstrom; are lengths in nanometres?",
-              "atoms, all with a radius below 0.4 angstrom; are lengths in nanometres?", ""};
-    case DiagnosticKind::one_atom_residue:
-      return {"one_atom_residue",
-              "residue has a single atom; area and volume are not those of the whole molecule",
-              "residues have a single atom, as in models of C-alpha atoms; area and volume are not "
-              "those of the whole molecule",
-              ""};
-    case DiagnosticKind::zero_radius:
-      return {"zero_radius", "of radius 0", "of radius 0", ""};
-    case DiagnosticKind::nested_usual:
-      return {"nested_usual", "of at most 1.4 angstrom inside another atom",
-              "of at most 1.4 angstrom inside another atom", "in"};
-    case DiagnosticKind::water:
-      return {"water", "of water, which pdb2pqr leaves out with --drop-water",
-              "of water, which pdb2pqr leaves out with --drop-water", ""};
-  }
-  return {};
-}
+/// By DiagnosticKind.
+constexpr std::array<Wording, diagnostic_kinds> wordings{{
+    {"duplicate", "atom has the centre and radius of an earlier one",
+     "atoms have the centre and radius of an earlier one", "as"},
+    {"close", "atom is within 0.5 angstrom of an earlier one",
+     "atoms are within 0.5 angstrom of an earlier one", "near"},
+    {"nested", "atom lies wholly inside another one", "atoms lie wholly inside another one", "in"},
+    {"large_radius", "atom has a radius above 4 angstrom", "atoms have a radius above 4 angstrom",
+     ""},
+    {"small_radii", "atom, with a radius below 0.4 angstrom; are lengths in nanometres?",
+     "atoms, all with a radius below 0.4 angstrom; are lengths in nanometres?", ""},
+    {"one_atom_residue",
+     "residue has a single atom; area and volume are not those of the whole molecule",
+     "residues have a single atom, as in models of C-alpha atoms; area and volume are not those of "
+     "the whole molecule",
+     ""},
+    {"zero_radius", "of radius 0", "of radius 0", ""},
+    {"nested_usual", "of at most 1.4 angstrom inside another atom",
+     "of at most 1.4 angstrom inside another atom", "in"},
+    {"water", "of water, which pdb2pqr leaves out with --drop-water",
+     "of water, which pdb2pqr leaves out with --drop-water", ""},
+}};
 
 /// Returns the number of a line, with the label of its atom if there is one.
 std::string line_text(std::uint64_t line, const std::optional<std::string>& label) {
@@ -81,7 +72,7 @@ std::optional<std::string> label_text(const std::map<AtomIndex, AtomLabel>& labe
 DiagnosticText describe_diagnostic(const Diagnostic& diagnostic, const LineOf& line_of,
                                    const std::filesystem::path& input,
                                    const std::map<AtomIndex, AtomLabel>& labels) {
-  const Wording wording = wording_of(diagnostic.kind);
+  const Wording& wording = wordings[static_cast<std::size_t>(diagnostic.kind)];
   DiagnosticText text;
   text.name = wording.name;
   text.is_usual = is_usual(diagnostic.kind);

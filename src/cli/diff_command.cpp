@@ -87,16 +87,18 @@ static void to_json(Json& json, const AreaDifference& areas) {
           {"total_in_b", areas.total[1]}};
 }
 
-template <class Difference>
-void to_json(Json& json, const FileComparison<Difference>& file) {
+static std::string_view name_of(FileStatus status) {
   constexpr std::array<std::string_view, 5> names{"compared", "only in A", "only in B",
                                                   "in neither", "other grid"};
-  json = {{"status", names[static_cast<std::size_t>(file.status)]},
-          {"same", nullptr},
-          {"found", nullptr}};
-  if (file.status != FileStatus::compared) return;
-  json["same"] = file.same();
-  json["found"] = file.found;
+  return names[static_cast<std::size_t>(status)];
+}
+
+template <class Difference>
+void to_json(Json& json, const FileComparison<Difference>& file) {
+  const bool is_compared = file.status == FileStatus::compared;
+  json = {{"status", name_of(file.status)},
+          {"same", is_compared ? Json(file.same()) : Json()},
+          {"found", is_compared ? Json(file.found) : Json()}};
 }
 
 }  // namespace eses::detail
@@ -132,10 +134,10 @@ DiffOptions parse_options(const Arguments& arguments) {
   DiffOptions options;
   set_up(app, "eses-blocks diff [OPTIONS] DIR_A DIR_B", diff_footer);
   add_value(app, "DIR_A", "", "directory with output files of ESES or eses-blocks",
-            options.directories[0], path_to("a directory"))
+            options.directories[0], any_text("a directory"))
       ->required();
   add_value(app, "DIR_B", "", "directory to compare with", options.directories[1],
-            path_to("a directory"))
+            any_text("a directory"))
       ->required();
   add_value(app, "--tolerance", "X",
             formatted("treat differences up to X as equal: coordinates\n"
@@ -277,28 +279,16 @@ std::string details(const AreaDifference& areas, bool have_moved_shares) {
   return text + formatted("  total: {:.10g} in A, {:.10g} in B\n", a, b);
 }
 
-std::string verdict(FileStatus status, bool same) {
-  switch (status) {
-    case FileStatus::compared:
-      return same ? "the same" : "different";
-    case FileStatus::only_in_a:
-      return "only in A";
-    case FileStatus::only_in_b:
-      return "only in B";
-    case FileStatus::in_neither:
-      return "in neither";
-    case FileStatus::other_grid:
-      return "not compared: the grids have different sizes";
-  }
-  return {};
-}
-
 /// Returns the text report: the differences of each file, and the overall result in the last line.
 std::string report_text(const DiffOptions& options, const Differences& found) {
   std::string text = formatted("A: {}\nB: {}\n", one_line(options.directories[0].string()),
                                one_line(options.directories[1].string()));
   const auto add = [&](EsesFile name, const auto& file, const auto&... context) {
-    text += formatted("{}: {}\n", name_of(name), verdict(file.status, file.same()));
+    std::string_view verdict = name_of(file.status);
+    if (file.status == FileStatus::compared) verdict = file.same() ? "the same" : "different";
+    if (file.status == FileStatus::other_grid)
+      verdict = "not compared: the grids have different sizes";
+    text += formatted("{}: {}\n", name_of(name), verdict);
     if (file.status == FileStatus::compared) text += details(file.found, context...);
   };
   add(EsesFile::box, found.box);

@@ -62,10 +62,6 @@ bool is_table(std::string_view name) {
                      [&](const Table& table) { return name.ends_with(table.suffix); });
 }
 
-std::filesystem::path directory_of(const MeasureCommandOptions& options) {
-  return options.output_directory.empty() ? "." : options.output_directory;
-}
-
 std::filesystem::path csv_directory(const MeasureCommandOptions& options) {
   return options.csv.has_parent_path() ? options.csv.parent_path() : ".";
 }
@@ -85,8 +81,8 @@ Paths paths_of(const MeasureCommandOptions& options) {
   for (const Table& table : tables)
     if (options.tables.*table.is_chosen)
       for (const std::filesystem::path& input : options.inputs)
-        paths.add(directory_of(options), table_name(input, table));
-  if (options.tables.any()) paths.locks.push_back(lock_path(directory_of(options)));
+        paths.add(options.output_directory, table_name(input, table));
+  if (options.tables.any()) paths.locks.push_back(lock_path(options.output_directory));
   if (options.csv.empty()) return paths;
   const std::string name = options.csv.filename();
   paths.add(csv_directory(options), name);
@@ -215,7 +211,7 @@ int perform_measure(const Arguments& arguments, const Processes& /*processes*/) 
   std::optional<OutputDirectory> directory, directory_of_csv;
   std::optional<OutputFile> csv;
   if (options.tables.any()) {
-    directory.emplace(directory_of(options));
+    directory.emplace(options.output_directory);
     directory->remove_abandoned(is_table);
   }
   if (!options.csv.empty()) {

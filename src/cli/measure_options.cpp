@@ -153,9 +153,9 @@ void add_options(CLI::App& app, MeasureCommandOptions& options) {
             Format<TableChoice>{
                 tables_in, "some of atoms,residues,chains,derivatives,cavities,pieces,pockets"});
   add_value(app, "-o,--output-dir", "DIR", "directory of the tables, created if missing [.]",
-            options.output_directory, path_to("a directory"));
+            options.output_directory, any_text("a directory"));
   add_value(app, "--csv", "FILE", "write the results of all files as a table", options.csv,
-            path_to("a file"));
+            any_text("a file"));
   add_structure_options(app, options.structure);
   begin_group(app, "Computation (does not affect results)");
   add_threads(app, options.threads);

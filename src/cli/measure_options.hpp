@@ -33,9 +33,9 @@ struct MeasureCommandOptions {
   bool pockets = false;                   ///< whether pockets are reported
   PocketOptions pocket_options;           ///< of the search for pockets
   TableChoice tables;
-  std::filesystem::path output_directory;  ///< of the tables; empty if it is not given
-  std::filesystem::path csv;               ///< empty if it is not given
-  int threads = 0;                         ///< 0 means all available processors
+  std::filesystem::path output_directory = ".";  ///< of the tables
+  std::filesystem::path csv;                     ///< empty if it is not given
+  int threads = 0;                               ///< 0 means all available processors
   bool json = false;
   bool quiet = false;
   bool strict = false;  ///< whether warnings are errors

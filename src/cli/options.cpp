@@ -177,21 +177,20 @@ std::optional<Outputs> with_text_files(const std::string& list, Outputs outputs)
                              {"all", &Outputs::areas}});
 }
 
-bool is_map(const std::filesystem::path& path) {
+bool is_map(const std::string& text) {
+  const std::filesystem::path path = text;
   const std::string name = path.filename();
   return map_format(name) && !path.stem().empty() && !name.starts_with('.');
 }
 
-bool is_dx_map(const std::filesystem::path& path) {
-  return is_map(path) && map_format(path.filename().string()) == MapFormat::dx;
+bool is_dx_map(const std::string& text) {
+  return is_map(text) && map_format(text) == MapFormat::dx;
 }
 
-bool is_dx_grid(const std::filesystem::path& path) {
-  return grid_file_format(path.native()) == GridFileFormat::dx;
-}
+bool is_dx_grid(const std::string& text) { return grid_file_format(text) == GridFileFormat::dx; }
 
-bool is_prefix(const std::filesystem::path& path) {
-  const std::string name = path.filename();
+bool is_prefix(const std::string& text) {
+  const std::string name = std::filesystem::path(text).filename();
   return !name.empty() && !name.starts_with('.');
 }
 
@@ -217,7 +216,7 @@ void add_grid_choice(CLI::App& app, GridChoice& grid) {
             "use the grid and spacing of a map (.dx or .vti) or of\n"
             "bounding_box.txt, plain or gzipped (.gz)",
             grid.like,
-            path_if([](const auto& path) { return grid_file_format(path.native()).has_value(); },
+            text_if([](const std::string& name) { return grid_file_format(name).has_value(); },
                     "a file name with the suffix .dx, .vti or .txt, or one of these and .gz"))
       ->excludes(origin)
       ->excludes(center)
@@ -229,7 +228,7 @@ void add_grid_options(CLI::App& app, Options& options, Lengths& lengths) {
   const GridOptions grid;
   Parameters& parameters = options.parameters;
   add_value(app, "FILE", "", "input file (xyzr, PQR, PDB or mmCIF); - for standard input",
-            options.input().path, path_to("a file"))
+            options.input().path, any_text("a file"))
       ->required();
   const auto add_length = [&app](const char* positional, const char* option,
                                  const std::string& description, double fallback, Length& length,
@@ -282,7 +281,7 @@ void add_solver_maps(CLI::App& app, Outputs& outputs) {
             "write maps of the dielectric at edge midpoints:\n"
             "PREFIXx.dx, PREFIXy.dx and PREFIXz.dx (usemap diel),\n"
             "compressed with --gzip",
-            dielectric.prefix, path_if(is_prefix, "the first part of a file name"));
+            dielectric.prefix, text_if(is_prefix, "the first part of a file name"));
   add_value(app, "--solute-dielectric", "EPS",
             formatted("relative permittivity inside the surface [{}]", dielectric.solute),
             dielectric.solute, permittivity);
@@ -293,7 +292,7 @@ void add_solver_maps(CLI::App& app, Outputs& outputs) {
             "write a map of ion accessibility (.dx or .dx.gz):\n"
             "1 where the centre of an ion may be, 0 elsewhere\n"
             "(usemap kappa)",
-            ion_access.file, path_if(is_dx_map, "a file name with the suffix .dx or .dx.gz"));
+            ion_access.file, text_if(is_dx_map, "a file name with the suffix .dx or .dx.gz"));
   add_value(app, "--ion-radius", "ANGSTROM",
             formatted("radius of the ions for --kappa, 0 to {} [{}]", max_ion_radius,
                       ion_access.ion_radius),
@@ -309,7 +308,7 @@ void add_file_options(CLI::App& app, Options& options) {
   MeshPotential& potential = mesh.potential.emplace();
   add_format(app, options.input().format);
   add_value(app, "-o,--output-dir", "DIR", "output directory, created if missing [.]",
-            options.output_directory, path_to("a directory"));
+            options.output_directory, any_text("a directory"));
   add_value(app, "--write", "LIST",
             "files to write besides bounding_box.txt: some of\n"
             "grid,edges,areas,residues,atoms; all (the first\n"
@@ -320,13 +319,13 @@ void add_file_options(CLI::App& app, Options& options) {
   add_value(app, "--inside", "FILE",
             "write a map of inside points to the output directory:\n"
             ".dx or .dx.gz (OpenDX), or .vti (VTK image data)",
-            outputs.inside_map, path_if(is_map, "a file name with the suffix .dx, .dx.gz or .vti"));
+            outputs.inside_map, text_if(is_map, "a file name with the suffix .dx, .dx.gz or .vti"));
   add_flag(app, "--gzip", "compress text files and maps of the dielectric", outputs.gzip);
   add_value(app, "--mesh", "FILE",
             "write a triangle mesh: .ply, .obj, .off, .vtp, .stl,\n"
             ".glb, or .vert or .face (both files of MSMS)",
             mesh.file,
-            path_if([](const auto& path) { return mesh_format(path).has_value(); },
+            text_if([](const std::string& name) { return mesh_format(name).has_value(); },
                     formatted("a file with the suffix {}", mesh_suffixes)));
   add_value(app, "--color", "NAME",
             "colour the vertices of a .ply, .obj, .vtp or .glb mesh\n"
@@ -345,7 +344,7 @@ void add_file_options(CLI::App& app, Options& options) {
   add_value(app, "--potential", "FILE",
             "map of the potential in kT/e for --color potential:\n"
             ".dx or .dx.gz (OpenDX); is held in memory",
-            potential.file, path_if(is_dx_grid, "a file name with the suffix .dx or .dx.gz"));
+            potential.file, text_if(is_dx_grid, "a file name with the suffix .dx or .dx.gz"));
   add_value(app, "--potential-offset", "ANGSTROM",
             formatted("take the potential at this distance outside of the\n"
                       "surface, along the normal, >= 0 [{}]",

@@ -102,16 +102,14 @@ void check_request(const Options& options) {
 }
 
 Report report_of(const Options& options, const RunPlan& plan, const Processes& processes) {
-  Report report;
-  report.options = options;
-  report.atoms = plan.atoms;
-  report.diagnostics = describe(
-      plan.diagnostics.diagnostics, [&](AtomIndex atom) { return plan.diagnostics.lines.at(atom); },
-      options.input().path, plan.diagnostics.labels);
-  report.structure = plan.structure;
-  report.plan = plan.whole_plan;
-  report.process_count = processes.count();
-  return report;
+  const auto& [diagnostics, lines, labels] = plan.diagnostics;
+  const auto line_of = [&lines = lines](AtomIndex atom) { return lines.at(atom); };
+  return {.options = options,
+          .atoms = plan.atoms,
+          .diagnostics = describe(diagnostics, line_of, options.input().path, labels),
+          .structure = plan.structure,
+          .plan = plan.whole_plan,
+          .process_count = processes.count()};
 }
 
 // Prints the warnings before the computation starts, or throws StrictError with --strict.

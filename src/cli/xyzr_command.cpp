@@ -45,7 +45,7 @@ InputFile parse_options(bool has_names, const Arguments& arguments) {
   set_up(app, formatted("eses-blocks {} [OPTIONS] [FILE]", name), xyzr_footer);
   begin_group(app, "Options");
   add_value(app, "FILE", "", "PDB or mmCIF file; - for standard input [-]", input.path,
-            path_to("a file"));
+            any_text("a file"));
   add_value(app, "--format", "NAME", "auto (by suffix, otherwise pdb), pdb or mmcif [auto]",
             input.format,
             one_of<AtomFormat>({{"auto", AtomFormat::automatic},
