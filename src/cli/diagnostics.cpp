@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstddef>
+#include <map>
 
 #include "input/text_source.hpp"
 #include "system/formatted.hpp"
@@ -69,36 +70,30 @@ std::optional<std::string> label_text(const std::map<AtomIndex, AtomLabel>& labe
   return formatted("{}/{} {}/{}", chain, residue, number, name);
 }
 
-DiagnosticText describe_diagnostic(const Diagnostic& diagnostic, const LineOf& line_of,
-                                   const std::filesystem::path& input,
-                                   const std::map<AtomIndex, AtomLabel>& labels) {
-  const Wording& wording = wordings[static_cast<std::size_t>(diagnostic.kind)];
-  DiagnosticText text;
-  text.name = wording.name;
-  text.is_usual = is_usual(diagnostic.kind);
-  text.count = diagnostic.count;
-  text.short_text = diagnostic.count == 1 ? wording.one : wording.several;
-  for (const auto& [atom, other] : diagnostic.examples) {
-    auto& example = text.examples.emplace_back(
-        DiagnosticText::Example{atom, line_of(atom), label_text(labels, atom)});
-    if (other == atom) continue;
-    example.other_atom = other;
-    example.other_line = line_of(other);
-    example.other_label = label_text(labels, other);
-  }
-  text.message = formatted("{}: {} {}: {}", input_name(input), text.count, text.short_text,
-                           lines_text(text, wording.relation));
-  return text;
-}
-
 }  // namespace
 
-std::vector<DiagnosticText> describe(std::span<const Diagnostic> diagnostics, const LineOf& line_of,
-                                     const std::filesystem::path& input,
-                                     const std::map<AtomIndex, AtomLabel>& labels) {
+std::vector<DiagnosticText> describe(const FileDiagnostics& diagnostics,
+                                     const std::filesystem::path& input) {
+  const auto& [all, lines, labels] = diagnostics;
   std::vector<DiagnosticText> texts;
-  for (const Diagnostic& diagnostic : diagnostics)
-    texts.push_back(describe_diagnostic(diagnostic, line_of, input, labels));
+  for (const auto& [kind, count, examples] : all) {
+    const Wording& wording = wordings[static_cast<std::size_t>(kind)];
+    DiagnosticText& text = texts.emplace_back();
+    text.name = wording.name;
+    text.is_usual = is_usual(kind);
+    text.count = count;
+    text.short_text = count == 1 ? wording.one : wording.several;
+    for (const auto& [atom, other] : examples) {
+      auto& example = text.examples.emplace_back(
+          DiagnosticText::Example{atom, lines.at(atom), label_text(labels, atom)});
+      if (other == atom) continue;
+      example.other_atom = other;
+      example.other_line = lines.at(other);
+      example.other_label = label_text(labels, other);
+    }
+    text.message = formatted("{}: {} {}: {}", input_name(input), text.count, text.short_text,
+                             lines_text(text, wording.relation));
+  }
   return texts;
 }
 

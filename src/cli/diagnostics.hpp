@@ -3,15 +3,12 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <functional>
-#include <map>
 #include <optional>
-#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
-#include "eses/diagnostics.hpp"
+#include "distributed/file_diagnostics.hpp"
 
 namespace eses::detail::cli {
 
@@ -34,11 +31,8 @@ struct DiagnosticText {
   std::vector<Example> examples;
 };
 
-/// Returns the line number of an atom in the input. The atom must be an example of a diagnostic.
-using LineOf = std::function<std::uint64_t(AtomIndex atom)>;
-
-std::vector<DiagnosticText> describe(std::span<const Diagnostic> diagnostics, const LineOf& line_of,
-                                     const std::filesystem::path& input,
-                                     const std::map<AtomIndex, AtomLabel>& labels = {});
+/// Returns the texts of the diagnostics of a file.
+std::vector<DiagnosticText> describe(const FileDiagnostics& diagnostics,
+                                     const std::filesystem::path& input);
 
 }  // namespace eses::detail::cli

@@ -1,7 +1,6 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <array>
 #include <cstddef>
 #include <functional>
 #include <map>
@@ -33,33 +32,17 @@
 namespace eses::detail::cli {
 namespace {
 
-/// A table of `--write`.
-struct Table {
-  std::string_view suffix;
-  bool TableChoice::*is_chosen;
-  void (*write)(const MeasuredAtoms& atoms, const TextSink& sink);
-};
-
-constexpr std::array tables{
-    Table{".atoms.csv", &TableChoice::atoms, write_measured_atoms},
-    Table{".residues.csv", &TableChoice::residues, write_measured_residues},
-    Table{".chains.csv", &TableChoice::chains, write_measured_chains},
-    Table{".derivatives.csv", &TableChoice::derivatives, write_derivatives},
-    Table{".cavities.csv", &TableChoice::cavities, write_cavities},
-    Table{".pieces.csv", &TableChoice::pieces, write_pieces},
-    Table{".pockets.csv", &TableChoice::pockets, write_pockets},
-};
-
 /// Returns the name of the table of an input file: its name without the suffix of its format.
 std::string table_name(const std::filesystem::path& input, const Table& table) {
   std::filesystem::path name = input == "-" ? "stdin" : input.filename();
   if (name.extension() == gzip_suffix) name = name.stem();
-  return formatted("{}{}", name.stem().string(), table.suffix);
+  return formatted("{}.{}.csv", name.stem().string(), table.name);
 }
 
 bool is_table(std::string_view name) {
-  return std::any_of(tables.begin(), tables.end(),
-                     [&](const Table& table) { return name.ends_with(table.suffix); });
+  return std::any_of(tables.begin(), tables.end(), [&](const Table& table) {
+    return name.ends_with(formatted(".{}.csv", table.name));
+  });
 }
 
 std::filesystem::path csv_directory(const MeasureCommandOptions& options) {

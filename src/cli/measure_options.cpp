@@ -57,14 +57,9 @@ std::optional<double> probe_radius_in(const std::string& text) {
 }
 
 std::optional<TableChoice> tables_in(const std::string& list) {
-  return choice_in<TableChoice>(list, {},
-                                {{"atoms", &TableChoice::atoms},
-                                 {"residues", &TableChoice::residues},
-                                 {"chains", &TableChoice::chains},
-                                 {"derivatives", &TableChoice::derivatives},
-                                 {"cavities", &TableChoice::cavities},
-                                 {"pieces", &TableChoice::pieces},
-                                 {"pockets", &TableChoice::pockets}});
+  std::vector<std::pair<std::string_view, bool TableChoice::*>> members;
+  for (const Table& table : tables) members.emplace_back(table.name, table.is_chosen);
+  return choice_in<TableChoice>(list, {}, members);
 }
 
 std::optional<PartChoice> parts_in(const std::string& text) {

@@ -1,9 +1,11 @@
 #pragma once
 /// The command line of `eses-blocks measure` as plain data.
 
+#include <array>
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "cli/command.hpp"
@@ -13,6 +15,23 @@
 #include "output/measure_tables.hpp"
 
 namespace eses::detail::cli {
+
+/// A table of `--write`. The table of the file NAME.pdb is NAME, a point, the name of the table and
+/// `.csv`.
+struct Table {
+  std::string_view name;
+  bool TableChoice::*is_chosen;
+  void (*write)(const MeasuredAtoms& atoms, const TextSink& sink);
+};
+inline constexpr std::array tables{
+    Table{"atoms", &TableChoice::atoms, write_measured_atoms},
+    Table{"residues", &TableChoice::residues, write_measured_residues},
+    Table{"chains", &TableChoice::chains, write_measured_chains},
+    Table{"derivatives", &TableChoice::derivatives, write_derivatives},
+    Table{"cavities", &TableChoice::cavities, write_cavities},
+    Table{"pieces", &TableChoice::pieces, write_pieces},
+    Table{"pockets", &TableChoice::pockets, write_pockets},
+};
 
 /// Division of the atoms into the parts of a complex.
 struct PartChoice {

@@ -117,21 +117,18 @@ MeasuredPart measure_part(std::uint32_t part, const MeasureOptions& options, Mea
   return measured;
 }
 
-/// Returns the diagnostics of the atoms of a file, in the order of DiagnosticKind.
-std::vector<DiagnosticText> describe_all(const AtomFile& file, const Surface& surface,
-                                         const std::filesystem::path& path) {
-  std::vector<Diagnostic> diagnostics = file.diagnostics;
-  diagnostics.insert(diagnostics.end(), surface.diagnostics().begin(), surface.diagnostics().end());
-  std::stable_sort(diagnostics.begin(), diagnostics.end(),
-                   [](const Diagnostic& a, const Diagnostic& b) { return a.kind < b.kind; });
-  std::map<AtomIndex, AtomLabel> labels;
-  if (!surface.labels().empty())
-    for (const Diagnostic& diagnostic : diagnostics)
-      for (const auto& example : diagnostic.examples)
-        for (const AtomIndex atom : {example.atom, example.other})
-          labels[atom] = surface.labels()[atom];
-  return describe(
-      diagnostics, [&](AtomIndex atom) { return file.lines[atom]; }, path, labels);
+/// Returns the diagnostics of the atoms of a file.
+FileDiagnostics diagnostics_of(const AtomFile& file, const Surface& surface) {
+  FileDiagnostics all{file.diagnostics, {}, {}};
+  const std::span<const Diagnostic> of_surface = surface.diagnostics();
+  all.add({{of_surface.begin(), of_surface.end()}, {}, {}});
+  for (const Diagnostic& diagnostic : all.diagnostics)
+    for (const auto& example : diagnostic.examples)
+      for (const AtomIndex atom : {example.atom, example.other}) {
+        all.lines[atom] = file.lines[atom];
+        if (!surface.labels().empty()) all.labels[atom] = surface.labels()[atom];
+      }
+  return all;
 }
 
 }  // namespace
@@ -164,7 +161,7 @@ MeasuredFile measure_file(const MeasureCommandOptions& options, const std::files
       .max_filled_void = options.max_filled_void, .threads = threads, .check = check};
   MeasuredFile result{.path = path,
                       .surface = Surface(std::move(file.atoms), std::move(file.labels), indexing)};
-  result.diagnostics = describe_all(file, result.surface, path);
+  result.diagnostics = describe(diagnostics_of(file, result.surface), path);
   if (options.parts.is_chosen()) {
     divide(options.parts, result);
     remove_other_atoms(indexing, result);

@@ -102,11 +102,9 @@ void check_request(const Options& options) {
 }
 
 Report report_of(const Options& options, const RunPlan& plan, const Processes& processes) {
-  const auto& [diagnostics, lines, labels] = plan.diagnostics;
-  const auto line_of = [&lines = lines](AtomIndex atom) { return lines.at(atom); };
   return {.options = options,
           .atoms = plan.atoms,
-          .diagnostics = describe(diagnostics, line_of, options.input().path, labels),
+          .diagnostics = describe(plan.diagnostics, options.input().path),
           .structure = plan.structure,
           .plan = plan.whole_plan,
           .process_count = processes.count()};

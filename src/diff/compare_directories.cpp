@@ -11,8 +11,6 @@
 #include <unordered_map>
 #include <vector>
 
-#include "diff/compare_edges.hpp"
-#include "diff/compare_points.hpp"
 #include "diff/match_in_order.hpp"
 #include "eses/error.hpp"
 #include "input/eses_reader.hpp"

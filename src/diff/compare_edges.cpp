@@ -1,5 +1,3 @@
-#include "diff/compare_edges.hpp"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -10,6 +8,7 @@
 #include <unordered_map>
 #include <vector>
 
+#include "diff/compare_directories.hpp"
 #include "diff/contact.hpp"
 #include "diff/match_in_order.hpp"
 #include "diff/ordered_edges.hpp"
