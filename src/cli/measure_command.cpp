@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <functional>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -27,7 +26,6 @@
 #include "system/formatted.hpp"
 #include "system/gzip.hpp"
 #include "system/parallel.hpp"
-#include "system/serial_check.hpp"
 
 namespace eses::detail::cli {
 namespace {
@@ -203,9 +201,7 @@ int perform_measure(const Arguments& arguments, const Processes& /*processes*/) 
     directory_of_csv->remove_abandoned([&](std::string_view file) { return file == name; });
     csv.emplace(*directory_of_csv, name);
   }
-  const CheckCallback check_signals = [&] { interruptible.check(); };
-  SerialCheck serial_check(check_signals);
-  const CheckCallback check = std::ref(serial_check);
+  const CheckCallback check = [&] { interruptible.check(); };
   Reporter reporter(options, csv ? &*csv : nullptr);
   const int threads = options.threads > 0 ? options.threads : available_threads();
   // Parallel loops are not nested: either files or the atoms of a file are measured in parallel.

@@ -60,29 +60,21 @@ Exit codes:
   2  error in the command line
 )";
 
-/// The arguments that follow an option.
-class Values {
- public:
-  Values(std::string_view option, std::span<const std::string> arguments)
-      : option_(option), arguments_(arguments) {}
-
-  std::string_view option() const { return option_; }
-  std::size_t used() const { return used_; }
+/// An option, and the arguments that follow it and are not read yet.
+struct Values {
+  std::string_view option;
+  std::span<const std::string> rest;
 
   /// Reads the next argument.
   template <class Value>
   Value read(const Format<Value>& format) {
-    if (used_ == arguments_.size()) throw UsageError(formatted("{} needs a value", option_));
-    const std::string& text = arguments_[used_++];
+    if (rest.empty()) throw UsageError(formatted("{} needs a value", option));
+    const std::string& text = rest.front();
+    rest = rest.subspan(1);
     const std::optional<Value> value = format.read(text);
-    if (!value) refuse(option_, text, format.expected);
+    if (!value) refuse(option, text, format.expected);
     return *value;
   }
-
- private:
-  std::string_view option_;
-  std::span<const std::string> arguments_;
-  std::size_t used_ = 0;
 };
 
 /// An option, and what it does with its values.
@@ -126,8 +118,8 @@ void read_cavity_atoms(Values& values, MsmsOptions& options) {
 void ignore(Values&, MsmsOptions&) {}
 
 void refuse_server(Values& values, MsmsOptions&) {
-  throw UsageError(formatted("{} is refused, because there is no server; read a file with -if",
-                             values.option()));
+  throw UsageError(
+      formatted("{} is refused, because there is no server; read a file with -if", values.option));
 }
 
 /// The options in the order in which MSMS looks for the first one that an abbreviation fits.
@@ -177,9 +169,9 @@ MsmsOptions parse_msms_arguments(const Arguments& arguments) {
     if (name == "-h" || name == "--help") throw Notice{help};
     if (name == "--version") throw Notice{version_text()};
     const Option& option = option_named(name);
-    Values values(option.name, rest.subspan(1));
+    Values values{option.name, rest.subspan(1)};
     option.apply(values, options);
-    rest = rest.subspan(1 + values.used());
+    rest = values.rest;
   }
   if (options.input.empty()) throw UsageError("no input file; give it with -if");
   if (options.has_all_components && !options.cavity_atoms.empty())
