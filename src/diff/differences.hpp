@@ -47,10 +47,6 @@ struct Matching {
     return std::all_of(only.begin(), only.end(), is_empty) &&
            std::all_of(repeated.begin(), repeated.end(), is_empty);
   }
-  /// Number of items in the list of a side.
-  std::int64_t listed(std::size_t side) const {
-    return both + only[side].count + repeated[side].count;
-  }
 
  private:
   static bool is_empty(const Counted<Key>& counted) { return counted.count == 0; }
