@@ -1,7 +1,5 @@
 #include "cli/measure_report.hpp"
 
-#include <fmt/format.h>
-
 #include <array>
 #include <functional>
 #include <string_view>

@@ -1,7 +1,6 @@
 #include "cli/msms_options.hpp"
 
 #include <algorithm>
-#include <cstddef>
 #include <iterator>
 #include <limits>
 #include <span>

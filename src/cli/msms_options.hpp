@@ -4,8 +4,6 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <span>
-#include <string>
 #include <vector>
 
 #include "cli/command.hpp"

@@ -14,7 +14,6 @@
 #include <string>
 #include <string_view>
 #include <system_error>
-#include <utility>
 #include <variant>
 #include <vector>
 
@@ -22,8 +21,6 @@
 #include "cli/shared_options.hpp"
 #include "eses/error.hpp"
 #include "input/grid_reader.hpp"
-#include "input/other_formats.hpp"
-#include "input/radii_set.hpp"
 #include "output/map_writer.hpp"
 #include "output/mesh_format.hpp"
 #include "output/output_files.hpp"

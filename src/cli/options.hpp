@@ -6,7 +6,6 @@
 #include <span>
 #include <string>
 #include <variant>
-#include <vector>
 
 #include "cli/command.hpp"
 #include "run/task.hpp"

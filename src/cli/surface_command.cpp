@@ -21,7 +21,6 @@
 #include "distributed/launcher.hpp"
 #include "distributed/processes.hpp"
 #include "eses/error.hpp"
-#include "eses/read_atoms.hpp"
 #include "grid/make_grid.hpp"
 #include "output/output_files.hpp"
 #include "run/engine.hpp"
