@@ -15,7 +15,6 @@
 #include <string_view>
 
 #include "diff/compare_directories.hpp"
-#include "diff/compare_points.hpp"
 #include "expect.hpp"
 #include "support/temporary_directory.hpp"
 
@@ -110,16 +109,16 @@ bool mirrored(const Matching<Key>& one, const Matching<Key>& other) {
 }
 
 void expect_mirrored(const Differences& one, const Differences& other) {
-  expect(one.box.same() == other.box.same(), "boxes differ in one order only");
-  expect(mirrored(one.points.matching, other.points.matching) &&
-             one.points.other_sign.count == other.points.other_sign.count,
+  expect(one.box.found.same() == other.box.found.same(), "boxes differ in one order only");
+  expect(mirrored(one.points.found.matching, other.points.found.matching) &&
+             one.points.found.other_sign.count == other.points.found.other_sign.count,
          "points differ in one order only");
-  expect(mirrored(one.edges.matching, other.edges.matching) &&
-             one.edges.position.above.count == other.edges.position.above.count &&
-             one.edges.normal.above.count == other.edges.normal.above.count,
+  expect(mirrored(one.edges.found.matching, other.edges.found.matching) &&
+             one.edges.found.position.above.count == other.edges.found.position.above.count &&
+             one.edges.found.normal.above.count == other.edges.found.normal.above.count,
          "edges differ in one order only");
-  expect(mirrored(one.areas.matching, other.areas.matching) &&
-             one.areas.area.above.count == other.areas.area.above.count,
+  expect(mirrored(one.areas.found.matching, other.areas.found.matching) &&
+             one.areas.found.area.above.count == other.areas.found.area.above.count,
          "areas differ in one order only");
 }
 
@@ -129,8 +128,8 @@ bool repeats(const Matching<Key>& matching) {
 }
 
 void expect_same(const Differences& self) {
-  expect(self.same() || repeats(self.points.matching) || repeats(self.edges.matching) ||
-             repeats(self.areas.matching),
+  expect(self.same() || repeats(self.points.found.matching) || repeats(self.edges.found.matching) ||
+             repeats(self.areas.found.matching),
          "a directory differs from itself");
 }
 

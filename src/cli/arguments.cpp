@@ -43,7 +43,7 @@ class HelpFormatter : public CLI::Formatter {
 };
 
 /// Throws UsageError for `--name=`, for which CLI11 would use the next argument as the value.
-void refuse_empty_values(const std::vector<std::string>& arguments) {
+void refuse_empty_values(const Arguments& arguments) {
   for (const std::string& argument : arguments) {
     if (argument == "--") return;
     if (argument.starts_with("--") && argument.ends_with('='))
@@ -78,7 +78,7 @@ std::string mismatch_message(const CLI::App& app, const std::string& last) {
 }
 
 /// Parses with CLI11 and converts all its errors to UsageError.
-void parse_or_refuse(CLI::App& app, std::vector<std::string> arguments) {
+void parse_or_refuse(CLI::App& app, Arguments arguments) {
   const std::string last = arguments.empty() ? "" : arguments.back();
   std::reverse(arguments.begin(), arguments.end());  // CLI11 expects them in reverse order
   try {
@@ -113,11 +113,15 @@ Format<std::int64_t> whole_number_between(std::int64_t min, std::int64_t max) {
   return {read, formatted("a whole number from {} to {}", min, max)};
 }
 
-Format<std::filesystem::path> path_to(std::string expected) {
-  const auto read = [](const std::string& text) {
-    return text.empty() ? std::nullopt : std::optional<std::filesystem::path>(text);
+Format<std::string> text_if(bool (*is_accepted)(const std::string& text), std::string expected) {
+  const auto read = [is_accepted](const std::string& text) {
+    return is_accepted(text) ? std::optional(text) : std::nullopt;
   };
   return {read, std::move(expected)};
+}
+
+Format<std::string> any_text(std::string expected) {
+  return text_if([](const std::string& text) { return !text.empty(); }, std::move(expected));
 }
 
 void refuse(std::string_view name, std::string_view value, std::string_view expected) {
@@ -155,10 +159,10 @@ void add_notices(CLI::App& app) {
       ->trigger_on_parse();
 }
 
-void parse(CLI::App& app, std::vector<std::string> arguments, std::string_view positionals) {
+void parse(CLI::App& app, const Arguments& arguments, std::string_view positionals) {
   refuse_empty_values(arguments);
   try {
-    parse_or_refuse(app, std::move(arguments));
+    parse_or_refuse(app, arguments);
   } catch (const CLI::CallForHelp&) {
     throw Notice{app.help()};
   } catch (const CLI::CallForVersion& notice) {

@@ -6,7 +6,6 @@
 #include <charconv>
 #include <cstddef>
 #include <cstdint>
-#include <filesystem>
 #include <functional>
 #include <initializer_list>
 #include <optional>
@@ -16,7 +15,7 @@
 #include <utility>
 #include <vector>
 
-#include "cli/usage.hpp"
+#include "cli/command.hpp"
 
 namespace eses::detail::cli {
 
@@ -35,8 +34,11 @@ Format<double> number_between(double min, double max, std::string expected);
 /// Accepts whole numbers in [min, max].
 Format<std::int64_t> whole_number_between(std::int64_t min, std::int64_t max);
 
-/// Accepts all paths that are not empty.
-Format<std::filesystem::path> path_to(std::string expected);
+/// Accepts the texts, such as paths, for which `is_accepted` returns true.
+Format<std::string> text_if(bool (*is_accepted)(const std::string& text), std::string expected);
+
+/// Accepts all texts that are not empty.
+Format<std::string> any_text(std::string expected);
 
 /// Accepts one of two or more names. CLI::CheckedTransformer would also accept the numbers of the
 /// enumerators, and CLI::IsMember has messages in another form.
@@ -109,7 +111,7 @@ void add_notices(CLI::App& app);
 
 /// Parses the arguments of a command. `positionals` has the names of the positional arguments, for
 /// the message about superfluous ones. Throws UsageError, or Notice for --help and --version.
-void parse(CLI::App& app, std::vector<std::string> arguments, std::string_view positionals);
+void parse(CLI::App& app, const Arguments& arguments, std::string_view positionals);
 
 /// Throws UsageError if one of these options is given without something that it needs.
 void refuse_without(const CLI::App& app, std::initializer_list<const char*> options,

@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
@@ -15,23 +16,11 @@
 #include <string_view>
 #include <vector>
 
-#include "cli/diff_options.hpp"
-#include "cli/diff_report.hpp"
 #include "cli/interruption.hpp"
-#include "cli/measure_command.hpp"
-#include "cli/measure_options.hpp"
 #include "cli/messages.hpp"
-#include "cli/msms_command.hpp"
-#include "cli/msms_options.hpp"
 #include "cli/options.hpp"
-#include "cli/surface_command.hpp"
-#include "cli/usage.hpp"
-#include "cli/xyzr_command.hpp"
-#include "diff/compare_directories.hpp"
-#include "distributed/launcher.hpp"
 #include "distributed/processes.hpp"
 #include "eses/error.hpp"
-#include "output/output_files.hpp"
 #include "system/formatted.hpp"
 #include "system/hints.hpp"
 #include "system/resources.hpp"
@@ -62,55 +51,6 @@ void reserve_standard_streams() {
   std::abort();
 }
 
-/// Throws Error if several processes were started together but cannot communicate. They usually
-/// have the same command line and would write the same files.
-void refuse_same_files(const Options& options, const Processes& processes) {
-  const int launched = launched_processes();
-  if (launched == 1 || processes.count() > 1 || options.independent || options.dry_run) return;
-  if (!options.resume && final_paths(options.outputs, options.output_directory).empty()) return;
-  throw Error(
-      formatted("started as one of {} processes that would all write the same files; to share "
-                "one run, {}; for separate runs, use --independent and separate output "
-                "directories",
-                launched, Processes::advice()));
-}
-
-using Arguments = std::vector<std::string>;
-
-int perform_surface(const Arguments& arguments, const Processes& processes) {
-  end_on_signals();
-  const Options options = parse_arguments(arguments);
-  refuse_same_files(options, processes);
-  return compute_surface(options, processes);
-}
-
-int compare_files(const Arguments& arguments, const Processes& processes) {
-  if (!processes.is_first()) return exit_done;  // one process performs the comparison
-  const DiffOptions options = parse_diff_arguments(arguments);
-  const Differences found = compare_directories(options.directories, options.tolerance);
-  print(options.json ? diff_json_text(options, found) : diff_text(options, found));
-  return found.same() ? exit_done : exit_different;
-}
-
-int perform_measure(const Arguments& arguments, const Processes& processes) {
-  if (!processes.is_first()) return exit_done;  // one process measures all files
-  end_on_signals();
-  return measure_files(parse_measure_arguments(arguments));
-}
-
-int perform_msms(const Arguments& arguments, const Processes& processes) {
-  if (!processes.is_first()) return exit_done;  // one process computes the surface
-  end_on_signals();
-  run_msms(parse_msms_arguments(arguments));
-  return exit_done;
-}
-
-template <bool has_names>
-int perform_xyzr(const Arguments& arguments, const Processes& processes) {
-  if (processes.is_first()) print_spheres(has_names, arguments);
-  return exit_done;
-}
-
 /// Returns the message of an error, with its hints as options, such as ` (--max-memory 20M)`.
 std::string message_of(const std::exception& error) {
   std::string message = error.what();
@@ -127,32 +67,26 @@ std::string message_of(const std::exception& error) {
 
 /// A command of the program.
 struct Command {
+  std::string_view name;  ///< first argument that chooses the command; empty for the surface
   int (*perform)(const Arguments& arguments, const Processes& processes);
-  std::string_view help;
-  int failure_code;
+  int failure_code = exit_failure;
+  bool is_linked = false;       ///< whether a link to the program, such as eses-msms, chooses it
+  bool is_distributed = false;  ///< whether all processes perform it, or only the first one
 };
 
-constexpr Command surface_command{perform_surface, "eses-blocks --help", exit_failure};
-constexpr Command diff_command{compare_files, "eses-blocks diff --help", exit_trouble};
-constexpr Command measure_command{perform_measure, "eses-blocks measure --help", exit_failure};
-constexpr Command msms_command{perform_msms, "eses-blocks msms --help", exit_failure};
-constexpr Command xyzr_command{perform_xyzr<false>, "eses-blocks pdb_to_xyzr --help", exit_failure};
-constexpr Command xyzrn_command{perform_xyzr<true>, "eses-blocks pdb_to_xyzrn --help",
-                                exit_failure};
-
-/// Returns the command with the interface of MSMS or one of its scripts; null if `name` names none.
-const Command* msms_command_named(std::string_view name) {
-  if (name == "msms") return &msms_command;
-  if (name == "pdb_to_xyzr") return &xyzr_command;
-  if (name == "pdb_to_xyzrn") return &xyzrn_command;
-  return nullptr;
-}
+constexpr Command surface_command{.name = "", .perform = perform_surface, .is_distributed = true};
+constexpr std::array named_commands{
+    Command{.name = "diff", .perform = perform_diff, .failure_code = exit_trouble},
+    Command{.name = "measure", .perform = perform_measure},
+    Command{.name = "msms", .perform = perform_msms, .is_linked = true},
+    Command{.name = "pdb_to_xyzr", .perform = perform_pdb_to_xyzr, .is_linked = true},
+    Command{.name = "pdb_to_xyzrn", .perform = perform_pdb_to_xyzrn, .is_linked = true},
+};
 
 /// Returns the command that the first argument names; null if it names none.
 const Command* named_command(std::string_view name) {
-  if (name == "diff") return &diff_command;
-  if (name == "measure") return &measure_command;
-  return msms_command_named(name);
+  const auto* const found = std::ranges::find(named_commands, name, &Command::name);
+  return found == named_commands.end() ? nullptr : found;
 }
 
 /// Returns the command that a link to the program names, such as eses-msms; null if it names none.
@@ -160,7 +94,8 @@ const Command* linked_command(std::string_view path) {
   constexpr std::string_view prefix = "eses-";
   std::string_view name = path.substr(path.rfind('/') + 1);
   if (name.starts_with(prefix)) name.remove_prefix(prefix.size());
-  return msms_command_named(name);
+  const Command* const command = named_command(name);
+  return command != nullptr && command->is_linked ? command : nullptr;
 }
 
 /// Ends the other processes after a failure in this process only. Returns the exit code.
@@ -171,6 +106,7 @@ int end_all(const Processes& processes, int code) {
 
 int perform_or_notify(const Command& command, const Arguments& arguments,
                       const Processes& processes) try {
+  if (!command.is_distributed && !processes.is_first()) return exit_done;
   return command.perform(arguments, processes);
 } catch (const Notice& notice) {
   if (processes.is_first()) print(notice.text);
@@ -190,7 +126,10 @@ int perform(const Command& command, const Arguments& arguments, const Processes&
   } catch (const UsageError& error) {
     if (!processes.is_first()) return exit_usage;
     print_message("error", error.what());
-    std::fputs(formatted("Try '{}'.\n", command.help).c_str(), stderr);
+    std::fputs(
+        formatted("Try 'eses-blocks {}{}--help'.\n", command.name, command.name.empty() ? "" : " ")
+            .c_str(),
+        stderr);
     return exit_usage;
   } catch (const StrictError& error) {
     for (const std::string& line : error.lines) print_message("error", line);
@@ -237,16 +176,20 @@ int run_command(int argc, char** argv) {
   std::set_terminate(end_on_uncaught_exception);
   // Closed pipes and the file size limit are then reported as write errors.
   for (const int signal : {SIGPIPE, SIGXFSZ}) std::signal(signal, SIG_IGN);
-  const Command* const linked = argc > 0 ? linked_command(argv[0]) : nullptr;
-  const Command* const named = linked == nullptr && argc > 1 ? named_command(argv[1]) : nullptr;
-  const Command& command = linked != nullptr  ? *linked
-                           : named != nullptr ? *named
-                                              : surface_command;
+  const Command* command = argc > 0 ? linked_command(argv[0]) : nullptr;
+  if (command == nullptr && argc > 1) {
+    command = named_command(argv[1]);
+    if (command != nullptr) {
+      --argc;
+      ++argv;
+    }
+  }
+  if (command == nullptr) command = &surface_command;
   try {
-    return named != nullptr ? perform(command, argc - 1, argv + 1) : perform(command, argc, argv);
+    return perform(*command, argc, argv);
   } catch (const std::bad_alloc&) {
     print_out_of_memory();
-    return command.failure_code;
+    return command->failure_code;
   }
 }
 

@@ -2,6 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <array>
+#include <cstddef>
+#include <map>
+
 #include "input/text_source.hpp"
 #include "system/formatted.hpp"
 
@@ -14,56 +18,42 @@ struct Wording {
   std::string_view relation;      // text between the lines of an atom and of the other atom
 };
 
-Wording wording_of(DiagnosticKind kind) {
-  switch (kind) {
-    case DiagnosticKind::duplicate:
-      return {"duplicate", "atom has the centre and radius of an earlier one",
-              "atoms have the centre and radius of an earlier one", "as"};
-    case DiagnosticKind::close:
-      return {"close", "atom is within 0.5 angstrom of an earlier one",
-              "atoms are within 0.5 angstrom of an earlier one", "near"};
-    case DiagnosticKind::nested:
-      return {"nested", "atom lies wholly inside another one",
-              "atoms lie wholly inside another one", "in"};
-    case DiagnosticKind::large_radius:
-      return {"large_radius", "atom has a radius above 4 angstrom",
-              "atoms have a radius above 4 angstrom", ""};
-    case DiagnosticKind::small_radii:
-      return {"small_radii", "atom, with a radius below 0.4 angstrom; are lengths in nanometres?",
-              "atoms, all with a radius below 0.4 angstrom; are lengths in nanometres?", ""};
-    case DiagnosticKind::one_atom_residue:
-      return {"one_atom_residue",
-              "residue has a single atom; area and volume are not those of the whole molecule",
-              "residues have a single atom, as in models of C-alpha atoms; area and volume are not "
-              "those of the whole molecule",
-              ""};
-    case DiagnosticKind::zero_radius:
-      return {"zero_radius", "of radius 0", "of radius 0", ""};
-    case DiagnosticKind::nested_usual:
-      return {"nested_usual", "of at most 1.4 angstrom inside another atom",
-              "of at most 1.4 angstrom inside another atom", "in"};
-    case DiagnosticKind::water:
-      return {"water", "of water, which pdb2pqr leaves out with --drop-water",
-              "of water, which pdb2pqr leaves out with --drop-water", ""};
-  }
-  return {};
-}
+/// By DiagnosticKind.
+constexpr std::array<Wording, diagnostic_kinds> wordings{{
+    {"duplicate", "atom has the centre and radius of an earlier one",
+     "atoms have the centre and radius of an earlier one", "as"},
+    {"close", "atom is within 0.5 angstrom of an earlier one",
+     "atoms are within 0.5 angstrom of an earlier one", "near"},
+    {"nested", "atom lies wholly inside another one", "atoms lie wholly inside another one", "in"},
+    {"large_radius", "atom has a radius above 4 angstrom", "atoms have a radius above 4 angstrom",
+     ""},
+    {"small_radii", "atom, with a radius below 0.4 angstrom; are lengths in nanometres?",
+     "atoms, all with a radius below 0.4 angstrom; are lengths in nanometres?", ""},
+    {"one_atom_residue",
+     "residue has a single atom; area and volume are not those of the whole molecule",
+     "residues have a single atom, as in models of C-alpha atoms; area and volume are not those of "
+     "the whole molecule",
+     ""},
+    {"zero_radius", "of radius 0", "of radius 0", ""},
+    {"nested_usual", "of at most 1.4 angstrom inside another atom",
+     "of at most 1.4 angstrom inside another atom", "in"},
+    {"water", "of water, which pdb2pqr leaves out with --drop-water",
+     "of water, which pdb2pqr leaves out with --drop-water", ""},
+}};
 
 /// Returns the number of a line, with the label of its atom if there is one.
-std::string line_text(std::uint64_t line, const std::string& label) {
-  return label.empty() ? formatted("{}", line) : formatted("{}, {}", line, label);
+std::string line_text(std::uint64_t line, const std::optional<std::string>& label) {
+  return label ? formatted("{}, {}", line, *label) : formatted("{}", line);
 }
 
 std::string lines_text(const DiagnosticText& text, std::string_view relation) {
   std::vector<std::string> parts;
   bool has_labels = false;
   for (const DiagnosticText::Example& example : text.examples) {
-    has_labels = has_labels || !example.label.empty();
-    const std::string line = line_text(example.line, example.label);
-    parts.push_back(example.has_other
-                        ? formatted("{} ({} {})", line, relation,
-                                    line_text(example.other_line, example.other_label))
-                        : line);
+    has_labels = has_labels || example.label;
+    std::string& part = parts.emplace_back(line_text(example.line, example.label));
+    if (example.other_line)
+      part += formatted(" ({} {})", relation, line_text(*example.other_line, example.other_label));
   }
   const std::uint64_t more = text.count - text.examples.size();
   return formatted("{} {}{}", text.count == 1 ? "line" : "lines",
@@ -71,39 +61,39 @@ std::string lines_text(const DiagnosticText& text, std::string_view relation) {
                    more > 0 ? formatted(" and {} more", more) : "");
 }
 
-/// Returns a label such as `A/LYS 33/CE`; empty if it is unknown.
-std::string label_text(const std::map<AtomIndex, AtomLabel>& labels, AtomIndex atom) {
+/// Returns a label such as `A/LYS 33/CE`, if it is known.
+std::optional<std::string> label_text(const std::map<AtomIndex, AtomLabel>& labels,
+                                      AtomIndex atom) {
   const auto found = labels.find(atom);
-  if (found == labels.end()) return "";
+  if (found == labels.end()) return std::nullopt;
   const auto& [chain, residue, number, name, element] = found->second;
   return formatted("{}/{} {}/{}", chain, residue, number, name);
 }
 
-DiagnosticText describe_diagnostic(const Diagnostic& diagnostic, const LineOf& line_of,
-                                   const std::filesystem::path& input,
-                                   const std::map<AtomIndex, AtomLabel>& labels) {
-  const Wording wording = wording_of(diagnostic.kind);
-  DiagnosticText text;
-  text.name = wording.name;
-  text.is_usual = is_usual(diagnostic.kind);
-  text.count = diagnostic.count;
-  text.short_text = diagnostic.count == 1 ? wording.one : wording.several;
-  for (const auto& [atom, other] : diagnostic.examples)
-    text.examples.push_back({atom, line_of(atom), atom != other, other, line_of(other),
-                             label_text(labels, atom), label_text(labels, other)});
-  text.message = formatted("{}: {} {}: {}", input_name(input), text.count, text.short_text,
-                           lines_text(text, wording.relation));
-  return text;
-}
-
 }  // namespace
 
-std::vector<DiagnosticText> describe(std::span<const Diagnostic> diagnostics, const LineOf& line_of,
-                                     const std::filesystem::path& input,
-                                     const std::map<AtomIndex, AtomLabel>& labels) {
+std::vector<DiagnosticText> describe(const FileDiagnostics& diagnostics,
+                                     const std::filesystem::path& input) {
+  const auto& [all, lines, labels] = diagnostics;
   std::vector<DiagnosticText> texts;
-  for (const Diagnostic& diagnostic : diagnostics)
-    texts.push_back(describe_diagnostic(diagnostic, line_of, input, labels));
+  for (const auto& [kind, count, examples] : all) {
+    const Wording& wording = wordings[static_cast<std::size_t>(kind)];
+    DiagnosticText& text = texts.emplace_back();
+    text.name = wording.name;
+    text.is_usual = is_usual(kind);
+    text.count = count;
+    text.short_text = count == 1 ? wording.one : wording.several;
+    for (const auto& [atom, other] : examples) {
+      auto& example = text.examples.emplace_back(
+          DiagnosticText::Example{atom, lines.at(atom), label_text(labels, atom)});
+      if (other == atom) continue;
+      example.other_atom = other;
+      example.other_line = lines.at(other);
+      example.other_label = label_text(labels, other);
+    }
+    text.message = formatted("{}: {} {}: {}", input_name(input), text.count, text.short_text,
+                             lines_text(text, wording.relation));
+  }
   return texts;
 }
 

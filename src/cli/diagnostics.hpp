@@ -3,14 +3,12 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <functional>
-#include <map>
-#include <span>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
-#include "eses/diagnostics.hpp"
+#include "distributed/file_diagnostics.hpp"
 
 namespace eses::detail::cli {
 
@@ -19,10 +17,11 @@ struct DiagnosticText {
   struct Example {
     AtomIndex atom = 0;
     std::uint64_t line = 0;
-    bool has_other = false;
-    AtomIndex other_atom = 0;
-    std::uint64_t other_line = 0;
-    std::string label, other_label;  ///< such as A/LYS 33/CE; empty if unknown
+    std::optional<std::string> label = {};  ///< such as A/LYS 33/CE
+    // Of the other atom, if there is one.
+    std::optional<AtomIndex> other_atom = {};
+    std::optional<std::uint64_t> other_line = {};
+    std::optional<std::string> other_label = {};
   };
   std::string_view name;    ///< identifier in the JSON report
   bool is_usual = false;    ///< whether it is a note rather than a warning
@@ -32,11 +31,8 @@ struct DiagnosticText {
   std::vector<Example> examples;
 };
 
-/// Returns the line number of an atom in the input. The atom must be an example of a diagnostic.
-using LineOf = std::function<std::uint64_t(AtomIndex atom)>;
-
-std::vector<DiagnosticText> describe(std::span<const Diagnostic> diagnostics, const LineOf& line_of,
-                                     const std::filesystem::path& input,
-                                     const std::map<AtomIndex, AtomLabel>& labels = {});
+/// Returns the texts of the diagnostics of a file.
+std::vector<DiagnosticText> describe(const FileDiagnostics& diagnostics,
+                                     const std::filesystem::path& input);
 
 }  // namespace eses::detail::cli

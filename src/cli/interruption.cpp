@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
-#include <span>
 #include <utility>
 
 namespace eses::detail::cli {
@@ -69,16 +68,14 @@ bool has_default_action(int signal) {
          action.sa_handler == SIG_DFL;
 }
 
-bool is_among(std::span<const int> signals, int signal) {
-  return std::find(signals.begin(), signals.end(), signal) != signals.end();
-}
-
 }  // namespace
 
 void end_on_signals() {
-  for (int signal = 1; signal <= SIGRTMAX; ++signal)
-    if (!is_among(not_ending, signal) && has_default_action(signal))
-      handle(signal, is_among(crashes, signal) ? end_with_core_dump : take_signal);
+  for (int signal = 1; signal <= SIGRTMAX; ++signal) {
+    if (std::ranges::count(not_ending, signal) > 0 || !has_default_action(signal)) continue;
+    const bool is_crash = std::ranges::count(crashes, signal) > 0;
+    handle(signal, is_crash ? end_with_core_dump : take_signal);
+  }
 }
 
 InterruptibleRun::InterruptibleRun(std::vector<std::string> temporaries,

@@ -31,7 +31,7 @@ class InterruptibleRun {
   InterruptibleRun(const InterruptibleRun&) = delete;
   InterruptibleRun& operator=(const InterruptibleRun&) = delete;
 
-  /// Throws Interrupted after a signal. May be called from one thread at a time.
+  /// Throws Interrupted after a signal. Several threads may call it.
   void check();
 
   /// Removes temporary files and locks. May be called from a signal handler.

@@ -1,11 +1,7 @@
-#include "cli/measure_command.hpp"
-
 #include <unistd.h>
 
 #include <algorithm>
-#include <array>
 #include <cstddef>
-#include <functional>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -18,6 +14,7 @@
 
 #include "cli/command.hpp"
 #include "cli/interruption.hpp"
+#include "cli/measure_options.hpp"
 #include "cli/measure_report.hpp"
 #include "cli/measured_file.hpp"
 #include "cli/messages.hpp"
@@ -29,42 +26,21 @@
 #include "system/formatted.hpp"
 #include "system/gzip.hpp"
 #include "system/parallel.hpp"
-#include "system/serial_check.hpp"
 
 namespace eses::detail::cli {
 namespace {
-
-/// A table of `--write`.
-struct Table {
-  std::string_view suffix;
-  bool TableChoice::*is_chosen;
-  void (*write)(const MeasuredAtoms& atoms, const TextSink& sink);
-};
-
-constexpr std::array tables{
-    Table{".atoms.csv", &TableChoice::atoms, write_measured_atoms},
-    Table{".residues.csv", &TableChoice::residues, write_measured_residues},
-    Table{".chains.csv", &TableChoice::chains, write_measured_chains},
-    Table{".derivatives.csv", &TableChoice::derivatives, write_derivatives},
-    Table{".cavities.csv", &TableChoice::cavities, write_cavities},
-    Table{".pieces.csv", &TableChoice::pieces, write_pieces},
-    Table{".pockets.csv", &TableChoice::pockets, write_pockets},
-};
 
 /// Returns the name of the table of an input file: its name without the suffix of its format.
 std::string table_name(const std::filesystem::path& input, const Table& table) {
   std::filesystem::path name = input == "-" ? "stdin" : input.filename();
   if (name.extension() == gzip_suffix) name = name.stem();
-  return formatted("{}{}", name.stem().string(), table.suffix);
+  return formatted("{}.{}.csv", name.stem().string(), table.name);
 }
 
 bool is_table(std::string_view name) {
-  return std::any_of(tables.begin(), tables.end(),
-                     [&](const Table& table) { return name.ends_with(table.suffix); });
-}
-
-std::filesystem::path directory_of(const MeasureCommandOptions& options) {
-  return options.output_directory.empty() ? "." : options.output_directory;
+  return std::any_of(tables.begin(), tables.end(), [&](const Table& table) {
+    return name.ends_with(formatted(".{}.csv", table.name));
+  });
 }
 
 std::filesystem::path csv_directory(const MeasureCommandOptions& options) {
@@ -86,8 +62,8 @@ Paths paths_of(const MeasureCommandOptions& options) {
   for (const Table& table : tables)
     if (options.tables.*table.is_chosen)
       for (const std::filesystem::path& input : options.inputs)
-        paths.add(directory_of(options), table_name(input, table));
-  if (options.tables.any()) paths.locks.push_back(lock_path(directory_of(options)));
+        paths.add(options.output_directory, table_name(input, table));
+  if (options.tables.any()) paths.locks.push_back(lock_path(options.output_directory));
   if (options.csv.empty()) return paths;
   const std::string name = options.csv.filename();
   paths.add(csv_directory(options), name);
@@ -206,7 +182,9 @@ Outcome outcome_of(const MeasureCommandOptions& options, const std::filesystem::
 
 }  // namespace
 
-int measure_files(const MeasureCommandOptions& options) {
+int perform_measure(const Arguments& arguments, const Processes& /*processes*/) {
+  end_on_signals();
+  const MeasureCommandOptions options = parse_measure_arguments(arguments);
   require_standard_output();
   const Paths paths = paths_of(options);
   check_outputs(options, paths.final);
@@ -214,7 +192,7 @@ int measure_files(const MeasureCommandOptions& options) {
   std::optional<OutputDirectory> directory, directory_of_csv;
   std::optional<OutputFile> csv;
   if (options.tables.any()) {
-    directory.emplace(directory_of(options));
+    directory.emplace(options.output_directory);
     directory->remove_abandoned(is_table);
   }
   if (!options.csv.empty()) {
@@ -223,9 +201,7 @@ int measure_files(const MeasureCommandOptions& options) {
     directory_of_csv->remove_abandoned([&](std::string_view file) { return file == name; });
     csv.emplace(*directory_of_csv, name);
   }
-  const CheckCallback check_signals = [&] { interruptible.check(); };
-  SerialCheck serial_check(check_signals);
-  const CheckCallback check = std::ref(serial_check);
+  const CheckCallback check = [&] { interruptible.check(); };
   Reporter reporter(options, csv ? &*csv : nullptr);
   const int threads = options.threads > 0 ? options.threads : available_threads();
   // Parallel loops are not nested: either files or the atoms of a file are measured in parallel.

@@ -57,14 +57,9 @@ std::optional<double> probe_radius_in(const std::string& text) {
 }
 
 std::optional<TableChoice> tables_in(const std::string& list) {
-  return choice_in<TableChoice>(list, {},
-                                {{"atoms", &TableChoice::atoms},
-                                 {"residues", &TableChoice::residues},
-                                 {"chains", &TableChoice::chains},
-                                 {"derivatives", &TableChoice::derivatives},
-                                 {"cavities", &TableChoice::cavities},
-                                 {"pieces", &TableChoice::pieces},
-                                 {"pockets", &TableChoice::pockets}});
+  std::vector<std::pair<std::string_view, bool TableChoice::*>> members;
+  for (const Table& table : tables) members.emplace_back(table.name, table.is_chosen);
+  return choice_in<TableChoice>(list, {}, members);
 }
 
 std::optional<PartChoice> parts_in(const std::string& text) {
@@ -153,9 +148,9 @@ void add_options(CLI::App& app, MeasureCommandOptions& options) {
             Format<TableChoice>{
                 tables_in, "some of atoms,residues,chains,derivatives,cavities,pieces,pockets"});
   add_value(app, "-o,--output-dir", "DIR", "directory of the tables, created if missing [.]",
-            options.output_directory, path_to("a directory"));
+            options.output_directory, any_text("a directory"));
   add_value(app, "--csv", "FILE", "write the results of all files as a table", options.csv,
-            path_to("a file"));
+            any_text("a file"));
   add_structure_options(app, options.structure);
   begin_group(app, "Computation (does not affect results)");
   add_threads(app, options.threads);
@@ -192,12 +187,12 @@ void check(const CLI::App& app, const MeasureCommandOptions& options) {
 
 }  // namespace
 
-MeasureCommandOptions parse_measure_arguments(std::vector<std::string> arguments) {
+MeasureCommandOptions parse_measure_arguments(const Arguments& arguments) {
   CLI::App app("Areas and volumes of molecular surfaces in closed form, without a grid.",
                "eses-blocks measure");
   MeasureCommandOptions options;
   add_options(app, options);
-  parse(app, std::move(arguments), "FILE...");
+  parse(app, arguments, "FILE...");
   options.pocket_options.probe_radius = options.probe_radius;
   check_pocket_options(app, options);
   check(app, options);

@@ -1,17 +1,37 @@
 #pragma once
 /// The command line of `eses-blocks measure` as plain data.
 
+#include <array>
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
+#include "cli/command.hpp"
 #include "eses/pockets.hpp"
 #include "eses/read_atoms.hpp"
 #include "eses/surface.hpp"
 #include "output/measure_tables.hpp"
 
 namespace eses::detail::cli {
+
+/// A table of `--write`. The table of the file NAME.pdb is NAME, a point, the name of the table and
+/// `.csv`.
+struct Table {
+  std::string_view name;
+  bool TableChoice::*is_chosen;
+  void (*write)(const MeasuredAtoms& atoms, const TextSink& sink);
+};
+inline constexpr std::array tables{
+    Table{"atoms", &TableChoice::atoms, write_measured_atoms},
+    Table{"residues", &TableChoice::residues, write_measured_residues},
+    Table{"chains", &TableChoice::chains, write_measured_chains},
+    Table{"derivatives", &TableChoice::derivatives, write_derivatives},
+    Table{"cavities", &TableChoice::cavities, write_cavities},
+    Table{"pieces", &TableChoice::pieces, write_pieces},
+    Table{"pockets", &TableChoice::pockets, write_pockets},
+};
 
 /// Division of the atoms into the parts of a complex.
 struct PartChoice {
@@ -32,9 +52,9 @@ struct MeasureCommandOptions {
   bool pockets = false;                   ///< whether pockets are reported
   PocketOptions pocket_options;           ///< of the search for pockets
   TableChoice tables;
-  std::filesystem::path output_directory;  ///< of the tables; empty if it is not given
-  std::filesystem::path csv;               ///< empty if it is not given
-  int threads = 0;                         ///< 0 means all available processors
+  std::filesystem::path output_directory = ".";  ///< of the tables
+  std::filesystem::path csv;                     ///< empty if it is not given
+  int threads = 0;                               ///< 0 means all available processors
   bool json = false;
   bool quiet = false;
   bool strict = false;  ///< whether warnings are errors
@@ -43,6 +63,6 @@ struct MeasureCommandOptions {
 };
 
 /// Parses the arguments of the command. Throws UsageError and Notice.
-MeasureCommandOptions parse_measure_arguments(std::vector<std::string> arguments);
+MeasureCommandOptions parse_measure_arguments(const Arguments& arguments);
 
 }  // namespace eses::detail::cli

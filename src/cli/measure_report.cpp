@@ -1,28 +1,31 @@
 #include "cli/measure_report.hpp"
 
-#include <fmt/format.h>
-
 #include <array>
+#include <functional>
 #include <string_view>
+#include <utility>
+#include <vector>
 
-#include "cli/filling_report.hpp"
 #include "cli/json.hpp"
 #include "cli/messages.hpp"
-#include "cli/structure_report.hpp"
+#include "cli/shared_report.hpp"
 #include "input/text_source.hpp"
 #include "output/area_table_writer.hpp"
 #include "system/formatted.hpp"
+
+namespace eses {
+
+static void to_json(detail::Json& json, const PatchAreas& areas) {
+  json = {{"convex", areas.convex}, {"saddle", areas.saddle}, {"concave", areas.concave}};
+}
+
+}  // namespace eses
 
 namespace eses::detail::cli {
 namespace {
 
 std::string surface_line(std::string_view name, double area, double volume) {
   return formatted("{:<16} {:>16.4f} {:>16.4f}\n", name, area, volume);
-}
-
-std::string kinds_line(const PatchAreas& areas) {
-  return formatted("SES patches: {:.4f} convex, {:.4f} saddle, {:.4f} concave\n", areas.convex,
-                   areas.saddle, areas.concave);
 }
 
 std::string parts_text(const MeasuredFile& file) {
@@ -62,30 +65,36 @@ std::string cavities_text(const MeasuredFile& file) {
   return text;
 }
 
-json::Value point_json(Vec3 point) { return {point.x, point.y, point.z}; }
+/// Returns the array of `make(item)` for the items of a list.
+template <class Items, class Make>
+Json array_of(const Items& items, const Make& make) {
+  Json array = Json::array();
+  for (const auto& item : items) array.push_back(make(item));
+  return array;
+}
 
-json::Value cavity_json(const MeasuredAtoms& atoms, const Cavity& cavity) {
-  json::Value item{{"void_volume", cavity.void_volume},
-                   {"probe_center_volume", cavity.probe_center_volume},
-                   {"ses_area", cavity.ses_area},
-                   {"sas_area", cavity.sas_area},
-                   {"euler_number", cavity.euler_number},
-                   {"centroid", point_json(cavity.centroid)},
-                   {"low", point_json(cavity.low)},
-                   {"high", point_json(cavity.high)},
-                   {"largest_probe", cavity.largest_probe},
-                   {"largest_probe_center", point_json(cavity.largest_probe_center)},
-                   {"walls", cavity.wall_count},
-                   {"piece", cavity.piece + 1}};
+Json cavity_json(const MeasuredAtoms& atoms, const Cavity& cavity) {
+  Json item{{"void_volume", cavity.void_volume},
+            {"probe_center_volume", cavity.probe_center_volume},
+            {"ses_area", cavity.ses_area},
+            {"sas_area", cavity.sas_area},
+            {"euler_number", cavity.euler_number},
+            {"centroid", cavity.centroid},
+            {"low", cavity.low},
+            {"high", cavity.high},
+            {"largest_probe", cavity.largest_probe},
+            {"largest_probe_center", cavity.largest_probe_center},
+            {"walls", cavity.wall_count},
+            {"piece", cavity.piece + 1}};
   item["inner_pieces"] =
-      json::array_of(cavity.inner, [](std::size_t piece) -> json::Value { return piece + 1; });
+      array_of(cavity.inner, [](std::size_t piece) -> Json { return piece + 1; });
   item["overlaps"] = overlaps_of(cavity);
   item["atoms"] = serial_numbers(atoms, cavity.atoms);
   if (!atoms.labels.empty()) item["residues"] = residues_of(atoms, cavity.atoms);
   return item;
 }
 
-json::Value piece_json(const MeasuredAtoms& atoms, const Piece& piece) {
+Json piece_json(const MeasuredAtoms& atoms, const Piece& piece) {
   return {{"ses_area", piece.ses_area},
           {"ses_volume", piece.ses_volume},
           {"sas_area", piece.sas_area},
@@ -97,12 +106,12 @@ json::Value piece_json(const MeasuredAtoms& atoms, const Piece& piece) {
           {"first_atom", serial_number(atoms, piece.atoms.front())}};
 }
 
-void add_cavities(json::Value& object, const MeasuredFile& file) {
+void add_cavities(Json& object, const MeasuredFile& file) {
   const MeasuredAtoms atoms = file.table();
-  object["cavities"] = json::array_of(
-      atoms.cavities, [&](const Cavity& cavity) { return cavity_json(atoms, cavity); });
+  object["cavities"] =
+      array_of(atoms.cavities, [&](const Cavity& cavity) { return cavity_json(atoms, cavity); });
   object["pieces"] =
-      json::array_of(atoms.pieces, [&](const Piece& piece) { return piece_json(atoms, piece); });
+      array_of(atoms.pieces, [&](const Piece& piece) { return piece_json(atoms, piece); });
 }
 
 std::string pockets_text(const MeasureCommandOptions& options, const Pockets& pockets) {
@@ -123,60 +132,95 @@ std::string pockets_text(const MeasureCommandOptions& options, const Pockets& po
   return text;
 }
 
-json::Value pocket_json(const MeasuredAtoms& atoms, const Pocket& pocket) {
-  json::Value item{{"volume", pocket.volume},
-                   {"probe_center_volume", pocket.probe_center_volume},
-                   {"mouth_area", pocket.mouth_area},
-                   {"mouths", pocket.mouth_count},
-                   {"centroid", point_json(pocket.centroid)},
-                   {"atoms", serial_numbers(atoms, pocket.atoms)}};
+Json pocket_json(const MeasuredAtoms& atoms, const Pocket& pocket) {
+  Json item{{"volume", pocket.volume},         {"probe_center_volume", pocket.probe_center_volume},
+            {"mouth_area", pocket.mouth_area}, {"mouths", pocket.mouth_count},
+            {"centroid", pocket.centroid},     {"atoms", serial_numbers(atoms, pocket.atoms)}};
   if (!atoms.labels.empty()) item["residues"] = residues_of(atoms, pocket.atoms);
   return item;
 }
 
-void add_pockets(json::Value& object, const PocketOptions& search, const MeasuredFile& file) {
+void add_pockets(Json& object, const PocketOptions& search, const MeasuredFile& file) {
   const MeasuredAtoms atoms = file.table();
-  object["pockets"] = json::array_of(
-      atoms.pockets, [&](const Pocket& pocket) { return pocket_json(atoms, pocket); });
+  object["pockets"] =
+      array_of(atoms.pockets, [&](const Pocket& pocket) { return pocket_json(atoms, pocket); });
   object["pocket_search"] = {{"large_probe_radius", search.large_probe_radius},
                              {"spacing", search.spacing},
                              {"difference_volume", file.pockets.difference_volume},
                              {"shallow_volume", file.pockets.shallow_volume}};
 }
 
-/// A value, and its name in tables and JSON.
-struct NamedValue {
-  const char* name;
-  double Measures::*member;
-};
-
-constexpr std::array areas_and_volumes{
-    NamedValue{"ses_area", &Measures::ses_area}, NamedValue{"ses_volume", &Measures::ses_volume},
-    NamedValue{"sas_area", &Measures::sas_area}, NamedValue{"sas_volume", &Measures::sas_volume},
-    NamedValue{"vdw_area", &Measures::vdw_area}, NamedValue{"vdw_volume", &Measures::vdw_volume}};
+/// Areas and volumes with their names in tables and JSON.
+using NamedMeasure = std::pair<const char*, double Measures::*>;
+constexpr std::array areas_and_volumes{NamedMeasure{"ses_area", &Measures::ses_area},
+                                       NamedMeasure{"ses_volume", &Measures::ses_volume},
+                                       NamedMeasure{"sas_area", &Measures::sas_area},
+                                       NamedMeasure{"sas_volume", &Measures::sas_volume},
+                                       NamedMeasure{"vdw_area", &Measures::vdw_area},
+                                       NamedMeasure{"vdw_volume", &Measures::vdw_volume}};
 
 /// The areas that the parts of a complex bury. See MeasuredFile::buried.
-constexpr std::array buried_areas{NamedValue{"buried_ses_area", &Measures::ses_area},
-                                  NamedValue{"buried_sas_area", &Measures::sas_area}};
+constexpr std::array buried_areas{NamedMeasure{"buried_ses_area", &Measures::ses_area},
+                                  NamedMeasure{"buried_sas_area", &Measures::sas_area}};
 
-json::Value kinds_json(const PatchAreas& areas) {
-  return {{"convex", areas.convex}, {"saddle", areas.saddle}, {"concave", areas.concave}};
-}
-
-void add_measures(json::Value& object, const Measures& measures) {
+void add_measures(Json& object, const Measures& measures) {
   for (const auto& [name, member] : areas_and_volumes) object[name] = measures.*member;
   object["euler_number"] = measures.euler_number;
-  object["ses_area_by_kind"] = kinds_json(measures.ses_areas);
+  object["ses_area_by_kind"] = measures.ses_areas;
 }
 
 /// Adds what concerns all atoms of the derivatives, if they were computed.
-void add_derivatives(json::Value& object, const Gradients& gradients) {
+void add_derivatives(Json& object, const Gradients& gradients) {
   if (gradients.ses_area.radii.empty()) return;
   object["derivatives_by_probe_radius"] = {{"ses_area", gradients.ses_area.probe},
                                            {"ses_volume", gradients.ses_volume.probe},
                                            {"sas_area", gradients.sas_area.probe},
                                            {"sas_volume", gradients.sas_volume.probe}};
   object["derivatives_are_smooth"] = gradients.are_smooth;
+}
+
+/// A value of a file in the lines of several files and in the table of `--csv`.
+struct Column {
+  std::string_view name;
+  int width;  ///< in the lines; 0 for a value that is only in the table
+  std::function<double(const MeasuredFile& file)> value;
+  bool is_whole = false;
+
+  std::string text(const MeasuredFile& file, int decimals) const {
+    return formatted("{:.{}f}", value(file), is_whole ? 0 : decimals);
+  }
+};
+
+std::vector<Column> columns_of(const MeasureCommandOptions& options) {
+  std::vector<Column> columns;
+  const auto add_count = [&](std::string_view name, int width, auto count) {
+    const auto value = [count](const MeasuredFile& file) {
+      return static_cast<double>(count(file));
+    };
+    columns.push_back({name, width, value, true});
+  };
+  for (const auto& [name, member] : areas_and_volumes)
+    columns.push_back(
+        {name, 14, [member = member](const MeasuredFile& file) { return file.measures.*member; }});
+  add_count("euler_number", 12, [](const auto& file) { return file.measures.euler_number; });
+  using NamedPatch = std::pair<std::string_view, double PatchAreas::*>;
+  for (const auto& [name, member] : {NamedPatch{"convex_area", &PatchAreas::convex},
+                                     NamedPatch{"saddle_area", &PatchAreas::saddle},
+                                     NamedPatch{"concave_area", &PatchAreas::concave}})
+    columns.push_back({name, 0, [member = member](const MeasuredFile& file) {
+                         return file.measures.ses_areas.*member;
+                       }});
+  if (options.cavities) {
+    add_count("cavities", 8, [](const auto& file) { return file.measures.cavities.size(); });
+    add_count("pieces", 8, [](const auto& file) { return file.measures.pieces.size(); });
+  }
+  if (options.pockets)
+    add_count("pockets", 7, [](const auto& file) { return file.pockets.pockets.size(); });
+  if (options.parts.is_chosen())
+    for (const auto& [name, area] : buried_areas)
+      columns.push_back(
+          {name, 15, [area = area](const MeasuredFile& file) { return file.buried(area); }});
+  return columns;
 }
 
 }  // namespace
@@ -193,7 +237,9 @@ std::string measure_text(const MeasureCommandOptions& options, const MeasuredFil
   text += surface_line("SES", measures.ses_area, measures.ses_volume);
   text += surface_line("SAS", measures.sas_area, measures.sas_volume);
   text += surface_line("van der Waals", measures.vdw_area, measures.vdw_volume);
-  text += kinds_line(measures.ses_areas);
+  const PatchAreas& patches = measures.ses_areas;
+  text += formatted("SES patches: {:.4f} convex, {:.4f} saddle, {:.4f} concave\n", patches.convex,
+                    patches.saddle, patches.concave);
   text += formatted("Euler number of the SAS: {}\n", measures.euler_number);
   if (file.surface.max_filled_void()) text += filling_text(measures.filled_cavities);
   if (options.cavities) text += cavities_text(file);
@@ -203,77 +249,50 @@ std::string measure_text(const MeasureCommandOptions& options, const MeasuredFil
 
 std::string measure_heading(const MeasureCommandOptions& options) {
   std::string text;
-  for (const auto& [name, member] : areas_and_volumes) text += formatted("{:>14} ", name);
-  text += formatted("{:>12} ", "euler_number");
-  if (options.cavities) text += formatted("{:>8} {:>8} ", "cavities", "pieces");
-  if (options.pockets) text += formatted("{:>7} ", "pockets");
-  if (options.parts.is_chosen())
-    for (const auto& [name, area] : buried_areas) text += formatted("{:>15} ", name);
+  for (const Column& column : columns_of(options))
+    if (column.width > 0) text += formatted("{:>{}} ", column.name, column.width);
   return text + "file\n";
 }
 
 std::string measure_line(const MeasureCommandOptions& options, const MeasuredFile& file) {
   std::string text;
-  for (const auto& [name, member] : areas_and_volumes)
-    text += formatted("{:>14.4f} ", file.measures.*member);
-  text += formatted("{:>12} ", file.measures.euler_number);
-  if (options.cavities)
-    text += formatted("{:>8} {:>8} ", file.measures.cavities.size(), file.measures.pieces.size());
-  if (options.pockets) text += formatted("{:>7} ", file.pockets.pockets.size());
-  if (!file.parts.empty())
-    for (const auto& [name, area] : buried_areas)
-      text += formatted("{:>15.4f} ", file.buried(area));
+  for (const Column& column : columns_of(options))
+    if (column.width > 0) text += formatted("{:>{}} ", column.text(file, 4), column.width);
   return text + one_line(file.path.string()) + "\n";
 }
 
 std::string measure_json(const MeasureCommandOptions& options, const MeasuredFile& file) {
-  json::Value object{{"file", file.path.string()},
-                     {"atoms", file.surface.atoms().size()},
-                     {"probe_radius", options.probe_radius}};
+  Json object{{"file", file.path.string()},
+              {"atoms", file.surface.atoms().size()},
+              {"probe_radius", options.probe_radius}};
   add_measures(object, file.measures);
   add_derivatives(object, file.measures.gradients);
   if (options.cavities) add_cavities(object, file);
   if (options.pockets) add_pockets(object, options.pocket_options, file);
-  if (file.surface.max_filled_void())
-    object["filled_cavities"] =
-        filled_json(file.surface.max_filled_void(), file.measures.filled_cavities);
+  if (file.surface.max_filled_void()) object["filled_cavities"] = file.measures.filled_cavities;
   if (!file.parts.empty()) {
-    object["parts"] = json::array_of(file.parts, [](const MeasuredPart& part) {
-      json::Value item{{"name", part.name}, {"atoms", part.atoms}};
+    object["parts"] = array_of(file.parts, [](const MeasuredPart& part) {
+      Json item{{"name", part.name}, {"atoms", part.atoms}};
       add_measures(item, part.measures);
       return item;
     });
     object["other_atoms"] = file.other_atoms;
     for (const auto& [name, area] : buried_areas) object[name] = file.buried(area);
   }
-  if (file.structure) object["structure"] = structure_json(*file.structure);
-  return json::text_of(object) + "\n";
+  if (file.structure) object["structure"] = *file.structure;
+  return text_of(object) + "\n";
 }
 
 std::string measure_csv_heading(const MeasureCommandOptions& options) {
   std::string text = "file,atoms,probe_radius";
-  for (const auto& [name, member] : areas_and_volumes) text += formatted(",{}", name);
-  text += ",euler_number,convex_area,saddle_area,concave_area";
-  if (options.cavities) text += ",cavities,pieces";
-  if (options.pockets) text += ",pockets";
-  if (options.parts.is_chosen())
-    for (const auto& [name, area] : buried_areas) text += formatted(",{}", name);
+  for (const Column& column : columns_of(options)) text += formatted(",{}", column.name);
   return text + "\n";
 }
 
 std::string measure_csv_line(const MeasureCommandOptions& options, const MeasuredFile& file) {
   std::string text = formatted("{},{},{}", csv_field(file.path.string()),
                                file.surface.atoms().size(), options.probe_radius);
-  for (const auto& [name, member] : areas_and_volumes)
-    text += formatted(",{:.6f}", file.measures.*member);
-  const PatchAreas& kinds = file.measures.ses_areas;
-  text += formatted(",{},{:.6f},{:.6f},{:.6f}", file.measures.euler_number, kinds.convex,
-                    kinds.saddle, kinds.concave);
-  if (options.cavities)
-    text += formatted(",{},{}", file.measures.cavities.size(), file.measures.pieces.size());
-  if (options.pockets) text += formatted(",{}", file.pockets.pockets.size());
-  if (!file.parts.empty())
-    for (const auto& [name, area] : buried_areas) text += formatted(",{:.6f}", file.buried(area));
+  for (const Column& column : columns_of(options)) text += "," + column.text(file, 6);
   return text + "\n";
 }
 

@@ -19,12 +19,6 @@ namespace {
 
 constexpr std::uint32_t no_part = std::numeric_limits<std::uint32_t>::max();
 
-/// Division of atoms into the parts of a complex.
-struct Parts {
-  std::vector<std::string> names;
-  std::vector<std::uint32_t> of_atom;  ///< index of the part of each atom, or no_part
-};
-
 /// Returns the names of the chains in the order of first occurrence.
 std::vector<std::string> chains_of(std::span<const AtomLabel> labels) {
   std::vector<std::string> chains;
@@ -48,93 +42,93 @@ std::string list_of(const std::vector<std::string>& chains) {
   return formatted("{}", fmt::join(names, ", "));
 }
 
-Parts divide(std::span<const AtomLabel> labels, const PartChoice& choice,
-             const std::filesystem::path& path) {
+/// Divides the atoms into the parts of a complex.
+void divide(const PartChoice& choice, MeasuredFile& file) {
+  const std::span<const AtomLabel> labels = file.surface.labels();
   const std::vector<std::string> chains = chains_of(labels);
   std::vector<std::vector<std::string>> groups = choice.parts;
   if (choice.by_chain)
     for (const std::string& chain : chains) groups.push_back({chain});
   if (groups.size() < 2)
     throw Error(formatted("{}: --parts needs two or more chains, and the only chain is {}",
-                          input_name(path), list_of(chains)));
-  Parts parts;
+                          input_name(file.path), list_of(chains)));
   std::map<std::string, std::uint32_t> part_of_chain;
   for (const std::vector<std::string>& group : groups) {
     for (const std::string& chain : group) {
       if (std::find(chains.begin(), chains.end(), chain) == chains.end())
         throw Error(formatted("{}: no atoms of chain {}, which --parts names; the chains are {}",
-                              input_name(path), printable(chain), list_of(chains)));
-      part_of_chain[chain] = static_cast<std::uint32_t>(parts.names.size());
+                              input_name(file.path), printable(chain), list_of(chains)));
+      part_of_chain[chain] = static_cast<std::uint32_t>(file.part_names.size());
     }
-    parts.names.push_back(formatted("{}", fmt::join(group, ",")));
+    file.part_names.push_back(formatted("{}", fmt::join(group, ",")));
   }
   for (const AtomLabel& label : labels) {
     const auto part = part_of_chain.find(label.chain);
-    parts.of_atom.push_back(part == part_of_chain.end() ? no_part : part->second);
+    file.part_of_atom.push_back(part == part_of_chain.end() ? no_part : part->second);
   }
-  return parts;
+}
+
+/// Some atoms of a file.
+struct AtomSubset {
+  std::vector<std::size_t> indices;  ///< in the surface of the file
+  std::vector<Atom> atoms;
+};
+
+/// Returns the atoms for whose part `is_chosen` returns true.
+AtomSubset atoms_of(const MeasuredFile& file, const auto& is_chosen) {
+  AtomSubset subset;
+  for (std::size_t i = 0; i < file.part_of_atom.size(); ++i) {
+    if (!is_chosen(file.part_of_atom[i])) continue;
+    subset.indices.push_back(i);
+    subset.atoms.push_back(file.surface.atoms()[i]);
+  }
+  return subset;
 }
 
 /// Replaces the surface by the surface of the atoms that belong to parts, if there are other atoms.
-void remove_other_atoms(Parts& parts, const SurfaceOptions& indexing, MeasuredFile& file) {
-  const std::span<const Atom> all = file.surface.atoms();
-  const auto others = std::count(parts.of_atom.begin(), parts.of_atom.end(), no_part);
-  file.other_atoms = static_cast<std::uint64_t>(others);
-  if (others == 0) return;
-  std::vector<Atom> atoms;
+void remove_other_atoms(const SurfaceOptions& indexing, MeasuredFile& file) {
+  AtomSubset subset = atoms_of(file, [](std::uint32_t part) { return part != no_part; });
+  file.other_atoms = file.part_of_atom.size() - subset.indices.size();
+  if (file.other_atoms == 0) return;
   std::vector<AtomLabel> labels;
-  for (std::size_t i = 0; i < all.size(); ++i) {
-    if (parts.of_atom[i] == no_part) continue;
-    atoms.push_back(all[i]);
-    labels.push_back(file.surface.labels()[i]);
-    file.file_indices.push_back(i);
-  }
-  std::erase(parts.of_atom, no_part);
-  file.surface = Surface(std::move(atoms), std::move(labels), indexing);
+  for (const std::size_t i : subset.indices) labels.push_back(file.surface.labels()[i]);
+  file.file_indices.assign(subset.indices.begin(), subset.indices.end());
+  std::erase(file.part_of_atom, no_part);
+  file.surface = Surface(std::move(subset.atoms), std::move(labels), indexing);
 }
 
 /// Measures a part alone, and adds the areas of its atoms to `areas_alone`.
 MeasuredPart measure_part(std::uint32_t part, const MeasureOptions& options, MeasuredFile& file) {
-  const std::span<const Atom> all = file.surface.atoms();
-  std::vector<Atom> atoms;
-  std::vector<std::size_t> indices;
-  for (std::size_t i = 0; i < all.size(); ++i) {
-    if (file.part_of_atom[i] != part) continue;
-    atoms.push_back(all[i]);
-    indices.push_back(i);
-  }
-  MeasuredPart measured{file.part_names[part], atoms.size(), {}};
-  const Surface surface(std::move(atoms), {.max_filled_void = file.surface.max_filled_void(),
-                                           .threads = options.threads,
-                                           .check = options.check});
+  AtomSubset subset = atoms_of(file, [part](std::uint32_t other) { return other == part; });
+  MeasuredPart measured{file.part_names[part], subset.atoms.size(), {}};
+  const Surface surface(std::move(subset.atoms), {.max_filled_void = file.surface.max_filled_void(),
+                                                  .threads = options.threads,
+                                                  .check = options.check});
   measured.measures = measure(surface, options);
   const eses::AtomAreas areas = std::exchange(measured.measures.by_atom, {});
   if (!options.by_atom) return measured;
   using Areas = std::vector<double> eses::AtomAreas::*;
   for (const Areas kind : {&eses::AtomAreas::sas, &eses::AtomAreas::convex,
                            &eses::AtomAreas::saddle, &eses::AtomAreas::concave}) {
-    (file.areas_alone.*kind).resize(all.size());
-    for (std::size_t i = 0; i < indices.size(); ++i)
-      (file.areas_alone.*kind)[indices[i]] = (areas.*kind)[i];
+    (file.areas_alone.*kind).resize(file.part_of_atom.size());
+    for (std::size_t i = 0; i < subset.indices.size(); ++i)
+      (file.areas_alone.*kind)[subset.indices[i]] = (areas.*kind)[i];
   }
   return measured;
 }
 
-/// Returns the diagnostics of the atoms of a file, in the order of DiagnosticKind.
-std::vector<DiagnosticText> describe_all(const AtomFile& file, const Surface& surface,
-                                         const std::filesystem::path& path) {
-  std::vector<Diagnostic> diagnostics = file.diagnostics;
-  diagnostics.insert(diagnostics.end(), surface.diagnostics().begin(), surface.diagnostics().end());
-  std::stable_sort(diagnostics.begin(), diagnostics.end(),
-                   [](const Diagnostic& a, const Diagnostic& b) { return a.kind < b.kind; });
-  std::map<AtomIndex, AtomLabel> labels;
-  if (!surface.labels().empty())
-    for (const Diagnostic& diagnostic : diagnostics)
-      for (const auto& example : diagnostic.examples)
-        for (const AtomIndex atom : {example.atom, example.other})
-          labels[atom] = surface.labels()[atom];
-  return describe(
-      diagnostics, [&](AtomIndex atom) { return file.lines[atom]; }, path, labels);
+/// Returns the diagnostics of the atoms of a file.
+FileDiagnostics diagnostics_of(const AtomFile& file, const Surface& surface) {
+  FileDiagnostics all{file.diagnostics, {}, {}};
+  const std::span<const Diagnostic> of_surface = surface.diagnostics();
+  all.add({{of_surface.begin(), of_surface.end()}, {}, {}});
+  for (const Diagnostic& diagnostic : all.diagnostics)
+    for (const auto& example : diagnostic.examples)
+      for (const AtomIndex atom : {example.atom, example.other}) {
+        all.lines[atom] = file.lines[atom];
+        if (!surface.labels().empty()) all.labels[atom] = surface.labels()[atom];
+      }
+  return all;
 }
 
 }  // namespace
@@ -165,14 +159,12 @@ MeasuredFile measure_file(const MeasureCommandOptions& options, const std::files
                         .check = check});
   const SurfaceOptions indexing{
       .max_filled_void = options.max_filled_void, .threads = threads, .check = check};
-  const Surface surface(std::move(file.atoms), std::move(file.labels), indexing);
-  MeasuredFile result{.path = path, .surface = surface};
-  result.diagnostics = describe_all(file, surface, path);
+  MeasuredFile result{.path = path,
+                      .surface = Surface(std::move(file.atoms), std::move(file.labels), indexing)};
+  result.diagnostics = describe(diagnostics_of(file, result.surface), path);
   if (options.parts.is_chosen()) {
-    Parts parts = divide(surface.labels(), options.parts, path);
-    remove_other_atoms(parts, indexing, result);
-    result.part_of_atom = std::move(parts.of_atom);
-    result.part_names = std::move(parts.names);
+    divide(options.parts, result);
+    remove_other_atoms(indexing, result);
   }
   MeasureOptions measuring{.probe_radius = options.probe_radius,
                            .van_der_waals = true,

@@ -4,7 +4,6 @@
 #include <concepts>
 #include <string>
 #include <string_view>
-#include <vector>
 
 #include "system/formatted.hpp"
 
@@ -21,11 +20,6 @@ void require_standard_output();
 void print_message(std::string_view kind, std::string_view message);
 /// Prints the message about insufficient memory without allocating any.
 void print_out_of_memory();
-
-/// The warnings of a run with --strict.
-struct StrictError {
-  std::vector<std::string> lines;
-};
 
 /// Returns `text` as a single line, in which `?` replaces control characters.
 std::string one_line(std::string_view text);

@@ -1,5 +1,3 @@
-#include "cli/msms_command.hpp"
-
 #include <unistd.h>
 
 #include <algorithm>
@@ -7,17 +5,16 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <limits>
 #include <memory>
 #include <numeric>
-#include <optional>
 #include <string>
 #include <string_view>
-#include <utility>
 #include <vector>
 
+#include "cli/command.hpp"
 #include "cli/interruption.hpp"
 #include "cli/messages.hpp"
+#include "cli/msms_options.hpp"
 #include "cli/msms_surface.hpp"
 #include "eses/error.hpp"
 #include "eses/version.hpp"
@@ -200,11 +197,9 @@ class Files {
 
  private:
   static std::vector<std::string> temporaries_of(const std::filesystem::path& directory,
-                                                 const std::vector<std::string>& names) {
-    std::vector<std::string> paths;
-    for (const std::string& name : names)
-      paths.push_back(path_in(directory, temporary_name(name, getpid())));
-    return paths;
+                                                 std::vector<std::string> names) {
+    for (std::string& name : names) name = path_in(directory, temporary_name(name, getpid()));
+    return names;
   }
 
   InterruptibleRun interruptible_;
@@ -216,13 +211,6 @@ std::filesystem::path directory_of(const std::filesystem::path& path) {
   return path.has_parent_path() ? path.parent_path() : ".";
 }
 
-/// Passes the text to the sink if it has become large.
-void flush_if_large(TextBuffer& text, const TextSink& sink, std::size_t limit = 1 << 20) {
-  if (text.text().size() <= limit) return;
-  sink({text.text().data(), text.text().size()});
-  text.clear();
-}
-
 /// A component, and the header of its files.
 struct ComponentWriter {
   const MsmsOptions& options;
@@ -230,37 +218,37 @@ struct ComponentWriter {
   const MsmsSurface& surface;
   std::uint32_t component;
 
-  void write_header(bool has_faces, std::uint64_t count, const TextSink& sink) const {
-    if (!options.has_header) return;
-    BufferedText text(sink);
-    mesh::append_msms_header(text, has_faces, count, input.used.size(), options.density,
-                             options.probe_radius);
-    text.flush();
+  void write_header(bool has_faces, std::uint64_t count, BufferedText& text) const {
+    if (options.has_header)
+      mesh::append_msms_header(text, has_faces, count, input.used.size(), options.density,
+                               options.probe_radius);
   }
 
   /// Writes the vertices. Returns the number of each vertex within the component.
   std::vector<std::uint64_t> write_vertices(const TextSink& sink) const {
-    write_header(false, surface.components.all[component].vertex_count, sink);
+    BufferedText text(sink);
+    write_header(false, surface.components.all[component].vertex_count, text);
     std::vector<std::uint64_t> numbers(surface.vertices.size());
     std::uint64_t count = 0;
-    TextBuffer text;
+    std::string line;
     for (std::size_t i = 0; i < numbers.size(); ++i) {
       if (surface.components.of_vertex[i] != component) continue;
       numbers[i] = count++;
       const AtomIndex closest = surface.closest_atoms[i];
       const std::string_view name = input.name(closest);
-      char* const out = text.reserve(mesh::max_msms_vertex_bytes + 1 + name.size());
-      text.advance_to(mesh::put_msms_vertex(out, surface.vertices[i],
-                                            FileIndex{input.file_indices[closest]}, name));
-      flush_if_large(text, sink);
+      line.resize(mesh::max_msms_vertex_bytes + 1 + name.size());
+      const char* const end = mesh::put_msms_vertex(line.data(), surface.vertices[i],
+                                                    FileIndex{input.file_indices[closest]}, name);
+      text.append("{}", std::string_view(line.data(), end));
     }
-    flush_if_large(text, sink, 0);
+    text.flush();
     return numbers;
   }
 
   void write_triangles(const std::vector<std::uint64_t>& numbers, const TextSink& sink) const {
-    write_header(true, surface.components.all[component].triangle_count, sink);
-    TextBuffer text;
+    BufferedText text(sink);
+    write_header(true, surface.components.all[component].triangle_count, text);
+    std::array<char, mesh::max_msms_triangle_bytes> line;
     for (const mesh::Triangle& triangle : surface.triangles) {
       if (surface.components.of_vertex[triangle[0]] != component) continue;
       mesh::Triangle local{};
@@ -269,11 +257,10 @@ struct ComponentWriter {
         local[corner] = numbers[triangle[corner]];
         patches[corner] = surface.vertices[triangle[corner]].patch;
       }
-      text.advance_to(mesh::put_msms_triangle(text.reserve(mesh::max_msms_triangle_bytes), local,
-                                              mesh::patch_of(patches)));
-      flush_if_large(text, sink);
+      const char* const end = mesh::put_msms_triangle(line.data(), local, mesh::patch_of(patches));
+      text.append("{}", std::string_view(line.data(), end));
     }
-    flush_if_large(text, sink, 0);
+    text.flush();
   }
 };
 
@@ -325,7 +312,9 @@ void write_areas(const MsmsOptions& options, const Input& input, const MsmsSurfa
 
 }  // namespace
 
-void run_msms(const MsmsOptions& options) {
+int perform_msms(const Arguments& arguments, const Processes& /*processes*/) {
+  end_on_signals();
+  const MsmsOptions options = parse_msms_arguments(arguments);
   require_standard_output();
   const Input input = read_input(options);
   print(input_text(options, input));
@@ -336,6 +325,7 @@ void run_msms(const MsmsOptions& options) {
   if (!options.areas.empty()) write_areas(options, input, surface, components);
   warn_about_others(options, surface);
   print(surface_text(options, surface, components));
+  return exit_done;
 }
 
 }  // namespace eses::detail::cli

@@ -1,7 +1,6 @@
 #include "cli/msms_options.hpp"
 
 #include <algorithm>
-#include <cstddef>
 #include <iterator>
 #include <limits>
 #include <span>
@@ -9,7 +8,6 @@
 #include <string_view>
 
 #include "cli/arguments.hpp"
-#include "cli/usage.hpp"
 #include "eses/surface.hpp"
 #include "system/formatted.hpp"
 
@@ -61,59 +59,22 @@ Exit codes:
   2  error in the command line
 )";
 
-/// The arguments that follow an option.
-class Values {
- public:
-  Values(std::string_view option, std::span<const std::string> arguments)
-      : option_(option), arguments_(arguments) {}
+/// An option, and the arguments that follow it and are not read yet.
+struct Values {
+  std::string_view option;
+  std::span<const std::string> rest;
 
-  std::string_view option() const { return option_; }
-  std::size_t used() const { return used_; }
-
-  std::string text() {
-    if (used_ == arguments_.size()) throw UsageError(formatted("{} needs a value", option_));
-    return arguments_[used_++];
-  }
-
-  std::filesystem::path path() {
-    std::string path = text();
-    if (path.empty()) refuse(option_, path, "a file");
-    return path;
-  }
-
+  /// Reads the next argument.
   template <class Value>
   Value read(const Format<Value>& format) {
-    const std::string value = text();
-    const std::optional<Value> result = format.read(value);
-    if (!result) refuse(option_, value, format.expected);
-    return *result;
+    if (rest.empty()) throw UsageError(formatted("{} needs a value", option));
+    const std::string& text = rest.front();
+    rest = rest.subspan(1);
+    const std::optional<Value> value = format.read(text);
+    if (!value) refuse(option, text, format.expected);
+    return *value;
   }
-
- private:
-  std::string_view option_;
-  std::span<const std::string> arguments_;
-  std::size_t used_ = 0;
 };
-
-constexpr double max_density = 1e6;
-
-Format<double> density() {
-  return number_between(1 / max_density, max_density, "a number from 1e-6 to 1e6");
-}
-
-std::vector<std::uint64_t> read_atoms_of_cavity(Values& values) {
-  const auto count = values.read(whole_number_between(1, 3));
-  std::vector<std::uint64_t> atoms;
-  for (std::int64_t i = 0; i < count; ++i)
-    atoms.push_back(static_cast<std::uint64_t>(
-        values.read(whole_number_between(0, std::numeric_limits<std::uint32_t>::max()))));
-  return atoms;
-}
-
-void refuse_server(const Values& values) {
-  throw UsageError(formatted("{} is refused, because there is no server; read a file with -if",
-                             values.option()));
-}
 
 /// An option, and what it does with its values.
 struct Option {
@@ -121,39 +82,66 @@ struct Option {
   void (*apply)(Values& values, MsmsOptions& options);
 };
 
+template <bool MsmsOptions::*member, bool value>
+void set(Values&, MsmsOptions& options) {
+  options.*member = value;
+}
+
+template <std::filesystem::path MsmsOptions::*member>
+void read_path(Values& values, MsmsOptions& options) {
+  options.*member = values.read(any_text("a file"));
+}
+
+template <double MsmsOptions::*member>
+void read_density(Values& values, MsmsOptions& options) {
+  options.*member = values.read(number_between(1e-6, 1e6, "a number from 1e-6 to 1e6"));
+}
+
+void read_probe_radius(Values& values, MsmsOptions& options) {
+  options.probe_radius = values.read(number_between(min_probe_radius, max_probe_radius,
+                                                    "a number from 0.01 to 1000, in angstrom"));
+}
+
+void read_surface(Values& values, MsmsOptions& options) {
+  options.has_triangles = values.read(one_of<bool>({{"tses", true}, {"ases", false}}));
+}
+
+void read_cavity_atoms(Values& values, MsmsOptions& options) {
+  const std::int64_t count = values.read(whole_number_between(1, 3));
+  options.cavity_atoms.clear();
+  for (std::int64_t i = 0; i < count; ++i)
+    options.cavity_atoms.push_back(static_cast<std::uint64_t>(
+        values.read(whole_number_between(0, std::numeric_limits<std::uint32_t>::max()))));
+}
+
+void ignore(Values&, MsmsOptions&) {}
+
+void refuse_server(Values& values, MsmsOptions&) {
+  throw UsageError(
+      formatted("{} is refused, because there is no server; read a file with -if", values.option));
+}
+
 /// The options in the order in which MSMS looks for the first one that an abbreviation fits.
 constexpr Option known_options[] = {
-    {"-probe_radius",
-     [](Values& values, MsmsOptions& options) {
-       options.probe_radius = values.read(number_between(
-           min_probe_radius, max_probe_radius, "a number from 0.01 to 1000, in angstrom"));
-     }},
-    {"-density",
-     [](Values& values, MsmsOptions& options) { options.density = values.read(density()); }},
-    {"-hdensity",
-     [](Values& values, MsmsOptions& options) { options.high_density = values.read(density()); }},
-    {"-surface",
-     [](Values& values, MsmsOptions& options) {
-       options.has_triangles = values.read(one_of<bool>({{"tses", true}, {"ases", false}}));
-     }},
-    {"-no_area", [](Values&, MsmsOptions& options) { options.has_areas = false; }},
-    {"-socketName", [](Values& values, MsmsOptions&) { refuse_server(values); }},
-    {"-socketPort", [](Values& values, MsmsOptions&) { refuse_server(values); }},
-    {"-xdr", [](Values& values, MsmsOptions&) { refuse_server(values); }},
-    {"-sinetd", [](Values& values, MsmsOptions&) { refuse_server(values); }},
-    {"-noh", [](Values&, MsmsOptions& options) { options.has_hydrogens = false; }},
-    {"-no_rest_on_pbr", [](Values&, MsmsOptions&) {}},
-    {"-no_rest", [](Values&, MsmsOptions&) {}},
-    {"-if", [](Values& values, MsmsOptions& options) { options.input = values.path(); }},
-    {"-of", [](Values& values, MsmsOptions& options) { options.surface = values.path(); }},
-    {"-af", [](Values& values, MsmsOptions& options) { options.areas = values.path(); }},
-    {"-no_header", [](Values&, MsmsOptions& options) { options.has_header = false; }},
-    {"-free_vertices", [](Values&, MsmsOptions&) {}},
-    {"-all_components", [](Values&, MsmsOptions& options) { options.has_all_components = true; }},
-    {"-one_cavity",
-     [](Values& values, MsmsOptions& options) {
-       options.cavity_atoms = read_atoms_of_cavity(values);
-     }},
+    {"-probe_radius", read_probe_radius},
+    {"-density", read_density<&MsmsOptions::density>},
+    {"-hdensity", read_density<&MsmsOptions::high_density>},
+    {"-surface", read_surface},
+    {"-no_area", set<&MsmsOptions::has_areas, false>},
+    {"-socketName", refuse_server},
+    {"-socketPort", refuse_server},
+    {"-xdr", refuse_server},
+    {"-sinetd", refuse_server},
+    {"-noh", set<&MsmsOptions::has_hydrogens, false>},
+    {"-no_rest_on_pbr", ignore},
+    {"-no_rest", ignore},
+    {"-if", read_path<&MsmsOptions::input>},
+    {"-of", read_path<&MsmsOptions::surface>},
+    {"-af", read_path<&MsmsOptions::areas>},
+    {"-no_header", set<&MsmsOptions::has_header, false>},
+    {"-free_vertices", ignore},
+    {"-all_components", set<&MsmsOptions::has_all_components, true>},
+    {"-one_cavity", read_cavity_atoms},
 };
 
 /// Returns the option of this name or, without one, the first option that begins with it.
@@ -173,16 +161,16 @@ const Option& option_named(std::string_view name) {
 
 }  // namespace
 
-MsmsOptions parse_msms_arguments(std::span<const std::string> arguments) {
+MsmsOptions parse_msms_arguments(const Arguments& arguments) {
   MsmsOptions options;
   for (std::span<const std::string> rest = arguments; !rest.empty();) {
     const std::string_view name = rest.front();
     if (name == "-h" || name == "--help") throw Notice{help};
     if (name == "--version") throw Notice{version_text()};
     const Option& option = option_named(name);
-    Values values(option.name, rest.subspan(1));
+    Values values{option.name, rest.subspan(1)};
     option.apply(values, options);
-    rest = rest.subspan(1 + values.used());
+    rest = values.rest;
   }
   if (options.input.empty()) throw UsageError("no input file; give it with -if");
   if (options.has_all_components && !options.cavity_atoms.empty())

@@ -4,9 +4,9 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <span>
-#include <string>
 #include <vector>
+
+#include "cli/command.hpp"
 
 namespace eses::detail::cli {
 
@@ -28,6 +28,6 @@ struct MsmsOptions {
 };
 
 /// Parses the arguments of the command. Throws UsageError and Notice.
-MsmsOptions parse_msms_arguments(std::span<const std::string> arguments);
+MsmsOptions parse_msms_arguments(const Arguments& arguments);
 
 }  // namespace eses::detail::cli

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 #include <functional>
+#include <numeric>
 #include <utility>
 
 #include "eses/compute.hpp"
@@ -67,22 +68,7 @@ PatchWeights fractions_of(const PatchWeights& part, const PatchWeights& sum) {
   return fractions;
 }
 
-/// Divides the analytical areas of an atom among its components, which are [begin, end).
-void divide_areas(const AtomAreas& areas, Weights::const_iterator begin,
-                  Weights::const_iterator end, MsmsSurface& surface) {
-  PatchWeights sum{};
-  for (auto part = begin; part != end; ++part)
-    for (std::size_t patch = 0; patch < sum.size(); ++patch) sum[patch] += part->second[patch];
-  for (auto part = begin; part != end; ++part) {
-    const AtomIndex atom = part->first.first;
-    const PatchWeights fractions = fractions_of(part->second, sum);
-    surface.atom_areas[part->first] = {
-        {fractions[0] * areas.convex[atom], fractions[1] * areas.saddle[atom],
-         fractions[2] * areas.concave[atom]},
-        fractions[0] * areas.sas[atom]};
-  }
-}
-
+/// Divides the analytical areas of the atoms among the components.
 void divide_areas(const AtomAreas& areas, std::span<const Atom> spheres,
                   std::span<const Vec3> positions, MsmsSurface& surface) {
   Weights weights = find_weights(surface, positions, spheres);
@@ -91,18 +77,22 @@ void divide_areas(const AtomAreas& areas, std::span<const Atom> spheres,
     const auto first = weights.lower_bound({atom, 0});
     if (first == weights.end() || first->first.first != atom) weights[{atom, 0}] = {};
   }
-  for (auto begin = weights.cbegin(); begin != weights.cend();) {
-    const auto end = weights.upper_bound({begin->first.first, ~std::uint32_t{0}});
-    divide_areas(areas, begin, end, surface);
-    begin = end;
-  }
+  std::vector<PatchWeights> sums(spheres.size());
+  for (const auto& [key, part] : weights)
+    for (std::size_t patch = 0; patch < part.size(); ++patch) sums[key.first][patch] += part[patch];
   surface.areas.resize(surface.components.all.size());
-  for (const auto& [key, part] : surface.atom_areas) {
-    MsmsAreas& sum = surface.areas[key.second];
-    sum.ses.convex += part.ses.convex;
-    sum.ses.saddle += part.ses.saddle;
-    sum.ses.concave += part.ses.concave;
-    sum.sas += part.sas;
+  for (const auto& [key, part] : weights) {
+    const auto [atom, component] = key;
+    const PatchWeights fractions = fractions_of(part, sums[atom]);
+    const MsmsAreas divided{{fractions[0] * areas.convex[atom], fractions[1] * areas.saddle[atom],
+                             fractions[2] * areas.concave[atom]},
+                            fractions[0] * areas.sas[atom]};
+    surface.atom_areas[key] = divided;
+    MsmsAreas& sum = surface.areas[component];
+    sum.ses.convex += divided.ses.convex;
+    sum.ses.saddle += divided.ses.saddle;
+    sum.ses.concave += divided.ses.concave;
+    sum.sas += divided.sas;
   }
 }
 
@@ -121,8 +111,7 @@ std::uint32_t MsmsSurface::component_at(std::span<const AtomIndex> atoms) const 
   for (std::uint32_t component = 0; component < counts.size(); ++component) {
     const std::vector<std::uint64_t>& of_atoms = counts[component];
     if (std::find(of_atoms.begin(), of_atoms.end(), 0U) != of_atoms.end()) continue;
-    std::uint64_t sum = 0;
-    for (const std::uint64_t count : of_atoms) sum += count;
+    const auto sum = std::accumulate(of_atoms.begin(), of_atoms.end(), std::uint64_t{0});
     const std::pair<bool, std::uint64_t> rank{components.all[component].volume < 0, sum};
     if (rank <= best) continue;
     best = rank;

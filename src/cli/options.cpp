@@ -3,7 +3,6 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>
@@ -15,7 +14,6 @@
 #include <string>
 #include <string_view>
 #include <system_error>
-#include <utility>
 #include <variant>
 #include <vector>
 
@@ -23,8 +21,6 @@
 #include "cli/shared_options.hpp"
 #include "eses/error.hpp"
 #include "input/grid_reader.hpp"
-#include "input/other_formats.hpp"
-#include "input/radii_set.hpp"
 #include "output/map_writer.hpp"
 #include "output/mesh_format.hpp"
 #include "output/output_files.hpp"
@@ -38,6 +34,7 @@ constexpr std::int64_t default_verify = 2000;
 
 constexpr double min_positive = std::numeric_limits<double>::denorm_min();
 constexpr double max_finite = std::numeric_limits<double>::max();
+constexpr std::int64_t max_whole = std::numeric_limits<std::int64_t>::max();
 
 constexpr char independent_flag[] = "--independent";
 
@@ -87,20 +84,13 @@ Environment:
 /// A parameter that can be given as a positional argument or as an option.
 struct Length {
   std::optional<double> positional, option;
+
+  bool is_given() const { return positional || option; }
 };
 
-/// The parsed command line, before dependent values are combined.
-struct CommandLine {
-  Options options;
+/// The lengths of the command line.
+struct Lengths {
   Length probe_radius, spacing, margin;
-  std::optional<Outputs> text_files;
-  bool gzip = false;
-  // The names of files that are not given are empty.
-  std::filesystem::path inside_map;
-  DielectricMaps dielectric;
-  IonAccessMap ion_access;
-  MeshOptions mesh;  // without the potential
-  MeshPotential potential;
 };
 
 // --- formats of values --------------------------------------------------------------------------
@@ -117,46 +107,38 @@ std::optional<std::uint64_t> bytes_in(const std::string& text) {
   return *value << shift;
 }
 
-/// Parses a list of exactly `count` numbers.
-template <class Number, std::size_t count>
-std::optional<std::array<Number, count>> numbers_in(const std::string& list, char separator) {
+/// Parses a list of exactly `count` numbers in [min, max].
+template <std::size_t count, class Number>
+std::optional<std::array<Number, count>> numbers_in(const std::string& list, char separator,
+                                                    Number min, Number max) {
   const std::vector<std::string> parts = CLI::detail::split(list, separator);
   if (parts.size() != count) return std::nullopt;
   std::array<Number, count> numbers{};
   for (std::size_t i = 0; i < count; ++i) {
     const std::optional<Number> number = whole_text<Number>(parts[i]);
-    if (!number) return std::nullopt;
+    if (!number || !(*number >= min && *number <= max)) return std::nullopt;  // also for NaN
     numbers[i] = *number;
   }
   return numbers;
 }
 
 std::optional<Box> box_in(const std::string& text) {
-  const auto ends = numbers_in<double, 6>(text, ',');
+  const auto ends = numbers_in<6>(text, ',', -max_finite, max_finite);
   if (!ends) return std::nullopt;
   const auto& [x0, y0, z0, x1, y1, z1] = *ends;
-  const auto is_finite = [](double value) { return std::isfinite(value); };
-  if (!std::all_of(ends->begin(), ends->end(), is_finite)) return std::nullopt;
   if (x0 > x1 || y0 > y1 || z0 > z1) return std::nullopt;
   return Box{{x0, y0, z0}, {x1, y1, z1}};
 }
 
 std::optional<Vec3> position_in(const std::string& text) {
-  const auto numbers = numbers_in<double, 3>(text, ',');
+  const auto numbers = numbers_in<3>(text, ',', -max_finite, max_finite);
   if (!numbers) return std::nullopt;
   const auto& [x, y, z] = *numbers;
-  if (!std::isfinite(x) || !std::isfinite(y) || !std::isfinite(z)) return std::nullopt;
   return Vec3{x, y, z};
 }
 
 std::optional<GridIndex> counts_in(const std::string& text) {
-  const auto counts = numbers_in<std::int64_t, 3>(text, ',');
-  if (!counts || *std::min_element(counts->begin(), counts->end()) < 2) return std::nullopt;
-  return counts;
-}
-
-std::optional<std::filesystem::path> grid_file_in(const std::string& text) {
-  return grid_file_format(text) ? std::optional<std::filesystem::path>(text) : std::nullopt;
+  return numbers_in<3>(text, ',', std::int64_t{2}, max_whole);
 }
 
 std::optional<BlockRange> blocks_in(const std::string& text) {
@@ -164,19 +146,24 @@ std::optional<BlockRange> blocks_in(const std::string& text) {
   if (axes.size() != 3) return std::nullopt;
   BlockRange blocks;
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    const auto ends = numbers_in<std::int64_t, 2>(axes[axis], ':');
-    if (!ends || (*ends)[0] < 0 || (*ends)[0] >= (*ends)[1]) return std::nullopt;
+    const auto ends = numbers_in<2>(axes[axis], ':', std::int64_t{0}, max_whole);
+    if (!ends || (*ends)[0] >= (*ends)[1]) return std::nullopt;
     blocks.begin[axis] = (*ends)[0];
     blocks.end[axis] = (*ends)[1];
   }
   return blocks;
 }
 
-std::optional<Outputs> text_files_in(const std::string& list) {
-  Outputs files = Outputs::none();
-  if (list == "none") return files;
-  files.box = true;
-  return choice_in<Outputs>(list, files,
+void leave_out_text_files(Outputs& outputs) {
+  outputs.box = outputs.grid = outputs.edges = outputs.areas = false;
+}
+
+/// Returns `outputs` with the text files of a list.
+std::optional<Outputs> with_text_files(const std::string& list, Outputs outputs) {
+  leave_out_text_files(outputs);
+  if (list == "none") return outputs;
+  outputs.box = true;
+  return choice_in<Outputs>(list, outputs,
                             {{"grid", &Outputs::grid},
                              {"edges", &Outputs::edges},
                              {"areas", &Outputs::areas},
@@ -187,35 +174,25 @@ std::optional<Outputs> text_files_in(const std::string& list) {
                              {"all", &Outputs::areas}});
 }
 
-std::optional<std::filesystem::path> map_in(const std::string& text) {
+bool is_map(const std::string& text) {
   const std::filesystem::path path = text;
   const std::string name = path.filename();
-  if (!map_format(name) || path.stem().empty() || name.starts_with('.')) return std::nullopt;
-  return path;
+  return map_format(name) && !path.stem().empty() && !name.starts_with('.');
 }
 
-std::optional<std::filesystem::path> dx_map_in(const std::string& text) {
-  const auto path = map_in(text);
-  return path && map_format(path->filename().string()) == MapFormat::dx ? path : std::nullopt;
+bool is_dx_map(const std::string& text) {
+  return is_map(text) && map_format(text) == MapFormat::dx;
 }
 
-std::optional<std::filesystem::path> potential_in(const std::string& text) {
-  return grid_file_format(text) == GridFileFormat::dx ? std::optional<std::filesystem::path>(text)
-                                                      : std::nullopt;
-}
+bool is_dx_grid(const std::string& text) { return grid_file_format(text) == GridFileFormat::dx; }
 
-std::optional<std::filesystem::path> prefix_in(const std::string& text) {
-  const std::filesystem::path path = text;
-  const std::string name = path.filename();
-  return name.empty() || name.starts_with('.') ? std::nullopt : std::optional(path);
+bool is_prefix(const std::string& text) {
+  const std::string name = std::filesystem::path(text).filename();
+  return !name.empty() && !name.starts_with('.');
 }
 
 std::optional<std::uint32_t> component_in(const std::string& text) {
   return text == "outside" ? std::optional<std::uint32_t>(0) : whole_text<std::uint32_t>(text);
-}
-
-std::optional<std::filesystem::path> mesh_in(const std::string& text) {
-  return mesh_format(text) ? std::optional<std::filesystem::path>(text) : std::nullopt;
 }
 
 // --- options and arguments ----------------------------------------------------------------------
@@ -236,19 +213,19 @@ void add_grid_choice(CLI::App& app, GridChoice& grid) {
             "use the grid and spacing of a map (.dx or .vti) or of\n"
             "bounding_box.txt, plain or gzipped (.gz)",
             grid.like,
-            Format{grid_file_in,
-                   "a file name with the suffix .dx, .vti or .txt, or one of these and .gz"})
+            text_if([](const std::string& name) { return grid_file_format(name).has_value(); },
+                    "a file name with the suffix .dx, .vti or .txt, or one of these and .gz"))
       ->excludes(origin)
       ->excludes(center)
       ->excludes(points);
 }
 
-void add_grid_options(CLI::App& app, CommandLine& line) {
+void add_grid_options(CLI::App& app, Options& options, Lengths& lengths) {
   begin_group(app, "Surface and grid");
   const GridOptions grid;
-  Parameters& parameters = line.options.parameters;
+  Parameters& parameters = options.parameters;
   add_value(app, "FILE", "", "input file (xyzr, PQR, PDB or mmCIF); - for standard input",
-            line.options.input().path, path_to("a file"))
+            options.input().path, any_text("a file"))
       ->required();
   const auto add_length = [&app](const char* positional, const char* option,
                                  const std::string& description, double fallback, Length& length,
@@ -258,17 +235,17 @@ void add_grid_options(CLI::App& app, CommandLine& line) {
               format);
   };
   add_length("PROBE", "--probe-radius", "radius of the solvent probe, 0.01 to 1000",
-             parameters.probe_radius, line.probe_radius,
+             parameters.probe_radius, lengths.probe_radius,
              number_between(min_probe_radius, max_probe_radius,
                             formatted("a number from {} to {}, in angstrom", min_probe_radius,
                                       max_probe_radius)));
   add_length(
-      "SPACING", "--spacing", "distance between grid points, > 0", grid.spacing, line.spacing,
+      "SPACING", "--spacing", "distance between grid points, > 0", grid.spacing, lengths.spacing,
       number_between(min_positive, max_finite, "a finite number greater than 0, in angstrom"));
   add_length("MARGIN", "--margin", "distance from molecule to grid boundary, >= 0", grid.margin,
-             line.margin,
+             lengths.margin,
              number_between(0, max_finite, "a finite number of at least 0, in angstrom"));
-  add_grid_choice(app, line.options.grid);
+  add_grid_choice(app, options.grid);
   CLI::Option* const region =
       add_value(app, "--region", "X0,Y0,Z0,X1,Y1,Z1",
                 "compute only the grid points in this box (angstrom)\n"
@@ -290,7 +267,9 @@ void add_grid_options(CLI::App& app, CommandLine& line) {
            parameters.exact);
 }
 
-void add_solver_maps(CLI::App& app, CommandLine& line) {
+void add_solver_maps(CLI::App& app, Outputs& outputs) {
+  DielectricMaps& dielectric = outputs.dielectric.emplace();
+  IonAccessMap& ion_access = outputs.ion_access.emplace();
   begin_group(app, "Maps for Poisson-Boltzmann solvers (APBS), in the output directory");
   const auto permittivity =
       number_between(min_dielectric, max_dielectric,
@@ -299,53 +278,56 @@ void add_solver_maps(CLI::App& app, CommandLine& line) {
             "write maps of the dielectric at edge midpoints:\n"
             "PREFIXx.dx, PREFIXy.dx and PREFIXz.dx (usemap diel),\n"
             "compressed with --gzip",
-            line.dielectric.prefix, Format{prefix_in, "the first part of a file name"});
+            dielectric.prefix, text_if(is_prefix, "the first part of a file name"));
   add_value(app, "--solute-dielectric", "EPS",
-            formatted("relative permittivity inside the surface [{}]", line.dielectric.solute),
-            line.dielectric.solute, permittivity);
+            formatted("relative permittivity inside the surface [{}]", dielectric.solute),
+            dielectric.solute, permittivity);
   add_value(app, "--solvent-dielectric", "EPS",
-            formatted("relative permittivity outside the surface [{}]", line.dielectric.solvent),
-            line.dielectric.solvent, permittivity);
+            formatted("relative permittivity outside the surface [{}]", dielectric.solvent),
+            dielectric.solvent, permittivity);
   add_value(app, "--kappa", "FILE",
             "write a map of ion accessibility (.dx or .dx.gz):\n"
             "1 where the centre of an ion may be, 0 elsewhere\n"
             "(usemap kappa)",
-            line.ion_access.file, Format{dx_map_in, "a file name with the suffix .dx or .dx.gz"});
+            ion_access.file, text_if(is_dx_map, "a file name with the suffix .dx or .dx.gz"));
   add_value(app, "--ion-radius", "ANGSTROM",
             formatted("radius of the ions for --kappa, 0 to {} [{}]", max_ion_radius,
-                      line.ion_access.ion_radius),
-            line.ion_access.ion_radius,
+                      ion_access.ion_radius),
+            ion_access.ion_radius,
             number_between(0, max_ion_radius,
                            formatted("a number from 0 to {}, in angstrom", max_ion_radius)));
 }
 
-void add_file_options(CLI::App& app, CommandLine& line) {
+void add_file_options(CLI::App& app, Options& options) {
   begin_group(app, "Input and output");
-  Options& options = line.options;
+  Outputs& outputs = options.outputs;
+  MeshOptions& mesh = outputs.mesh.emplace();
+  MeshPotential& potential = mesh.potential.emplace();
   add_format(app, options.input().format);
   add_value(app, "-o,--output-dir", "DIR", "output directory, created if missing [.]",
-            options.output_directory, path_to("a directory"));
+            options.output_directory, any_text("a directory"));
   add_value(app, "--write", "LIST",
             "files to write besides bounding_box.txt: some of\n"
             "grid,edges,areas,residues,atoms; all (the first\n"
             "three); or none [all]",
-            line.text_files,
-            Format{text_files_in, "some of grid,edges,areas,residues,atoms, or all, or none"});
+            outputs,
+            Format<Outputs>{[&](const std::string& list) { return with_text_files(list, outputs); },
+                            "some of grid,edges,areas,residues,atoms, or all, or none"});
   add_value(app, "--inside", "FILE",
             "write a map of inside points to the output directory:\n"
             ".dx or .dx.gz (OpenDX), or .vti (VTK image data)",
-            line.inside_map, Format{map_in, "a file name with the suffix .dx, .dx.gz or .vti"});
-  add_flag(app, "--gzip", "compress text files and maps of the dielectric", line.gzip);
+            outputs.inside_map, text_if(is_map, "a file name with the suffix .dx, .dx.gz or .vti"));
+  add_flag(app, "--gzip", "compress text files and maps of the dielectric", outputs.gzip);
   add_value(app, "--mesh", "FILE",
             "write a triangle mesh: .ply, .obj, .off, .vtp, .stl,\n"
             ".glb, or .vert or .face (both files of MSMS)",
-            line.mesh.file,
-            Format<std::filesystem::path>{mesh_in,
-                                          formatted("a file with the suffix {}", mesh_suffixes)});
+            mesh.file,
+            text_if([](const std::string& name) { return mesh_format(name).has_value(); },
+                    formatted("a file with the suffix {}", mesh_suffixes)));
   add_value(app, "--color", "NAME",
             "colour the vertices of a .ply, .obj, .vtp or .glb mesh\n"
             "by patch, atom, chain, potential or component [none]",
-            line.mesh.color,
+            mesh.color,
             one_of<MeshColor>({{"patch", MeshColor::patch},
                                {"atom", MeshColor::atom},
                                {"chain", MeshColor::chain},
@@ -355,31 +337,31 @@ void add_file_options(CLI::App& app, CommandLine& line) {
             "make the mesh of one component alone: cavity K of\n"
             "measure --cavities, or the outer surface (outside or 0);\n"
             "no other files are written",
-            line.mesh.component, Format{component_in, "outside, or a whole number of at least 0"});
+            mesh.component, Format{component_in, "outside, or a whole number of at least 0"});
   add_value(app, "--potential", "FILE",
             "map of the potential in kT/e for --color potential:\n"
             ".dx or .dx.gz (OpenDX); is held in memory",
-            line.potential.file, Format{potential_in, "a file name with the suffix .dx or .dx.gz"});
+            potential.file, text_if(is_dx_grid, "a file name with the suffix .dx or .dx.gz"));
   add_value(app, "--potential-offset", "ANGSTROM",
             formatted("take the potential at this distance outside of the\n"
                       "surface, along the normal, >= 0 [{}]",
-                      line.potential.offset),
-            line.potential.offset,
+                      potential.offset),
+            potential.offset,
             number_between(0, max_finite, "a finite number of at least 0, in angstrom"));
   add_value(app, "--potential-limit", "KT/E",
             formatted("end of the scale from red (negative) over white to\n"
                       "blue (positive), > 0 [{}]",
-                      line.potential.limit),
-            line.potential.limit,
+                      potential.limit),
+            potential.limit,
             number_between(min_positive, max_finite, "a finite number greater than 0, in kT/e"));
   add_flag(app, "--mesh-quality",
            "improve the triangles of the mesh: no small angles,\n"
            "and about 0.6 times as many triangles",
-           line.mesh.quality);
+           mesh.quality);
   add_flag(app, "--ply-ascii",
            "write a .ply mesh as text, for programs that do not\n"
            "read binary PLY",
-           line.mesh.is_ascii);
+           mesh.is_ascii);
   add_flag(app, "--resume",
            "keep finished parts if the run is interrupted, and\n"
            "continue an interrupted run",
@@ -430,20 +412,20 @@ void add_messages(CLI::App& app, Options& options) {
   add_notices(app);
 }
 
-void add_options(CLI::App& app, CommandLine& line) {
+void add_options(CLI::App& app, Options& options, Lengths& lengths) {
   set_up(app,
          "eses-blocks [OPTIONS] FILE [PROBE [SPACING [MARGIN]]]\n"
          "  or:  eses-blocks diff [OPTIONS] DIR_A DIR_B\n"
          "  or:  eses-blocks measure [OPTIONS] FILE...\n"
          "  or:  eses-blocks msms -if FILE [OPTIONS]",
          surface_footer);
-  add_grid_options(app, line);
-  add_file_options(app, line);
-  add_structure_options(app, line.options.input().structure);
-  add_solver_maps(app, line);
-  add_computation_options(app, line.options.parameters);
-  add_checks(app, line.options.parameters);
-  add_messages(app, line.options);
+  add_grid_options(app, options, lengths);
+  add_file_options(app, options);
+  add_structure_options(app, options.input().structure);
+  add_solver_maps(app, options.outputs);
+  add_computation_options(app, options.parameters);
+  add_checks(app, options.parameters);
+  add_messages(app, options);
 }
 
 // --- values that depend on each other -----------------------------------------------------------
@@ -457,15 +439,14 @@ void choose(const char* positional, const char* option, const Length& length, do
 }
 
 // A custom grid needs a position and a size. The margin applies only to the default grid.
-void check_grid_choice(const CLI::App& app, const CommandLine& line) {
-  const GridChoice& grid = line.options.grid;
+void check_grid_choice(const CLI::App& app, const GridChoice& grid, const Length& margin) {
   const bool has_position = grid.origin || grid.center;
   refuse_without(app, {"--grid-origin", "--grid-center"}, grid.points.has_value(), "--grid-points");
   refuse_without(app, {"--grid-points"}, has_position, "--grid-origin or --grid-center");
   const bool is_chosen = has_position || !grid.like.empty();
-  if (is_chosen && (line.margin.positional || line.margin.option))
+  if (is_chosen && margin.is_given())
     throw UsageError(
-        formatted("{} cannot be combined with {}", line.margin.option ? "--margin" : "MARGIN",
+        formatted("{} cannot be combined with {}", margin.option ? "--margin" : "MARGIN",
                   grid.origin ? "--grid-origin" : (grid.center ? "--grid-center" : "--grid-like")));
 }
 
@@ -480,22 +461,18 @@ std::string map_name(std::string_view option, const std::filesystem::path& map,
   return map.filename();
 }
 
-void add_maps(const CLI::App& app, const CommandLine& line, const std::filesystem::path& directory,
-              Outputs& outputs) {
-  outputs.inside_map = map_name("--inside", line.inside_map, directory);
-  const bool has_dielectric = !line.dielectric.prefix.empty();
-  if (has_dielectric) {
-    outputs.dielectric = line.dielectric;
-    outputs.dielectric->prefix = map_name("--dielectric", line.dielectric.prefix, directory);
-  }
-  refuse_without(app, {"--solute-dielectric", "--solvent-dielectric"}, has_dielectric,
+/// Checks the maps, and removes those that are not chosen.
+void choose_maps(const CLI::App& app, const std::filesystem::path& directory, Outputs& outputs) {
+  outputs.inside_map = map_name("--inside", outputs.inside_map, directory);
+  std::string& prefix = outputs.dielectric->prefix;
+  prefix = map_name("--dielectric", prefix, directory);
+  refuse_without(app, {"--solute-dielectric", "--solvent-dielectric"}, !prefix.empty(),
                  "--dielectric");
-  const bool has_ion_access = !line.ion_access.file.empty();
-  if (has_ion_access) {
-    outputs.ion_access = line.ion_access;
-    outputs.ion_access->file = map_name("--kappa", line.ion_access.file, directory);
-  }
-  refuse_without(app, {"--ion-radius"}, has_ion_access, "--kappa");
+  if (prefix.empty()) outputs.dielectric.reset();
+  std::string& ion_access = outputs.ion_access->file;
+  ion_access = map_name("--kappa", ion_access, directory);
+  refuse_without(app, {"--ion-radius"}, !ion_access.empty(), "--kappa");
+  if (ion_access.empty()) outputs.ion_access.reset();
   try {
     require_valid_maps(outputs);
   } catch (const std::invalid_argument& error) {
@@ -503,56 +480,56 @@ void add_maps(const CLI::App& app, const CommandLine& line, const std::filesyste
   }
 }
 
-std::optional<MeshPotential> potential_of(const CLI::App& app, const CommandLine& line) {
-  const bool has_colors = line.mesh.color == MeshColor::potential;
-  if (has_colors && line.potential.file.empty())
-    throw UsageError("--color potential needs --potential with a map of the potential");
-  refuse_without(app, {"--potential", "--potential-offset", "--potential-limit"}, has_colors,
-                 "--color potential");
-  return has_colors ? std::optional(line.potential) : std::nullopt;
-}
-
 // The mesh of one component belongs to another surface than the other outputs.
-void check_component(const CLI::App& app, const CommandLine& line) {
-  if (!line.mesh.component) return;
-  refuse_without(app, {"--component"}, !line.mesh.file.empty(), "--mesh");
+void choose_component(const CLI::App& app, Outputs& outputs) {
+  if (!outputs.mesh->component) return;
+  refuse_without(app, {"--component"}, !outputs.mesh->file.empty(), "--mesh");
+  if (app.count("--write") == 0) leave_out_text_files(outputs);
   std::vector<const char*> others{"--fill-cavities", "--exact", "--inside", "--dielectric",
                                   "--kappa"};
-  if (line.text_files && !file_names(*line.text_files).empty()) others.push_back("--write");
+  if (!file_names(outputs).empty()) others.push_back("--write");
   for (const char* const option : others)
     if (app.count(option) > 0)
       throw UsageError(
           formatted("--component cannot be combined with {}; it makes only a mesh", option));
 }
 
-std::optional<MeshOptions> mesh_of(const CLI::App& app, const CommandLine& line) {
-  check_component(app, line);
-  MeshOptions mesh = line.mesh;
-  mesh.potential = potential_of(app, line);
+/// Checks the potential, and removes it if it is not chosen.
+void choose_potential(const CLI::App& app, MeshOptions& mesh) {
+  const bool has_colors = mesh.color == MeshColor::potential;
+  if (has_colors && mesh.potential->file.empty())
+    throw UsageError("--color potential needs --potential with a map of the potential");
+  refuse_without(app, {"--potential", "--potential-offset", "--potential-limit"}, has_colors,
+                 "--color potential");
+  if (!has_colors) mesh.potential.reset();
+}
+
+/// Checks the mesh, and removes it if it is not chosen.
+void choose_mesh(const CLI::App& app, const InputFile& input, Outputs& outputs) {
+  choose_component(app, outputs);
+  MeshOptions& mesh = *outputs.mesh;
+  choose_potential(app, mesh);
   const std::optional<MeshFormat> format = mesh_format(mesh.file);
   refuse_without(app, {"--color"}, can_have_colors(format),
                  "--mesh with a .ply, .obj, .vtp or .glb file");
   refuse_without(app, {"--ply-ascii"}, format == MeshFormat::ply, "--mesh with a .ply file");
   refuse_without(app, {"--mesh-quality"}, format.has_value(), "--mesh");
-  if (mesh.color == MeshColor::chain) refuse_xyzr(line.options.input(), "--color chain", "chains");
-  return mesh.file.empty() ? std::nullopt : std::optional(mesh);
+  if (mesh.color == MeshColor::chain) refuse_xyzr(input, "--color chain", "chains");
+  if (mesh.file.empty()) outputs.mesh.reset();
 }
 
-Options options_of(const CLI::App& app, const CommandLine& line) {
-  Options options = line.options;
-  choose("PROBE", "--probe-radius", line.probe_radius, options.parameters.probe_radius);
+/// Checks values that depend on each other, and sets those of lengths and outputs.
+void choose_values(const CLI::App& app, const Lengths& lengths, Options& options) {
+  choose("PROBE", "--probe-radius", lengths.probe_radius, options.parameters.probe_radius);
   GridOptions grid;
-  choose("SPACING", "--spacing", line.spacing, grid.spacing);
-  choose("MARGIN", "--margin", line.margin, grid.margin);
+  choose("SPACING", "--spacing", lengths.spacing, grid.spacing);
+  choose("MARGIN", "--margin", lengths.margin, grid.margin);
   options.parameters.grid = grid;
-  check_grid_choice(app, line);
-  options.grid.has_spacing = line.spacing.positional || line.spacing.option;
-  options.outputs = line.text_files.value_or(line.mesh.component ? Outputs::none() : Outputs());
+  check_grid_choice(app, options.grid, lengths.margin);
+  options.grid.has_spacing = lengths.spacing.is_given();
   if (options.outputs.residues) refuse_xyzr(options.input(), "--write residues", "residues");
-  options.outputs.gzip = line.gzip;
-  add_maps(app, line, options.output_directory, options.outputs);
-  options.outputs.mesh = mesh_of(app, line);
-  return options;
+  choose_maps(app, options.output_directory, options.outputs);
+  choose_mesh(app, options.input(), options.outputs);
 }
 
 // --- errors that CLI11 does not detect ----------------------------------------------------------
@@ -608,16 +585,17 @@ std::optional<Grid> chosen_grid(const Options& options) {
   return grid;
 }
 
-Options parse_arguments(const std::vector<std::string>& arguments) {
+Options parse_arguments(const Arguments& arguments) {
   CLI::App app("Solvent excluded surface of a molecule on a grid, computed block by block.",
                "eses-blocks");
-  CommandLine line;
-  line.options.output_directory = ".";
-  add_options(app, line);
+  Options options;
+  Lengths lengths;
+  options.output_directory = ".";
+  add_options(app, options, lengths);
   require_known_instruction_set();
   refuse_separate_number(arguments);
   parse(app, arguments, "FILE, PROBE, SPACING and MARGIN");
-  Options options = options_of(app, line);
+  choose_values(app, lengths, options);
   refuse_structure_options(app, options.input());
   return options;
 }

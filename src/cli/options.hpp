@@ -6,8 +6,8 @@
 #include <span>
 #include <string>
 #include <variant>
-#include <vector>
 
+#include "cli/command.hpp"
 #include "run/task.hpp"
 
 namespace eses::detail::cli {
@@ -48,6 +48,6 @@ bool asks_to_be_independent(std::span<const std::string> arguments);
 std::optional<Grid> chosen_grid(const Options& options);
 
 /// Parses the arguments of the program. Throws UsageError and Notice.
-Options parse_arguments(const std::vector<std::string>& arguments);
+Options parse_arguments(const Arguments& arguments);
 
 }  // namespace eses::detail::cli

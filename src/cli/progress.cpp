@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <string>
 #include <string_view>
 
 #include "system/formatted.hpp"
@@ -16,6 +17,7 @@ namespace {
 
 using std::chrono::milliseconds;
 
+constexpr std::string_view checks = "checks";
 constexpr milliseconds redraw_interval{100};
 constexpr std::size_t widest_bar = 60;
 constexpr std::size_t narrowest_bar = 5;
@@ -39,10 +41,14 @@ std::string clock_text(double seconds) {
   return formatted("{}:{:02}", minutes, whole % 60);
 }
 
-std::string counts_text(const Progress& progress, std::optional<double> seconds_left) {
-  const std::string all = formatted("{}", progress.total);
-  std::string text = formatted(" {:>{}}/{} {}", progress.done, all.size(), all, progress.steps);
-  if (seconds_left) text += formatted(", {} left", clock_text(*seconds_left));
+/// Returns the numbers of steps and, if it can be estimated, the remaining time.
+std::string counts_text(std::int64_t done, std::int64_t total, std::string_view steps,
+                        double elapsed) {
+  const std::string all = formatted("{}", total);
+  std::string text = formatted(" {:>{}}/{} {}", done, all.size(), all, steps);
+  if (done <= 0) return text;
+  const double left = elapsed * static_cast<double>(total - done) / static_cast<double>(done);
+  if (left < max_estimate) text += formatted(", {} left", clock_text(left));
   return text;
 }
 
@@ -51,54 +57,56 @@ std::string bar_text(double fraction, std::size_t length) {
   return " [" + std::string(filled, '#') + std::string(length - filled, ' ') + "]";
 }
 
-}  // namespace
-
-std::string progress_line(const Progress& progress, std::optional<double> seconds_left,
-                          std::size_t width) {
-  const auto [done, total, steps] = progress;
-  const double fraction =
-      total > 0 ? std::clamp(static_cast<double>(done) / static_cast<double>(total), 0., 1.) : 1;
+/// Returns a line of at most `width` columns: percentage, bar and counts.
+std::string progress_line(double fraction, const std::string& counts, std::size_t width) {
   const std::string percent = formatted("{:3}%", static_cast<int>(100 * fraction));
-  const std::string counts = counts_text(progress, seconds_left);
   const std::size_t needed = percent.size() + counts.size() + bar_text(0, 0).size();
   if (width < needed + narrowest_bar) return percent.substr(0, width);
   return percent + bar_text(fraction, std::min(width - needed, widest_bar)) + counts;
 }
 
+bool can_draw() {
+  const char* const terminal = std::getenv("TERM");
+  return isatty(STDERR_FILENO) == 1 && terminal && std::string_view(terminal) != "dumb";
+}
+
+}  // namespace
+
+ProgressBar::ProgressBar(bool is_wanted) : is_shown_(is_wanted && can_draw()) {}
+
 ProgressBar::~ProgressBar() {
   if (columns_drawn_ > 0) write_stderr(formatted("\r{:{}}\r", "", columns_drawn_));
 }
 
-void ProgressBar::show(const Progress& progress) {
+void ProgressBar::show_blocks(std::int64_t done, std::int64_t total) {
+  if (done == blocks_done_ && steps_ == checks) return;
+  blocks_done_ = done;
+  show(done, total, "blocks");
+}
+
+void ProgressBar::show_checks(std::int64_t done, std::int64_t total) { show(done, total, checks); }
+
+void ProgressBar::show(std::int64_t done, std::int64_t total, std::string_view steps) {
+  if (!is_shown_) return;
   const Clock::time_point now = Clock::now();
   // Nothing is drawn at the first call, so that short runs show no bar.
-  if (!start_) last_drawn_ = now;
+  if (steps_.empty()) last_drawn_ = now;
   // The estimate of the remaining time excludes the time before the first step.
-  if (!start_ || progress.done == 0 || progress.steps != steps_) start_ = now;
-  steps_ = progress.steps;
+  if (done == 0 || steps != steps_) start_ = now;
+  steps_ = steps;
   if (now - last_drawn_ < redraw_interval) return;
   last_drawn_ = now;
+  const std::chrono::duration<double> elapsed = now - start_;
+  const double fraction =
+      total > 0 ? std::clamp(static_cast<double>(done) / static_cast<double>(total), 0., 1.) : 1;
   // Some terminals wrap the line after a character in the last column.
   const std::size_t width = terminal_width() - 1;
-  std::string line = progress_line(progress, seconds_left(progress), width);
+  std::string line =
+      progress_line(fraction, counts_text(done, total, steps, elapsed.count()), width);
   const std::size_t columns = line.size();
   if (columns < columns_drawn_) line.resize(std::min(columns_drawn_, width), ' ');
   columns_drawn_ = columns;
   write_stderr("\r" + line);
-}
-
-std::optional<double> ProgressBar::seconds_left(const Progress& progress) const {
-  const auto [done, total, steps] = progress;
-  if (done <= 0) return std::nullopt;
-  const std::chrono::duration<double> elapsed = last_drawn_ - *start_;
-  const double left =
-      elapsed.count() * static_cast<double>(total - done) / static_cast<double>(done);
-  return left < max_estimate ? std::optional(left) : std::nullopt;
-}
-
-bool ProgressBar::is_possible() {
-  const char* const terminal = std::getenv("TERM");
-  return isatty(STDERR_FILENO) == 1 && terminal && std::string_view(terminal) != "dumb";
 }
 
 }  // namespace eses::detail::cli

@@ -2,44 +2,36 @@
 /// A progress bar on standard error.
 
 #include <chrono>
+#include <cstddef>
 #include <cstdint>
-#include <optional>
-#include <string>
 #include <string_view>
 
 namespace eses::detail::cli {
 
-/// The numbers of finished and of all steps of one kind, such as `blocks`.
-struct Progress {
-  std::int64_t done = 0, total = 0;
-  std::string_view steps = "blocks";
-};
-
-/// Returns a line of at most `width` columns: percentage, bar, steps and, if known, remaining time.
-std::string progress_line(const Progress& progress, std::optional<double> seconds_left,
-                          std::size_t width);
-
-/// A progress bar, which is removed when the object is destroyed.
+/// A progress bar, which is removed when the object is destroyed. It draws nothing if standard
+/// error is no terminal on which a bar can be drawn.
 class ProgressBar {
  public:
-  ProgressBar() = default;
+  explicit ProgressBar(bool is_wanted);
   ~ProgressBar();
   ProgressBar(const ProgressBar&) = delete;
   ProgressBar& operator=(const ProgressBar&) = delete;
 
-  /// Draws the bar. The kind of steps may change between calls.
-  void show(const Progress& progress);
-
-  /// Returns whether standard error is a terminal on which a bar can be drawn.
-  static bool is_possible();
+  /// Shows the number of finished blocks. It is also called during the verification, with an
+  /// unchanged number; the bar then continues to show the checks.
+  void show_blocks(std::int64_t done, std::int64_t total);
+  /// Shows the number of finished checks of the verification.
+  void show_checks(std::int64_t done, std::int64_t total);
 
  private:
   using Clock = std::chrono::steady_clock;
 
-  std::optional<double> seconds_left(const Progress& progress) const;
+  void show(std::int64_t done, std::int64_t total, std::string_view steps);
 
-  std::optional<Clock::time_point> start_;  // start of steps of the current kind
-  std::string_view steps_;
+  bool is_shown_;
+  std::int64_t blocks_done_ = 0;
+  std::string_view steps_;   // kind of the shown steps; empty before the first ones
+  Clock::time_point start_;  // start of the steps of this kind
   Clock::time_point last_drawn_;
   std::size_t columns_drawn_ = 0;
 };

@@ -10,10 +10,9 @@
 #include <variant>
 #include <vector>
 
-#include "cli/filling_report.hpp"
 #include "cli/json.hpp"
 #include "cli/messages.hpp"
-#include "cli/structure_report.hpp"
+#include "cli/shared_report.hpp"
 #include "eses/version.hpp"
 #include "output/mesh_format.hpp"
 #include "output/output_files.hpp"
@@ -22,7 +21,83 @@
 #include "system/formatted.hpp"
 #include "system/gzip.hpp"
 
+namespace eses {
+
+static void to_json(detail::Json& json, const PhaseSeconds& seconds) {
+  json = {{"patches", seconds.patches},   {"blocks", seconds.blocks},
+          {"classify", seconds.classify}, {"intersect", seconds.intersect},
+          {"output", seconds.output},     {"verify", seconds.verify},
+          {"total", seconds.total}};
+}
+
+static void to_json(detail::Json& json, const Verification& verification) {
+  json = {{"points", verification.points},
+          {"edges", verification.edges},
+          {"faults", verification.faults}};
+}
+
+static void to_json(detail::Json& json, const MeshPotential& potential) {
+  json = {{"file", potential.file.string()},
+          {"offset", potential.offset},
+          {"limits", {-potential.limit, potential.limit}}};
+}
+
+static void to_json(detail::Json& json, const MeshQuality& quality) {
+  json = {{"smallest_angle", quality.smallest_angle},
+          {"below_20", quality.below_20},
+          {"below_5", quality.below_5},
+          {"at_cusps", quality.at_cusps},
+          {"below_5_near_cusps", quality.below_5_near_cusps}};
+}
+
+static void to_json(detail::Json& json, const Grid& grid) {
+  json = {{"lower", grid.origin},
+          {"upper", grid.upper()},
+          {"size", grid.size},
+          {"points", grid.point_count()}};
+}
+
+static void to_json(detail::Json& json, const GridRegion& region) {
+  json = {{"begin", region.begin}, {"end", region.end}, {"points", region.point_count()}};
+}
+
+}  // namespace eses
+
+namespace eses::detail {
+
+static void to_json(Json& json, const BlockTiling& tiling) {
+  json = {
+      {"size", tiling.block_size}, {"along_axes", tiling.blocks}, {"count", tiling.block_count()}};
+}
+
+static void to_json(Json& json, const ProcessFigures& figures) {
+  json = {{"first_plane", figures.planes.begin},
+          {"planes", figures.planes.count()},
+          {"atoms", figures.atoms},
+          {"cpu_seconds", figures.cpu_seconds},
+          {"peak_memory_bytes", figures.peak_memory_bytes}};
+}
+
+}  // namespace eses::detail
+
 namespace eses::detail::cli {
+
+static void to_json(Json& json, const DiagnosticText::Example& example) {
+  json = {{"atom", example.atom},
+          {"line", example.line},
+          {"other_atom", example.other_atom},
+          {"other_line", example.other_line}};
+  if (example.label) json.update({{"label", *example.label}, {"other_label", example.other_label}});
+}
+
+static void to_json(Json& json, const DiagnosticText& diagnostic) {
+  json = {{"kind", diagnostic.name},
+          {"severity", diagnostic.is_usual ? "note" : "warning"},
+          {"count", diagnostic.count},
+          {"message", diagnostic.message},
+          {"first", diagnostic.examples}};
+}
+
 namespace {
 
 std::string duration_text(double seconds) {
@@ -172,34 +247,6 @@ std::string verification_text(const Summary& summary) {
                    counted(faults.size(), "fault"));
 }
 
-json::Value parameters_json(const Plan& plan) {
-  const auto* const grid = std::get_if<GridOptions>(&plan.parameters.grid);
-  return {{"probe_radius", plan.parameters.probe_radius},
-          {"spacing", plan.grid.spacing},
-          {"margin", grid != nullptr ? json::Value(grid->margin) : json::Value()},
-          {"fill_cavities", fill_choice_json(plan.parameters.max_filled_void)}};
-}
-
-// The physical quantities of maps that are not chosen are null.
-json::Value maps_json(const Outputs& outputs) {
-  json::Value solute, solvent, ion_radius;
-  if (outputs.dielectric) {
-    solute = outputs.dielectric->solute;
-    solvent = outputs.dielectric->solvent;
-  }
-  if (outputs.ion_access) ion_radius = outputs.ion_access->ion_radius;
-  return {
-      {"solute_dielectric", solute}, {"solvent_dielectric", solvent}, {"ion_radius", ion_radius}};
-}
-
-json::Value grid_json(const Grid& grid) {
-  const Vec3 lower = grid.origin, upper = grid.upper();
-  return {{"lower", {lower.x, lower.y, lower.z}},
-          {"upper", {upper.x, upper.y, upper.z}},
-          {"size", grid.size},
-          {"points", grid.point_count()}};
-}
-
 bool is_whole(const Plan& plan) { return plan.tiling.region == plan.grid.whole(); }
 
 /// Returns the line of the exact values. It must not contain `area:` or `volume:`, for which
@@ -218,10 +265,6 @@ std::string exact_text(const Report& report) {
                           percent_above(report.summary.divergence_volume, volume));
 }
 
-json::Value exact_json(const Report& report, double ExactMeasures::*value) {
-  return report.exact ? json::Value((*report.exact).*value) : json::Value();
-}
-
 /// Returns the line of the region, with ranges such as `10:20 x 0:5 x 0:7`.
 std::string region_text(const Plan& plan) {
   if (is_whole(plan)) return "";
@@ -230,33 +273,47 @@ std::string region_text(const Plan& plan) {
                    end[1], begin[2], end[2], plan.tiling.region.point_count());
 }
 
-json::Value region_json(const Plan& plan) {
-  if (is_whole(plan)) return nullptr;
-  const GridRegion& region = plan.tiling.region;
-  return {{"begin", region.begin}, {"end", region.end}, {"points", region.point_count()}};
+std::string workers_text(const Report& report) {
+  std::string threads = counted(report.plan.threads, "thread");
+  if (report.process_count < 2) return threads;
+  return formatted("{} processes of {}", report.process_count, threads);
 }
 
-json::Value blocks_json(const BlockTiling& tiling) {
-  return {
-      {"size", tiling.block_size}, {"along_axes", tiling.blocks}, {"count", tiling.block_count()}};
+Json null_unless(bool is_known, const auto& value) { return is_known ? Json(value) : Json(); }
+
+Json parameters_json(const Plan& plan) {
+  const auto* const grid = std::get_if<GridOptions>(&plan.parameters.grid);
+  const std::optional<double>& max_filled_void = plan.parameters.max_filled_void;
+  return {{"probe_radius", plan.parameters.probe_radius},
+          {"spacing", plan.grid.spacing},
+          {"margin", grid != nullptr ? Json(grid->margin) : Json()},
+          {"fill_cavities",
+           max_filled_void && std::isinf(*max_filled_void) ? Json("all") : Json(max_filled_void)}};
 }
 
-/// Returns a number, or null if it is unknown.
-json::Value number_unless(bool is_unknown, std::uint64_t value) {
-  return is_unknown ? json::Value() : json::Value(value);
+// The physical quantities of maps that are not chosen are null.
+Json maps_json(const Outputs& outputs) {
+  Json json{
+      {"solute_dielectric", nullptr}, {"solvent_dielectric", nullptr}, {"ion_radius", nullptr}};
+  if (outputs.dielectric) {
+    json["solute_dielectric"] = outputs.dielectric->solute;
+    json["solvent_dielectric"] = outputs.dielectric->solvent;
+  }
+  if (outputs.ion_access) json["ion_radius"] = outputs.ion_access->ion_radius;
+  return json;
 }
 
 /// Returns the free space; null if it is unknown or if there is no such file system.
-json::Value disk_json(const DiskSpace& space, std::size_t index) {
+Json disk_json(const DiskSpace& space, std::size_t index) {
   if (index >= space.file_systems.size()) return nullptr;
   const DiskSpace::FileSystem& disk = space.file_systems[index];
-  return number_unless(!is_known(disk), disk.available);
+  return null_unless(is_known(disk), disk.available);
 }
 
-json::Value plan_json(const Plan& plan, const DiskSpace& disk) {
+Json plan_json(const Plan& plan, const DiskSpace& disk) {
+  const std::uint64_t max_memory = plan.parameters.max_memory;
   return {{"memory_bytes", plan.memory_bytes},
-          {"max_memory_bytes",
-           number_unless(plan.parameters.max_memory == 0, plan.parameters.max_memory)},
+          {"max_memory_bytes", null_unless(max_memory > 0, max_memory)},
           {"blocks_ahead", plan.blocks_ahead},
           {"output_bytes", plan.files.output()},
           {"box_file_bytes", plan.files.box},
@@ -273,108 +330,21 @@ json::Value plan_json(const Plan& plan, const DiskSpace& disk) {
           {"cut_depth", plan.cut_depth}};
 }
 
-json::Value label_or_null(const std::string& label) {
-  return label.empty() ? json::Value() : json::Value(label);
-}
-
-json::Value example_json(const DiagnosticText::Example& example) {
-  json::Value item{{"atom", example.atom},
-                   {"line", example.line},
-                   {"other_atom", number_unless(!example.has_other, example.other_atom)},
-                   {"other_line", number_unless(!example.has_other, example.other_line)}};
-  if (!example.label.empty())
-    item.update({{"label", example.label},
-                 {"other_label", label_or_null(example.has_other ? example.other_label : "")}});
-  return item;
-}
-
-json::Value diagnostics_json(const std::vector<DiagnosticText>& diagnostics) {
-  return json::array_of(diagnostics, [](const DiagnosticText& diagnostic) -> json::Value {
-    return {{"kind", diagnostic.name},
-            {"severity", diagnostic.is_usual ? "note" : "warning"},
-            {"count", diagnostic.count},
-            {"message", diagnostic.message},
-            {"first", json::array_of(diagnostic.examples, example_json)}};
-  });
-}
-
-json::Value crossings_json(const Summary& summary) {
-  return {{"convex", summary.convex},
-          {"saddle", summary.saddle},
-          {"concave", summary.concave},
-          {"total", summary.edges()}};
-}
-
-json::Value area_by_kind_json(const Summary& summary) {
-  return {{"convex", summary.convex_area},
-          {"saddle", summary.saddle_area},
-          {"concave", summary.concave_area}};
-}
-
-json::Value seconds_json(const PhaseSeconds& seconds) {
-  return {{"patches", seconds.patches},   {"blocks", seconds.blocks},
-          {"classify", seconds.classify}, {"intersect", seconds.intersect},
-          {"output", seconds.output},     {"verify", seconds.verify},
-          {"total", seconds.total}};
-}
-
-json::Value verification_json(const std::optional<Verification>& verification) {
-  if (!verification) return nullptr;
-  return {{"points", verification->points},
-          {"edges", verification->edges},
-          {"faults", verification->faults}};
-}
-
-json::Value potential_json(const std::optional<MeshPotential>& potential) {
-  if (!potential) return nullptr;
-  return {{"file", potential->file.string()},
-          {"offset", potential->offset},
-          {"limits", {-potential->limit, potential->limit}}};
-}
-
-json::Value quality_json(const std::optional<MeshQuality>& quality) {
-  if (!quality) return nullptr;
-  return {{"smallest_angle", quality->smallest_angle},
-          {"below_20", quality->below_20},
-          {"below_5", quality->below_5},
-          {"at_cusps", quality->at_cusps},
-          {"below_5_near_cusps", quality->below_5_near_cusps}};
-}
-
-json::Value mesh_json(const Report& report) {
+Json mesh_json(const Report& report) {
   const auto& mesh = report.summary.mesh;
   if (!mesh) return nullptr;
   const MeshOptions& choice = *report.options.outputs.mesh;
-  return {{"file", choice.file.string()},
-          {"vertices", mesh->vertices},
-          {"triangles", mesh->triangles},
-          {"component", choice.component ? json::Value(*choice.component) : json::Value()},
-          {"potential", potential_json(choice.potential)},
-          {"quality", quality_json(report.summary.mesh_quality)}};
+  return {{"file", choice.file.string()},  {"vertices", mesh->vertices},
+          {"triangles", mesh->triangles},  {"component", choice.component},
+          {"potential", choice.potential}, {"quality", report.summary.mesh_quality}};
 }
 
-json::Value output_json(const Report& report) {
+Json output_json(const Report& report) {
   std::vector<std::string> names;
   if (!has_faults(report.summary)) names = written_files(report.options);
   return {{"directory", report.options.output_directory.string()},
           {"files", names},
           {"bytes", report.summary.bytes_written}};
-}
-
-std::string workers_text(const Report& report) {
-  std::string threads = counted(report.plan.threads, "thread");
-  if (report.process_count < 2) return threads;
-  return formatted("{} processes of {}", report.process_count, threads);
-}
-
-json::Value processes_json(const Report& report) {
-  return json::array_of(report.processes, [](const ProcessFigures& figures) -> json::Value {
-    return {{"first_plane", figures.planes.begin},
-            {"planes", figures.planes.count()},
-            {"atoms", figures.atoms},
-            {"cpu_seconds", figures.cpu_seconds},
-            {"peak_memory_bytes", figures.peak_memory_bytes}};
-  });
 }
 
 }  // namespace
@@ -458,40 +428,47 @@ std::string summary_text(const Report& report) {
 
 std::string json_text(const Report& report) {
   const Summary& summary = report.summary;
-  json::Value document{
-      {"program", "eses-blocks"},
-      {"version", version},
-      {"input", report.options.input().path.string()},
-      {"atoms", report.atoms},
-      {"structure", report.structure ? structure_json(*report.structure) : json::Value()},
-      {"diagnostics", diagnostics_json(report.diagnostics)},
-      {"parameters", parameters_json(report.plan)},
-      {"maps", maps_json(report.options.outputs)},
-      {"grid", grid_json(report.plan.grid)},
-      {"region", region_json(report.plan)},
-      {"blocks", blocks_json(report.plan.tiling)},
-      {"threads", report.plan.threads},
-      {"instruction_set", name_of(instruction_set())},
-      {"plan", plan_json(report.plan, report.disk)},
-      {"dry_run", report.options.dry_run}};
+  const Plan& plan = report.plan;
+  Json document{{"program", "eses-blocks"},
+                {"version", version},
+                {"input", report.options.input().path.string()},
+                {"atoms", report.atoms},
+                {"structure", report.structure},
+                {"diagnostics", report.diagnostics},
+                {"parameters", parameters_json(plan)},
+                {"maps", maps_json(report.options.outputs)},
+                {"grid", plan.grid},
+                {"region", null_unless(!is_whole(plan), plan.tiling.region)},
+                {"blocks", plan.tiling},
+                {"threads", plan.threads},
+                {"instruction_set", name_of(instruction_set())},
+                {"plan", plan_json(plan, report.disk)},
+                {"dry_run", report.options.dry_run}};
   if (!report.options.dry_run)
     document.update({{"area", summary.area},
                      {"volume", summary.volume},
                      {"divergence_volume", summary.divergence_volume},
-                     {"exact_area", exact_json(report, &ExactMeasures::area)},
-                     {"exact_volume", exact_json(report, &ExactMeasures::volume)},
+                     {"exact_area", report.exact ? Json(report.exact->area) : Json()},
+                     {"exact_volume", report.exact ? Json(report.exact->volume) : Json()},
                      {"inside_points", summary.inside_points},
-                     {"crossings", crossings_json(summary)},
-                     {"area_by_kind", area_by_kind_json(summary)},
-                     {"filled_cavities",
-                      filled_json(report.plan.parameters.max_filled_void, summary.filled_cavities)},
-                     {"verification", verification_json(summary.verification)},
+                     {"crossings",
+                      {{"convex", summary.convex},
+                       {"saddle", summary.saddle},
+                       {"concave", summary.concave},
+                       {"total", summary.edges()}}},
+                     {"area_by_kind",
+                      {{"convex", summary.convex_area},
+                       {"saddle", summary.saddle_area},
+                       {"concave", summary.concave_area}}},
+                     {"filled_cavities", null_unless(plan.parameters.max_filled_void.has_value(),
+                                                     summary.filled_cavities)},
+                     {"verification", summary.verification},
                      {"mesh", mesh_json(report)},
                      {"output", output_json(report)},
-                     {"seconds", seconds_json(summary.seconds)},
+                     {"seconds", summary.seconds},
                      {"peak_memory_bytes", report.peak_memory_bytes},
-                     {"processes", processes_json(report)}});
-  return json::text_of(document, ",\n ") + "\n";
+                     {"processes", report.processes}});
+  return text_of(document, ",\n ") + "\n";
 }
 
 std::vector<std::string> warnings(const Report& report) {

@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <optional>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "cli/diagnostics.hpp"
@@ -23,13 +22,13 @@ struct Report {
   std::vector<DiagnosticText> diagnostics;
   std::optional<StructureReport> structure;  ///< only for PDB and mmCIF files
   Plan plan;
-  DiskSpace disk;
-  Summary summary;                      ///< empty before the run
-  std::optional<ExactMeasures> exact;   ///< only with --exact
-  std::uint64_t peak_memory_bytes = 0;  ///< maximum over all processes
+  DiskSpace disk = {};
+  Summary summary = {};                     ///< empty before the run
+  std::optional<ExactMeasures> exact = {};  ///< only with --exact
+  std::uint64_t peak_memory_bytes = 0;      ///< maximum over all processes
   int process_count = 1;
   /// Figures by rank, only of a distributed or resumable run; empty before the run.
-  std::vector<ProcessFigures> processes;
+  std::vector<ProcessFigures> processes = {};
 };
 
 /// Returns the first faults that the verification found, and a line with their number. Empty if

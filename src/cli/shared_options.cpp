@@ -6,7 +6,6 @@
 #include <limits>
 #include <optional>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "cli/arguments.hpp"
@@ -31,14 +30,7 @@ std::optional<std::vector<std::string>> chains_in(const std::string& list) {
   return chains.empty() || has_empty ? std::nullopt : std::optional(chains);
 }
 
-std::optional<std::string> altloc_in(const std::string& text) {
-  return text.size() == 1 && text != " " && text != "." ? std::optional(text) : std::nullopt;
-}
-
-Format<std::string> text_of(std::string expected) {
-  return {[](const std::string& text) { return text.empty() ? std::nullopt : std::optional(text); },
-          std::move(expected)};
-}
+bool is_altloc(const std::string& text) { return text.size() == 1 && text != " " && text != "."; }
 
 }  // namespace
 
@@ -73,7 +65,7 @@ void add_structure_options(CLI::App& app, StructureOptions& structure) {
   add_value(app, "--radii", "NAME",
             "atomic radii: protor (Tsai et al. 1999), bondi, msms, or\n"
             "a file in FreeSASA's configuration format [protor]",
-            structure.radii, text_of("protor, bondi, msms, or a file"));
+            structure.radii, any_text("protor, bondi, msms, or a file"));
   add_value(
       app, "--unknown-radius", "R",
       "radius of atoms that are not in the set of radii, in\n"
@@ -83,7 +75,7 @@ void add_structure_options(CLI::App& app, StructureOptions& structure) {
   add_value(app, model_option, "N", "number of the model, also for PQR files [first]",
             structure.model, whole_number_between(1, std::numeric_limits<int>::max()));
   add_value(app, "--altloc", "X", "alternate location [highest occupancy, by residue]",
-            structure.altloc, Format<std::string>{altloc_in, "one character, such as A"});
+            structure.altloc, text_if(is_altloc, "one character, such as A"));
   add_flag(app, "--waters", "include water molecules", structure.with_waters);
   add_flag(app, "--no-hetatm", "exclude ligands, ions and modified residues (HETATM)",
            structure.with_hetatm, false);
@@ -97,9 +89,9 @@ void add_structure_options(CLI::App& app, StructureOptions& structure) {
             Format<std::vector<std::string>>{chains_in, "names of chains, such as A,B"});
   add_value(app, "--select", "TEXT",
             "include only a selection in gemmi's syntax, such as\n//A/10-20", structure.select,
-            text_of("a selection in gemmi's syntax, such as //A/10-20"));
+            any_text("a selection in gemmi's syntax, such as //A/10-20"));
   add_value(app, "--assembly", "ID", "build this biological assembly", structure.assembly,
-            text_of("the identifier of an assembly, such as 1"));
+            any_text("the identifier of an assembly, such as 1"));
 }
 
 void refuse_xyzr(const InputFile& input, std::string_view option, std::string_view names) {

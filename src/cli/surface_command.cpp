@@ -1,8 +1,7 @@
-#include "cli/surface_command.hpp"
-
 #include <unistd.h>
 
 #include <algorithm>
+#include <cstdint>
 #include <cstdio>
 #include <filesystem>
 #include <functional>
@@ -16,11 +15,12 @@
 #include "cli/command.hpp"
 #include "cli/interruption.hpp"
 #include "cli/messages.hpp"
+#include "cli/options.hpp"
+#include "cli/progress.hpp"
 #include "cli/report.hpp"
-#include "cli/run_display.hpp"
-#include "cli/usage.hpp"
+#include "distributed/launcher.hpp"
+#include "distributed/processes.hpp"
 #include "eses/error.hpp"
-#include "eses/read_atoms.hpp"
 #include "grid/make_grid.hpp"
 #include "output/output_files.hpp"
 #include "run/engine.hpp"
@@ -28,6 +28,19 @@
 
 namespace eses::detail::cli {
 namespace {
+
+/// Throws Error if several processes were started together but cannot communicate. They usually
+/// have the same command line and would write the same files.
+void refuse_same_files(const Options& options, const Processes& processes) {
+  const int launched = launched_processes();
+  if (launched == 1 || processes.count() > 1 || options.independent || options.dry_run) return;
+  if (!options.resume && final_paths(options.outputs, options.output_directory).empty()) return;
+  throw Error(
+      formatted("started as one of {} processes that would all write the same files; to share "
+                "one run, {}; for separate runs, use --independent and separate output "
+                "directories",
+                launched, Processes::advice()));
+}
 
 // Performs an action in the first process. All processes throw its exceptions.
 void on_rank_zero(const Processes& processes, const std::function<void()>& action) {
@@ -88,16 +101,12 @@ void check_request(const Options& options) {
 }
 
 Report report_of(const Options& options, const RunPlan& plan, const Processes& processes) {
-  Report report;
-  report.options = options;
-  report.atoms = plan.atoms;
-  report.diagnostics = describe(
-      plan.diagnostics.diagnostics, [&](AtomIndex atom) { return plan.diagnostics.lines.at(atom); },
-      options.input().path, plan.diagnostics.labels);
-  report.structure = plan.structure;
-  report.plan = plan.whole_plan;
-  report.process_count = processes.count();
-  return report;
+  return {.options = options,
+          .atoms = plan.atoms,
+          .diagnostics = describe(plan.diagnostics, options.input().path),
+          .structure = plan.structure,
+          .plan = plan.whole_plan,
+          .process_count = processes.count()};
 }
 
 // Prints the warnings before the computation starts, or throws StrictError with --strict.
@@ -161,9 +170,17 @@ RunResult run_with_progress(const Options& options, const RunPlan& plan,
                             const Processes& processes) {
   const RunPaths paths = paths_of(options, processes);
   InterruptibleRun interruptible(paths.temporaries, paths.locks);
-  RunDisplay display(interruptible, !options.quiet && processes.is_first());
+  ProgressBar bar(!options.quiet && processes.is_first());
+  const auto show_blocks = [&](std::int64_t done, std::int64_t total) {
+    interruptible.check();
+    bar.show_blocks(done, total);
+  };
+  const auto show_checks = [&](std::int64_t done, std::int64_t total) {
+    bar.show_checks(done, total);
+  };
   try {
-    RunResult result = execute(options, plan, paths, display.callbacks(), processes);
+    RunResult result = execute(options, plan, paths,
+                               {.progress = show_blocks, .verification = show_checks}, processes);
     interruptible.check();
     return result;
   } catch (const SharedError&) {
@@ -197,7 +214,10 @@ Options with_chosen_grid(Options options, const Processes& processes) {
 
 }  // namespace
 
-int compute_surface(const Options& given, const Processes& processes) {
+int perform_surface(const Arguments& arguments, const Processes& processes) {
+  end_on_signals();
+  const Options given = parse_arguments(arguments);
+  refuse_same_files(given, processes);
   if (given.parameters.exact && processes.count() > 1)
     throw UsageError(
         "--exact needs all atoms in one process; use eses-blocks measure for exact areas and "

@@ -1,13 +1,10 @@
-#include "cli/xyzr_command.hpp"
-
 #include <CLI/CLI.hpp>
 #include <cstddef>
 #include <string>
 #include <string_view>
-#include <utility>
-#include <vector>
 
 #include "cli/arguments.hpp"
+#include "cli/command.hpp"
 #include "cli/messages.hpp"
 #include "eses/read_atoms.hpp"
 #include "input/other_formats.hpp"
@@ -36,7 +33,7 @@ Exit codes:
   2  error in the command line)";
 
 /// Returns the input file with the options of the radii of MSMS.
-InputFile parse_options(bool has_names, std::vector<std::string> arguments) {
+InputFile parse_options(bool has_names, const Arguments& arguments) {
   const std::string name = has_names ? "pdb_to_xyzrn" : "pdb_to_xyzr";
   InputFile input{.path = "-"};
   input.structure.radii = "msms";
@@ -48,7 +45,7 @@ InputFile parse_options(bool has_names, std::vector<std::string> arguments) {
   set_up(app, formatted("eses-blocks {} [OPTIONS] [FILE]", name), xyzr_footer);
   begin_group(app, "Options");
   add_value(app, "FILE", "", "PDB or mmCIF file; - for standard input [-]", input.path,
-            path_to("a file"));
+            any_text("a file"));
   add_value(app, "--format", "NAME", "auto (by suffix, otherwise pdb), pdb or mmcif [auto]",
             input.format,
             one_of<AtomFormat>({{"auto", AtomFormat::automatic},
@@ -59,7 +56,7 @@ InputFile parse_options(bool has_names, std::vector<std::string> arguments) {
             input.structure.unknown_radius,
             number_between(0, max_set_radius, "a number from 0 to 1000, in angstrom"));
   add_notices(app);
-  parse(app, std::move(arguments), "FILE");
+  parse(app, arguments, "FILE");
   input.format = format_of(input.path, input.format);
   if (!is_structure(input.format)) input.format = AtomFormat::pdb;
   return input;
@@ -71,10 +68,9 @@ std::string radius_text(double radius) {
   return shortest.size() > fixed.size() ? shortest : fixed;
 }
 
-}  // namespace
-
-void print_spheres(bool has_names, std::vector<std::string> arguments) {
-  const InputFile input = parse_options(has_names, std::move(arguments));
+/// Prints the spheres of a PDB or mmCIF file.
+int print_spheres(bool has_names, const Arguments& arguments) {
+  const InputFile input = parse_options(has_names, arguments);
   require_standard_output();
   const AtomFile file =
       read_atoms(input.path, {.format = input.format, .structure = input.structure});
@@ -93,6 +89,17 @@ void print_spheres(bool has_names, std::vector<std::string> arguments) {
     }
   }
   text.flush();
+  return exit_done;
+}
+
+}  // namespace
+
+int perform_pdb_to_xyzr(const Arguments& arguments, const Processes& /*processes*/) {
+  return print_spheres(false, arguments);
+}
+
+int perform_pdb_to_xyzrn(const Arguments& arguments, const Processes& /*processes*/) {
+  return print_spheres(true, arguments);
 }
 
 }  // namespace eses::detail::cli

@@ -3,14 +3,15 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <optional>
 #include <system_error>
+#include <unordered_map>
+#include <vector>
 
-#include "diff/compare_areas.hpp"
-#include "diff/compare_edges.hpp"
-#include "diff/compare_points.hpp"
+#include "diff/match_in_order.hpp"
 #include "eses/error.hpp"
 #include "input/eses_reader.hpp"
 #include "system/formatted.hpp"
@@ -18,15 +19,8 @@
 namespace eses::detail {
 namespace {
 
-constexpr std::array every_file{EsesFile::box, EsesFile::grid, EsesFile::edges, EsesFile::areas};
-
-/// One file of either directory.
-using Paths = Sides<std::optional<std::filesystem::path>>;
-using AllPaths = std::array<Paths, every_file.size()>;
-
-const Paths& paths_of(const AllPaths& paths, EsesFile file) {
-  return paths[static_cast<std::size_t>(file)];
-}
+/// The paths of a file in both directories; empty where it is missing.
+using FoundFiles = Sides<std::optional<std::filesystem::path>>;
 
 void expect_directory(const std::filesystem::path& path) {
   std::error_code error;
@@ -42,68 +36,13 @@ void expect_regular_file(const std::filesystem::path& path) {
     throw Error(formatted("{}: not a regular file", path.string()));
 }
 
-/// Throws Error if a directory has no file to compare.
-void expect_files(const AllPaths& paths, const Sides<std::filesystem::path>& directories) {
+FoundFiles find_files(const Sides<std::filesystem::path>& directories, EsesFile file) {
+  FoundFiles paths;
   for (const std::size_t side : both_sides) {
-    const bool has_one = std::any_of(paths.begin(), paths.end(),
-                                     [side](const Paths& file) { return file[side].has_value(); });
-    if (has_one) continue;
-    throw Error(formatted("{}: holds none of {}, plain or gzipped", directories[side].string(),
-                          fmt::join(eses_file_names, ", ")));
+    paths[side] = find_eses_file(directories[side], file);
+    if (paths[side]) expect_regular_file(*paths[side]);
   }
-}
-
-AllPaths find_files(const Sides<std::filesystem::path>& directories) {
-  for (const std::filesystem::path& directory : directories) expect_directory(directory);
-  AllPaths paths;
-  for (const EsesFile file : every_file) {
-    for (const std::size_t side : both_sides) {
-      auto& path = paths[static_cast<std::size_t>(file)][side];
-      path = find_eses_file(directories[side], file);
-      if (path) expect_regular_file(*path);
-    }
-  }
-  expect_files(paths, directories);
   return paths;
-}
-
-/// The grids, as far as they are known from the bounding boxes or else from the points.
-struct Grids {
-  Sides<std::optional<BoundingBox>> boxes;
-  Sides<std::optional<GridIndex>> sizes;
-  ComparedGrids of_boxes;
-
-  bool same_size() const { return !sizes[0] || !sizes[1] || *sizes[0] == *sizes[1]; }
-};
-
-/// Returns the spacing (angstrom), or nothing for a grid of one point.
-std::optional<double> spacing_of(const BoundingBox& box) {
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    if (box.size[axis] < 2) continue;
-    return (box.upper[axis] - box.lower[axis]) / static_cast<double>(box.size[axis] - 1);
-  }
-  return std::nullopt;
-}
-
-Grids read_grids(const AllPaths& paths) {
-  Grids grids;
-  for (const std::size_t side : both_sides) {
-    if (const auto& box = paths_of(paths, EsesFile::box)[side]) {
-      grids.boxes[side] = read_bounding_box(*box);
-      grids.sizes[side] = grids.of_boxes.sizes[side] = grids.boxes[side]->size;
-      if (!grids.of_boxes.spacing) grids.of_boxes.spacing = spacing_of(*grids.boxes[side]);
-    } else if (const auto& points = paths_of(paths, EsesFile::grid)[side]) {
-      grids.sizes[side] = extent_of_points(*points);
-    }
-  }
-  return grids;
-}
-
-FileStatus status_of(EsesFile file, const Paths& paths, const Grids& grids) {
-  if (!paths[0]) return paths[1] ? FileStatus::only_in_b : FileStatus::in_neither;
-  if (!paths[1]) return FileStatus::only_in_a;
-  const bool needs_same_grid = file == EsesFile::grid || file == EsesFile::edges;
-  return needs_same_grid && !grids.same_size() ? FileStatus::other_grid : FileStatus::compared;
 }
 
 BoxDifference compare_boxes(const Sides<BoundingBox>& boxes, double tolerance) {
@@ -119,36 +58,94 @@ BoxDifference compare_boxes(const Sides<BoundingBox>& boxes, double tolerance) {
   return result;
 }
 
+std::vector<AtomArea> read_areas(const std::filesystem::path& path) {
+  std::vector<AtomArea> areas;
+  AtomArea area;
+  for (RowReader<AtomArea> reader(path); reader.next(area);) areas.push_back(area);
+  std::stable_sort(areas.begin(), areas.end(),
+                   [](const AtomArea& a, const AtomArea& b) { return a.atom < b.atom; });
+  return areas;
+}
+
+double total_of(const std::vector<AtomArea>& areas) {
+  double total = 0;
+  for (const AtomArea& area : areas) total += area.area;
+  return total;
+}
+
+/// Compares the areas of atoms. `shifts` are those of the compared edges.
+AreaDifference compare_areas(const Sides<std::filesystem::path>& paths,
+                             const std::unordered_map<AtomIndex, double>& shifts,
+                             double tolerance) {
+  const std::vector<AtomArea> a = read_areas(paths[0]), b = read_areas(paths[1]);
+  AreaDifference result;
+  result.total = {total_of(a), total_of(b)};
+  const auto compare = [&](const AtomArea& in_a, const AtomArea& in_b) {
+    const double difference = in_a.area - in_b.area;
+    const auto shift = shifts.find(in_a.atom);
+    const double explained = shift == shifts.end() ? 0 : shift->second;
+    result.area.add(in_a.atom, std::fabs(difference), tolerance);
+    result.unexplained.add(in_a.atom, std::fabs(difference - explained), tolerance);
+  };
+  result.matching = match_in_order<AtomArea>(
+      {stream_of(a), stream_of(b)}, [](const AtomArea& area) { return area.atom; }, compare);
+  return result;
+}
+
+/// Returns the result of `compare`, which is called if both directories have the file and their
+/// grids are comparable.
+template <class Compare>
+auto compare_found(const FoundFiles& files, bool are_comparable, const Compare& compare) {
+  using Paths = Sides<std::filesystem::path>;
+  FileComparison<decltype(compare(Paths()))> comparison;
+  const auto& [a, b] = files;
+  if (a && b && are_comparable) {
+    comparison = {FileStatus::compared, compare(Paths{*a, *b})};
+  } else if (a && b) {
+    comparison.status = FileStatus::other_grid;
+  } else if (a || b) {
+    comparison.status = a ? FileStatus::only_in_a : FileStatus::only_in_b;
+  }
+  return comparison;
+}
+
 }  // namespace
 
 Differences compare_directories(const Sides<std::filesystem::path>& directories, double tolerance) {
-  const AllPaths paths = find_files(directories);
-  const Grids grids = read_grids(paths);
+  for (const std::filesystem::path& directory : directories) expect_directory(directory);
+  std::array<FoundFiles, eses_file_names.size()> found;
+  for (std::size_t file = 0; file < found.size(); ++file)
+    found[file] = find_files(directories, static_cast<EsesFile>(file));
+  const auto& [box_files, point_files, edge_files, area_files] = found;
+  for (const std::size_t side : both_sides)
+    if (std::ranges::none_of(found,
+                             [&](const FoundFiles& files) { return files[side].has_value(); }))
+      throw Error(formatted("{}: holds none of {}, plain or gzipped", directories[side].string(),
+                            fmt::join(eses_file_names, ", ")));
+  Sides<std::optional<BoundingBox>> boxes;
+  Sides<std::optional<GridIndex>> sizes;
+  for (const std::size_t side : both_sides) {
+    if (box_files[side]) {
+      boxes[side] = read_bounding_box(*box_files[side]);
+      sizes[side] = boxes[side]->size;
+    } else if (point_files[side]) {
+      sizes[side] = extent_of_points(*point_files[side]);
+    }
+  }
+  const bool is_same_size = !sizes[0] || !sizes[1] || *sizes[0] == *sizes[1];
   Differences result;
-  for (const EsesFile file : every_file) {
-    result.status[static_cast<std::size_t>(file)] = status_of(file, paths_of(paths, file), grids);
-  }
-  const auto is_compared = [&result](EsesFile file) {
-    return result.status_of(file) == FileStatus::compared;
-  };
-  const auto both = [&paths](EsesFile file) {
-    const Paths& pair = paths_of(paths, file);
-    return Sides<std::filesystem::path>{*pair[0], *pair[1]};
-  };
-
-  if (is_compared(EsesFile::box)) {
-    result.box = compare_boxes({*grids.boxes[0], *grids.boxes[1]}, tolerance);
-  }
-  if (is_compared(EsesFile::grid)) {
-    result.points = compare_points(both(EsesFile::grid), *grids.sizes[0]);
-  }
-  AreaShifts shifts;
-  if (is_compared(EsesFile::edges)) {
-    result.edges = compare_edges(both(EsesFile::edges), grids.of_boxes, tolerance, shifts);
-  }
-  if (is_compared(EsesFile::areas)) {
-    result.areas = compare_areas(both(EsesFile::areas), shifts, tolerance);
-  }
+  result.box = compare_found(box_files, true, [&](const auto& /*paths*/) {
+    return compare_boxes({*boxes[0], *boxes[1]}, tolerance);
+  });
+  result.points = compare_found(point_files, is_same_size, [&](const auto& paths) {
+    return compare_points(paths, *sizes[0]);
+  });
+  result.edges = compare_found(edge_files, is_same_size, [&](const auto& paths) {
+    return compare_edges(paths, boxes, tolerance);
+  });
+  result.areas = compare_found(area_files, true, [&](const auto& paths) {
+    return compare_areas(paths, result.edges.found.area_shifts, tolerance);
+  });
   return result;
 }
 

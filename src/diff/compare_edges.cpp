@@ -1,12 +1,14 @@
-#include "diff/compare_edges.hpp"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
+#include <optional>
 #include <span>
+#include <unordered_map>
 #include <vector>
 
+#include "diff/compare_directories.hpp"
 #include "diff/contact.hpp"
 #include "diff/match_in_order.hpp"
 #include "diff/ordered_edges.hpp"
@@ -39,7 +41,7 @@ std::vector<Sphere> spheres_of(const Crossing& crossing, const ContactSpheres& s
 
 /// Adds `sign` times the share of each atom in the area of a crossing.
 void add_shares(const Crossing& crossing, std::span<const Sphere> spheres, double area, double sign,
-                AreaShifts& shifts) {
+                std::unordered_map<AtomIndex, double>& shifts) {
   std::array<double, atoms_of_concave> weights{};
   double sum = 0;
   for (std::size_t i = 0; i < spheres.size(); ++i) {
@@ -52,52 +54,34 @@ void add_shares(const Crossing& crossing, std::span<const Sphere> spheres, doubl
   }
 }
 
-/// The comparison of crossings with different atoms.
-class AtomComparison {
- public:
-  AtomComparison(const ContactSpheres& spheres, std::optional<double> spacing, double tolerance,
-                 EdgeDifference& result, AreaShifts& shifts)
-      : spheres_(spheres),
-        spacing_(spacing),
-        tolerance_(tolerance),
-        result_(result),
-        shifts_(shifts) {}
+/// Returns whether two crossings of an edge name different atoms of the same contact.
+bool is_same_contact(const Crossing& a, const Crossing& b, const ContactSpheres& spheres,
+                     double tolerance) {
+  if (a.atom_count != atoms_of_concave || b.atom_count != atoms_of_concave) return false;
+  if (!same_crossing(a, b, tolerance)) return false;
+  std::vector<Sphere> touched = spheres_of(a, spheres);
+  const std::vector<Sphere> others = spheres_of(b, spheres);
+  touched.insert(touched.end(), others.begin(), others.end());
+  return touched.size() == 2 * atoms_of_concave && touches_all(a, touched, tolerance);
+}
 
-  void add(const Crossing& a, const Crossing& b) {
-    if (!is_same_contact(a, b)) {
-      result_.other_atoms.add({a, b});
-      return;
-    }
-    ++result_.same_contact;
-    if (!spacing_) return;
-    const double area = *spacing_ * *spacing_ * std::fabs(a.normal[a.axis]);
-    add_shares(a, spheres_of(a, spheres_), area, 1, shifts_);
-    add_shares(b, spheres_of(b, spheres_), area, -1, shifts_);
-  }
-
- private:
-  bool is_same_contact(const Crossing& a, const Crossing& b) const {
-    if (a.atom_count != atoms_of_concave || b.atom_count != atoms_of_concave) return false;
-    if (!same_crossing(a, b, tolerance_)) return false;
-    std::vector<Sphere> touched = spheres_of(a, spheres_);
-    const std::vector<Sphere> others = spheres_of(b, spheres_);
-    touched.insert(touched.end(), others.begin(), others.end());
-    return touched.size() == 2 * atoms_of_concave && touches_all(a, touched, tolerance_);
-  }
-
-  const ContactSpheres& spheres_;
-  std::optional<double> spacing_;
-  double tolerance_;
-  EdgeDifference& result_;
-  AreaShifts& shifts_;
-};
+/// Returns the spacing (angstrom), or nothing without a bounding box of several points.
+std::optional<double> spacing_of(const Sides<std::optional<BoundingBox>>& boxes) {
+  for (const std::optional<BoundingBox>& box : boxes)
+    for (std::size_t axis = 0; box && axis < 3; ++axis)
+      if (const std::int64_t steps = box->size[axis] - 1; steps > 0)
+        return (box->upper[axis] - box->lower[axis]) / static_cast<double>(steps);
+  return std::nullopt;
+}
 
 }  // namespace
 
-EdgeDifference compare_edges(const Sides<std::filesystem::path>& paths, const ComparedGrids& grids,
-                             double tolerance, AreaShifts& shifts) {
-  const OrderedEdges a(paths[0], grids.sizes[0]);
-  const OrderedEdges b(paths[1], grids.sizes[1]);
+EdgeDifference compare_edges(const Sides<std::filesystem::path>& paths,
+                             const Sides<std::optional<BoundingBox>>& boxes, double tolerance) {
+  const auto size = [&](std::size_t side) {
+    return boxes[side] ? boxes[side]->size : unknown_size;
+  };
+  const OrderedEdges a(paths[0], size(0)), b(paths[1], size(1));
   EdgeDifference result;
   ContactSpheres spheres;
   bool all_name_the_same = true;
@@ -113,11 +97,20 @@ EdgeDifference compare_edges(const Sides<std::filesystem::path>& paths, const Co
   result.matching = match_in_order<Crossing>({a.stream(), b.stream()}, edge_of, compare);
   if (all_name_the_same) return result;
   // The second pass compares the atoms, as all spheres are known now.
-  AtomComparison atoms(spheres, grids.spacing, tolerance, result, shifts);
-  match_in_order<Crossing>({a.stream(), b.stream()}, edge_of,
-                           [&](const Crossing& in_a, const Crossing& in_b) {
-                             if (!same_atoms(in_a, in_b)) atoms.add(in_a, in_b);
-                           });
+  const std::optional<double> spacing = spacing_of(boxes);
+  const auto compare_atoms = [&](const Crossing& in_a, const Crossing& in_b) {
+    if (same_atoms(in_a, in_b)) return;
+    if (!is_same_contact(in_a, in_b, spheres, tolerance)) {
+      result.other_atoms.add({in_a, in_b});
+      return;
+    }
+    ++result.same_contact;
+    if (!spacing) return;
+    const double area = *spacing * *spacing * std::fabs(in_a.normal[in_a.axis]);
+    add_shares(in_a, spheres_of(in_a, spheres), area, 1, result.area_shifts);
+    add_shares(in_b, spheres_of(in_b, spheres), area, -1, result.area_shifts);
+  };
+  match_in_order<Crossing>({a.stream(), b.stream()}, edge_of, compare_atoms);
   return result;
 }
 

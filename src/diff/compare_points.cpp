@@ -1,5 +1,3 @@
-#include "diff/compare_points.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -8,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include "diff/compare_directories.hpp"
 #include "eses/error.hpp"
 #include "input/eses_reader.hpp"
 #include "system/bytes_text.hpp"

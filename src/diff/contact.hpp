@@ -12,8 +12,8 @@
 #include <unordered_map>
 
 #include "eses/atoms.hpp"
+#include "eses/crossing.hpp"
 #include "eses/vec3.hpp"
-#include "input/eses_reader.hpp"
 
 namespace eses::detail {
 

@@ -5,6 +5,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <unordered_map>
 #include <vector>
 
 #include "eses/atoms.hpp"
@@ -45,10 +46,6 @@ struct Matching {
   bool same() const {
     return std::all_of(only.begin(), only.end(), is_empty) &&
            std::all_of(repeated.begin(), repeated.end(), is_empty);
-  }
-  /// Number of items in the list of a side.
-  std::int64_t listed(std::size_t side) const {
-    return both + only[side].count + repeated[side].count;
   }
 
  private:
@@ -97,15 +94,23 @@ struct PointDifference {
   bool same() const { return matching.same() && other_sign.count == 0; }
 };
 
+/// The crossings of an edge on both sides.
+struct CrossingPair {
+  Crossing a, b;
+};
+
 /// The differences of intersection_info.txt.
 struct EdgeDifference {
   Matching<GridEdge> matching;
-  Deviation<GridEdge> position;          ///< distance of the positions, angstrom
-  Deviation<GridEdge> normal;            ///< length of the difference of the normals
-  Counted<Sides<Crossing>> other_atoms;  ///< edges with different atoms
+  Deviation<GridEdge> position;       ///< distance of the positions, angstrom
+  Deviation<GridEdge> normal;         ///< length of the difference of the normals
+  Counted<CrossingPair> other_atoms;  ///< edges with different atoms
   /// Number of edges with different atoms of the same contact, which are not differences: positions
   /// and normals are equal, both sides name three atoms, and the probe touches all named atoms.
   std::int64_t same_contact = 0;
+  /// Differences of the areas of atoms (A - B, square angstrom) that are due to these edges; empty
+  /// if the spacing is not known.
+  std::unordered_map<AtomIndex, double> area_shifts;
 
   bool same() const {
     return matching.same() && position.above.count == 0 && normal.above.count == 0 &&
@@ -134,24 +139,27 @@ enum class FileStatus {
   other_grid,  ///< not compared, as the grids have different numbers of points
 };
 
-/// All differences of two directories.
-struct Differences {
-  std::array<FileStatus, 4> status{};  ///< by EsesFile
-  BoxDifference box;
-  PointDifference points;
-  EdgeDifference edges;
-  AreaDifference areas;
+/// The comparison of the files of one kind.
+template <class Difference>
+struct FileComparison {
+  FileStatus status = FileStatus::in_neither;
+  Difference found;  ///< empty unless the files are compared
 
-  FileStatus status_of(EsesFile file) const { return status[static_cast<std::size_t>(file)]; }
   /// Returns whether there is no difference. A file in only one directory is a difference; a file
   /// in neither directory is not.
   bool same() const {
-    const auto is_same = [](FileStatus one) {
-      return one == FileStatus::compared || one == FileStatus::in_neither;
-    };
-    return std::all_of(status.begin(), status.end(), is_same) && box.same() && points.same() &&
-           edges.same() && areas.same();
+    return status == FileStatus::in_neither || (status == FileStatus::compared && found.same());
   }
+};
+
+/// All differences of two directories.
+struct Differences {
+  FileComparison<BoxDifference> box;
+  FileComparison<PointDifference> points;
+  FileComparison<EdgeDifference> edges;
+  FileComparison<AreaDifference> areas;
+
+  bool same() const { return box.same() && points.same() && edges.same() && areas.same(); }
 };
 
 }  // namespace eses::detail

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <functional>
 #include <memory>
 #include <queue>
 #include <span>
@@ -35,23 +36,20 @@ class OrderedEdges::Merge {
  public:
   explicit Merge(const OrderedEdges& edges)
       : scratch_(*edges.scratch_),
-        edges_read_at_once_(std::max<std::size_t>(1, edges_per_run / edges.runs_.size())),
-        heads_(ComesLater{&sources_}) {
+        edges_read_at_once_(std::max<std::size_t>(1, edges_per_run / edges.runs_.size())) {
     for (const Run& run : edges.runs_) {
       sources_.push_back({run, {}, 0});
-      refill(sources_.back());
-      heads_.push(sources_.size() - 1);
+      take_head(sources_.size() - 1);
     }
   }
 
   bool next(Crossing& crossing) {
     if (heads_.empty()) return false;
-    const std::size_t lowest = heads_.top();
+    const std::size_t lowest = heads_.top().second;
     heads_.pop();
     Source& source = sources_[lowest];
-    crossing = source.head();
-    if (++source.at == source.buffer.size()) refill(source);
-    if (!source.buffer.empty()) heads_.push(lowest);
+    crossing = source.buffer[source.at++];
+    take_head(lowest);
     return true;
   }
 
@@ -60,9 +58,14 @@ class OrderedEdges::Merge {
     Run rest;
     std::vector<Crossing> buffer;
     std::size_t at = 0;
-
-    const Crossing& head() const { return buffer[at]; }
   };
+
+  /// Adds the next edge of a source, if there is one, to `heads_`.
+  void take_head(std::size_t index) {
+    Source& source = sources_[index];
+    if (source.at == source.buffer.size()) refill(source);
+    if (!source.buffer.empty()) heads_.emplace(edge_of(source.buffer[source.at]), index);
+  }
 
   void refill(Source& source) {
     const std::uint64_t left = source.rest.end - source.rest.begin;
@@ -73,19 +76,12 @@ class OrderedEdges::Merge {
     source.at = 0;
   }
 
-  /// Orders sources by their next edge, and by run for the same edge.
-  struct ComesLater {
-    const std::vector<Source>* sources;
-    bool operator()(std::size_t a, std::size_t b) const {
-      const auto order = edge_of((*sources)[a].head()) <=> edge_of((*sources)[b].head());
-      return order == 0 ? a > b : order > 0;
-    }
-  };
+  using Head = std::pair<GridEdge, std::size_t>;  // the next edge of a source, and its index
 
   const ScratchFile& scratch_;
   std::size_t edges_read_at_once_;  // buffer of each run; all buffers take as much memory as a run
   std::vector<Source> sources_;
-  std::priority_queue<std::size_t, std::vector<std::size_t>, ComesLater> heads_;
+  std::priority_queue<Head, std::vector<Head>, std::greater<>> heads_;  // the lowest at the top
 };
 
 OrderedEdges::OrderedEdges(std::filesystem::path path, const GridIndex& size)

@@ -1,4 +1,4 @@
-#include "cli/structure_report.hpp"
+#include "cli/shared_report.hpp"
 
 #include <fmt/format.h>
 
@@ -12,6 +12,22 @@
 #include "cli/messages.hpp"
 #include "input/text_fields.hpp"
 #include "system/formatted.hpp"
+
+namespace eses {
+
+static void to_json(detail::Json& json, const RadiusSource& source) {
+  json = {{"residue", source.residue},
+          {"atom_name", source.atom_name},
+          {"element", source.element},
+          {"radius", source.radius},
+          {"count", source.count}};
+}
+
+static void to_json(detail::Json& json, const OtherAssembly& other) {
+  json = {{"id", other.id}, {"operators", other.operators}, {"atoms", other.atoms}};
+}
+
+}  // namespace eses
 
 namespace eses::detail::cli {
 namespace {
@@ -53,8 +69,8 @@ std::string counts_text(const StructureReport& report, const auto& counts) {
   return formatted("{}", fmt::join(parts, ", "));
 }
 
-json::Value counts_json(const StructureReport& report, const auto& counts) {
-  json::Value object = json::Value::object();
+Json counts_json(const StructureReport& report, const auto& counts) {
+  Json object = Json::object();
   for (const Count& count : counts) object.update({{std::string(count.key), report.*count.member}});
   return object;
 }
@@ -76,16 +92,6 @@ std::string sources_text(const std::vector<RadiusSource>& sources, std::string_v
   if (sources.size() > max_names) names.emplace_back("...");
   return formatted("; {} {} ({})", counted(count_atoms(sources), "atom"), how,
                    fmt::join(names, ", "));
-}
-
-json::Value sources_json(const std::vector<RadiusSource>& sources) {
-  return json::array_of(sources, [](const RadiusSource& source) -> json::Value {
-    return {{"residue", source.residue},
-            {"atom_name", source.atom_name},
-            {"element", source.element},
-            {"radius", source.radius},
-            {"count", source.count}};
-  });
 }
 
 std::string model_text(const StructureReport& report) {
@@ -122,12 +128,6 @@ std::string other_assemblies_text(const StructureReport& report) {
                        : "one with --assembly ID");
 }
 
-json::Value other_assemblies_json(const std::vector<OtherAssembly>& others) {
-  return json::array_of(others, [](const OtherAssembly& other) -> json::Value {
-    return {{"id", other.id}, {"operators", other.operators}, {"atoms", other.atoms}};
-  });
-}
-
 }  // namespace
 
 std::string structure_text(const StructureReport& report) {
@@ -139,17 +139,24 @@ std::string structure_text(const StructureReport& report) {
       sources_text(report.unknown, "of unknown radius"), other_assemblies_text(report));
 }
 
-json::Value structure_json(const StructureReport& report) {
-  return {{"model", report.model},
-          {"models", report.models},
-          {"assembly", report.assembly.empty() ? json::Value() : json::Value(report.assembly)},
-          {"operators", report.operators},
-          {"other_assemblies", other_assemblies_json(report.other_assemblies)},
-          {"read", counts_json(report, kept_counts)},
-          {"left_out", counts_json(report, dropped_counts)},
-          {"radii", report.radii},
-          {"radii_by_element", sources_json(report.by_element)},
-          {"unknown_radii", sources_json(report.unknown)}};
+std::string filling_text(std::span<const FilledCavity> filled) {
+  if (filled.empty()) return "filled cavities: none\n";
+  return formatted("filled cavities: {}, with voids from {:.6g} to {:.6g} cubic angstrom\n",
+                   filled.size(), filled.back().void_volume, filled.front().void_volume);
 }
 
 }  // namespace eses::detail::cli
+
+void eses::to_json(detail::Json& json, const StructureReport& report) {
+  using namespace detail::cli;
+  json = {{"model", report.model},
+          {"models", report.models},
+          {"assembly", report.assembly.empty() ? detail::Json() : detail::Json(report.assembly)},
+          {"operators", report.operators},
+          {"other_assemblies", report.other_assemblies},
+          {"read", counts_json(report, kept_counts)},
+          {"left_out", counts_json(report, dropped_counts)},
+          {"radii", report.radii},
+          {"radii_by_element", report.by_element},
+          {"unknown_radii", report.unknown}};
+}
