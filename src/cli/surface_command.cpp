@@ -95,7 +95,7 @@ Report report_of(const Options& options, const RunPlan& plan, const Processes& p
       plan.diagnostics.diagnostics, [&](AtomIndex atom) { return plan.diagnostics.lines.at(atom); },
       options.input().path, plan.diagnostics.labels);
   report.structure = plan.structure;
-  report.plan = plan.whole_plan;
+  report.plan = plan;
   report.process_count = processes.count();
   return report;
 }
@@ -163,7 +163,7 @@ RunResult run_with_progress(const Options& options, const RunPlan& plan,
   InterruptibleRun interruptible(paths.temporaries, paths.locks);
   RunDisplay display(interruptible, !options.quiet && processes.is_first());
   try {
-    RunResult result = execute(options, plan, paths, display.callbacks(), processes);
+    RunResult result = execute(options, plan, display.callbacks(), processes);
     interruptible.check();
     return result;
   } catch (const SharedError&) {

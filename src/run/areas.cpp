@@ -196,8 +196,7 @@ AreasOfRange add_up_areas(AtomShares shares, const RunPlan& plan, const Processe
                                           : exchange_shares(std::move(shares), plan, processes);
   AreasOfRange areas{atoms_of(processes.rank(), plan, processes).begin, {}};
   areas.areas.reserve(sums.size());
-  for (const AreaShare sum : sums)
-    areas.areas.push_back(atom_area(sum, plan.whole_plan.grid.spacing));
+  for (const AreaShare sum : sums) areas.areas.push_back(atom_area(sum, plan.grid.spacing));
   return areas;
 }
 

@@ -53,7 +53,7 @@ RunPaths paths_of(const RunTask& task, const Processes& processes);
 /// Computes the surface and writes the files of a plan. All processes must call it. A SharedError
 /// is thrown in all processes. Any other exception is thrown only in the process that failed, whose
 /// caller must then abort the other processes.
-RunResult execute(const RunTask& task, const RunPlan& plan, const RunPaths& paths,
-                  const Callbacks& callbacks, const Processes& processes);
+RunResult execute(const RunTask& task, const RunPlan& plan, const Callbacks& callbacks,
+                  const Processes& processes);
 
 }  // namespace eses::detail

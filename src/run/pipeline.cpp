@@ -104,12 +104,11 @@ void Pipeline::abandon() {
   if (sinks_.mesh != nullptr) sinks_.mesh->abandon();
 }
 
-RegionSums Pipeline::take_sums() {
-  RegionSums sums;
-  for (const BlockWorkspace& workspace : workspaces_) sums.totals.add(workspace.tally);
-  for (const Writer& writer : writers_) sums.totals.points.add(writer.counts);
-  sums.atom_shares = std::move(atom_shares_);
-  return sums;
+RegionTotals Pipeline::totals() const {
+  RegionTotals totals;
+  for (const BlockWorkspace& workspace : workspaces_) totals.add(workspace.tally);
+  for (const Writer& writer : writers_) totals.points.add(writer.counts);
+  return totals;
 }
 
 void Pipeline::add_seconds(PhaseSeconds& seconds) const {

@@ -7,6 +7,7 @@
 #include <mutex>
 #include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "input/file_index.hpp"
@@ -42,12 +43,6 @@ struct Sinks {
   FileIndices file_indices;  ///< of the atoms of the surface
 };
 
-/// Sums over a region, which do not depend on its division into blocks.
-struct RegionSums {
-  RegionTotals totals;
-  std::vector<AreaShare> atom_shares;  ///< by atom of the surface
-};
-
 /// A sweep over the region of a plan.
 class Pipeline {
  public:
@@ -63,8 +58,10 @@ class Pipeline {
   /// Performs the sweep.
   void run();
 
-  /// Returns the sums after `run`. May be called once.
-  RegionSums take_sums();
+  /// Returns the sums over the region after `run`. They do not depend on its division into blocks.
+  RegionTotals totals() const;
+  /// Returns the area shares by atom of the surface, after `run`. May be called once.
+  std::vector<AreaShare> take_atom_shares() { return std::move(atom_shares_); }
   /// Adds the times of all threads.
   void add_seconds(PhaseSeconds& seconds) const;
   /// Lengths of the two texts in bytes, after `run`.

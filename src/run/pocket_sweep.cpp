@@ -63,8 +63,8 @@ class ProbeSweep {
   }
 
   // Planes of a layer of blocks.
-  std::int64_t layer_planes() const { return plan_.slab_plan.tiling.block_size[2] - 1; }
-  int threads() const { return plan_.slab_plan.threads; }
+  std::int64_t layer_planes() const { return plan_.tiling.block_size[2] - 1; }
+  int threads() const { return plan_.threads; }
 
   // Sweeps over the next planes.
   void sweep(const PlaneRange& planes, std::vector<MapSink> maps, SolvedBlockCallback block,
@@ -73,9 +73,9 @@ class ProbeSweep {
     sinks.maps = std::move(maps);
     sinks.extras = extras_;
     sinks.block = std::move(block);
-    Plan plan = plan_.slab_plan;
-    plan.region = with_planes(plan.region, planes);
-    plan.tiling = make_tiling(plan.grid, plan.tiling.block_size, plan.region);
+    Plan plan = plan_;
+    plan.tiling =
+        make_tiling(plan.grid, plan.tiling.block_size, with_planes(plan.tiling.region, planes));
     Pipeline pipeline(patches_->schedule, plan, std::move(sinks), report);
     pipeline.solve_plane_below();
     pipeline.run();

@@ -33,7 +33,7 @@ constexpr double endless = std::numeric_limits<double>::infinity();
 constexpr std::int64_t max_bins = 1 << 16;
 
 // Returns the planes at the heights of all atoms. Planes beyond the grid continue its numbering.
-PlaneRange planes_of_atoms(const GridPlan& plan) {
+PlaneRange planes_of_atoms(const Plan& plan) {
   constexpr double max_planes = 1e15;
   const auto planes_in = [&](double depth) {
     return static_cast<std::int64_t>(
@@ -143,7 +143,7 @@ struct Reached {
   double low, high;
 };
 
-SentAtoms send_atoms(const AtomPart& part, const GridPlan& plan, const Outputs& outputs,
+SentAtoms send_atoms(const AtomPart& part, const Plan& plan, const Outputs& outputs,
                      std::span<const PlaneRange> slabs, const Processes& processes) {
   const double probe = plan.parameters.probe_radius;
   double max_radius = 0;
@@ -180,7 +180,7 @@ SentAtoms send_atoms(const AtomPart& part, const GridPlan& plan, const Outputs& 
 }
 
 // Returns a function that decides whether a slab owns an atom. Each atom is owned by one slab.
-std::function<bool(const Atom&)> ownership(const GridPlan& plan, std::span<const PlaneRange> slabs,
+std::function<bool(const Atom&)> ownership(const Plan& plan, std::span<const PlaneRange> slabs,
                                            std::size_t rank) {
   double low = -endless, high = endless;
   for (std::size_t other = 0; other < slabs.size(); ++other) {
@@ -195,7 +195,7 @@ std::function<bool(const Atom&)> ownership(const GridPlan& plan, std::span<const
 }
 
 // Sends the atoms that this process has read, and makes its slab from the received atoms.
-Slab exchange_atoms(const AtomPart& part, const GridPlan& plan, const Outputs& outputs,
+Slab exchange_atoms(const AtomPart& part, const Plan& plan, const Outputs& outputs,
                     std::span<const PlaneRange> slabs, int threads, const Processes& processes) {
   SentAtoms sent = send_atoms(part, plan, outputs, slabs, processes);
   Slab slab;
@@ -235,8 +235,7 @@ FileDiagnostics take_diagnostics(Slab& slab, std::uint64_t atoms, const Processe
 }
 
 // Returns the planes of the grid that are outside the region or finished.
-std::vector<PlaneRange> planes_left_out(const GridPlan& plan,
-                                        std::span<const PlaneRange> finished) {
+std::vector<PlaneRange> planes_left_out(const Plan& plan, std::span<const PlaneRange> finished) {
   const PlaneRange within = region_planes(plan);
   std::vector<PlaneRange> left_out;
   if (within.begin > 0) left_out.push_back({0, within.begin});
@@ -248,7 +247,7 @@ std::vector<PlaneRange> planes_left_out(const GridPlan& plan,
 // Cuts the planes into one slab for each process. All processes must call its functions.
 class SlabCutter {
  public:
-  SlabCutter(const AtomPart& part, const GridPlan& plan, const Outputs& outputs,
+  SlabCutter(const AtomPart& part, const Plan& plan, const Outputs& outputs,
              const Processes& processes)
       : plan_(plan),
         outputs_(outputs),
@@ -306,7 +305,7 @@ class SlabCutter {
       const double crossing = seconds_per_crossing +
                               (outputs_.edges ? seconds_per_crossing_text : 0) +
                               (outputs_.mesh ? seconds_per_crossing_of_mesh : 0);
-      const GridIndex size = plan_.region.size();
+      const GridIndex size = plan_.tiling.region.size();
       for (std::size_t b = 0; b < costs.size(); ++b) {
         const PlaneRange planes = bins_.planes(b, b + 1);
         if (planes.begin < slab.planes.begin || planes.begin >= slab.planes.end) continue;
@@ -323,7 +322,7 @@ class SlabCutter {
     return costs;
   }
 
-  const GridPlan& plan_;
+  const Plan& plan_;
   const Outputs& outputs_;
   const Processes& processes_;
   Bins bins_;                  // of the planes of the grid
@@ -349,12 +348,11 @@ std::vector<std::size_t> cut_evenly(std::span<const double> costs, int parts) {
   return begins;
 }
 
-PlaneRange region_planes(const GridPlan& plan) {
-  return {plan.region.begin[2], plan.region.end[2]};
+PlaneRange region_planes(const Plan& plan) {
+  return {plan.tiling.region.begin[2], plan.tiling.region.end[2]};
 }
 
-std::pair<Slab, FileDiagnostics> make_slab(AtomPart part, const GridPlan& plan,
-                                           const Outputs& outputs,
+std::pair<Slab, FileDiagnostics> make_slab(AtomPart part, const Plan& plan, const Outputs& outputs,
                                            std::span<const PlaneRange> finished, int threads,
                                            const Processes& processes) {
   const std::uint64_t atoms = part.total;
@@ -380,8 +378,8 @@ std::pair<Slab, FileDiagnostics> make_slab(AtomPart part, const GridPlan& plan,
   return {std::move(slab), std::move(diagnostics)};
 }
 
-Box slab_box(const GridPlan& plan, const PlaneRange& planes) {
-  const GridRegion& region = plan.region;
+Box slab_box(const Plan& plan, const PlaneRange& planes) {
+  const GridRegion& region = plan.tiling.region;
   const std::int64_t begin = std::max(planes.begin - 1, region.begin[2]);
   return region_box(plan.grid, with_planes(region, {begin, planes.end}));
 }
