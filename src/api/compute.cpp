@@ -96,7 +96,6 @@ Summary solve(const PlannedRun& run, const detail::Callbacks& callbacks) {
   detail::RunResult result = detail::execute(run.task, run.plan, callbacks, detail::Processes());
   Summary& summary = result.summary;
   if (detail::has_faults(summary)) throw VerificationError(std::move(*summary.verification));
-  summary.atom_areas = std::move(result.atom_areas).value();
   return std::move(summary);
 }
 

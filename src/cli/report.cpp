@@ -206,7 +206,7 @@ bool is_whole(const Plan& plan) { return plan.tiling.region == plan.grid.whole()
 /// scripts search the report.
 std::string exact_text(const Report& report) {
   if (!report.exact) return "";
-  const auto& [area, volume] = *report.exact;
+  const double area = report.exact->ses_area, volume = report.exact->ses_volume;
   const std::string text =
       formatted("exact: {:.10g} square angstrom, {:.10g} cubic angstrom", area, volume);
   const Plan& plan = report.plan;
@@ -218,7 +218,7 @@ std::string exact_text(const Report& report) {
                           percent_above(report.summary.divergence_volume, volume));
 }
 
-json::Value exact_json(const Report& report, double ExactMeasures::*value) {
+json::Value exact_json(const Report& report, double Measures::*value) {
   return report.exact ? json::Value((*report.exact).*value) : json::Value();
 }
 
@@ -478,8 +478,8 @@ std::string json_text(const Report& report) {
     document.update({{"area", summary.area},
                      {"volume", summary.volume},
                      {"divergence_volume", summary.divergence_volume},
-                     {"exact_area", exact_json(report, &ExactMeasures::area)},
-                     {"exact_volume", exact_json(report, &ExactMeasures::volume)},
+                     {"exact_area", exact_json(report, &Measures::ses_area)},
+                     {"exact_volume", exact_json(report, &Measures::ses_volume)},
                      {"inside_points", summary.inside_points},
                      {"crossings", crossings_json(summary)},
                      {"area_by_kind", area_by_kind_json(summary)},

@@ -17,9 +17,11 @@
 #include "output/output_files.hpp"
 #include "output/sequential_writer.hpp"
 #include "run/areas.hpp"
+#include "run/exact_measures.hpp"
 #include "run/merge.hpp"
 #include "run/progress_report.hpp"
 #include "run/slab_sweep.hpp"
+#include "surface/measure_patches.hpp"
 #include "system/file_descriptor.hpp"
 #include "system/formatted.hpp"
 #include "system/parallel.hpp"
@@ -121,20 +123,21 @@ void combine_verifications(Verification& found, const Processes& processes) {
 }
 
 // Measures the surface in closed form.
-ExactMeasures measure_surface(const RunTask& task, const RunPlan& plan,
-                              const std::function<void()>& check) {
-  const Parameters& parameters = task.parameters;
-  const int threads = plan.process_schedule.threads;
-  return plan.patches ? measure_exactly(plan.patches, threads, check, parameters.max_filled_void)
-                      : measure_exactly(plan.slab.molecule, parameters.probe_radius, threads, check,
-                                        parameters.max_filled_void);
+Measures measure_surface(const RunTask& task, const RunPlan& plan,
+                         const std::function<void()>& check) {
+  const MeasureSettings settings{.probe_radius = task.parameters.probe_radius,
+                                 .threads = plan.process_schedule.threads,
+                                 .check = check,
+                                 .max_filled_void = task.parameters.max_filled_void};
+  return plan.patches ? measure_kept_patches(plan.patches, settings)
+                      : measure_patches(plan.slab.molecule, settings);
 }
 
 // Compares the number of inside points with the exact volume, if the grid encloses the molecule and
 // no cavities are filled.
 void verify_volume(const RunTask& task, const RunPlan& plan, const std::function<void()>& check,
                    Summary& summary) {
-  if (plan.filled() || plan.cut_depth > 0 || plan.tiling.region != plan.grid.whole()) return;
+  if (plan.filled() || !plan.is_whole_surface()) return;
   const Stopwatch watch;
   const VolumeBounds bounds =
       bound_inside_cells(plan.slab.molecule, task.parameters.probe_radius, plan.grid.spacing,
@@ -265,7 +268,7 @@ RunResult execute(const RunTask& task, const RunPlan& plan, const Callbacks& cal
         write_files(task, plan, mesh, areas, merge, files.get(), check, processes) +
         commit_files(task, plan, files.get(), check, processes);
   }
-  if (processes.count() == 1) result.atom_areas = std::move(areas.areas);
+  if (processes.count() == 1) summary.atom_areas = std::move(areas.areas);
   add_figures(total, plan, processes, result);
   return result;
 }

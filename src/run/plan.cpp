@@ -17,7 +17,6 @@
 #include "output/grid_map.hpp"
 #include "output/mesh_writer.hpp"
 #include "output/output_files.hpp"
-#include "run/exact_measures.hpp"
 #include "run/memory.hpp"
 #include "run/quality_pass.hpp"
 #include "run/verifier.hpp"
@@ -209,6 +208,13 @@ void expect_mesh(const MeshOptions& mesh, const LabelTotals& labels, const Plan&
                   bytes.name_line * (labels.residue_runs + labels.chain_runs);
 }
 
+// Returns the memory of Parameters::exact in bytes, besides that of patches: the measures of a
+// face, and a second molecule with its index to compare volumes.
+double exact_measure_bytes(std::size_t atoms) {
+  constexpr double face_bytes = 48, index_bytes = 32;
+  return static_cast<double>(atoms) * (face_bytes + sizeof(Atom) + index_bytes);
+}
+
 // Chooses the fastest schedule that exceeds neither the limit nor the available memory.
 void choose_schedule(const SurfaceSurvey& survey, const MemoryBudget& budget,
                      const Outputs& outputs, Plan& plan) {
@@ -237,9 +243,8 @@ void choose_schedule(const SurfaceSurvey& survey, const MemoryBudget& budget,
 // Returns a survey of the part of the surface that the run computes.
 SurfaceSurvey survey_of(const Molecule& molecule, const Plan& plan) {
   const double probe_radius = plan.parameters.probe_radius;
-  const GridRegion& region = plan.tiling.region;
-  if (region == plan.grid.whole() && plan.cut_depth <= 0) return {molecule, probe_radius};
-  return {molecule, probe_radius, region_box(plan.grid, region)};
+  if (plan.is_whole_surface()) return {molecule, probe_radius};
+  return {molecule, probe_radius, region_box(plan.grid, plan.tiling.region)};
 }
 
 void expect_maps(const Outputs& outputs, const Plan& plan, FileSizes& files) {

@@ -26,6 +26,9 @@ struct Plan : Schedule {
   /// only the atoms before the run.
   std::uint64_t memory_bytes = 0;
   FileSizes files = {};
+
+  /// Whether the region to compute contains the whole surface.
+  bool is_whole_surface() const { return cut_depth <= 0 && tiling.region == grid.whole(); }
 };
 
 /// Performs step 1 of a plan: takes the grid of the parameters or, if they have none, makes the

@@ -323,15 +323,14 @@ void prepare_patches(const Molecule& molecule, const RunTask& task, int threads,
   const Parameters& parameters = run.parameters;
   if (!needs_cavities(task) && !parameters.exact) return;
   const double bytes = kept_patch_bytes * static_cast<double>(molecule.atoms().size());
-  const bool fits =
-      bytes <= max_kept_bytes &&
+  const bool keeps_patches =
+      run.is_whole_surface() && bytes <= max_kept_bytes &&
       (parameters.max_memory == 0 || 8 * bytes <= static_cast<double>(parameters.max_memory));
-  const bool is_whole = run.cut_depth <= 0 && run.tiling.region == run.grid.whole();
   if (!searches_cavities(task)) {
-    if (fits && is_whole) run.patches = schedule_patches(molecule, parameters.probe_radius);
+    if (keeps_patches) run.patches = schedule_patches(molecule, parameters.probe_radius);
     return;
   }
-  FoundCavities found = find_cavities_of(molecule, task, threads, fits && is_whole);
+  FoundCavities found = find_cavities_of(molecule, task, threads, keeps_patches);
   run.cavities = std::move(found.map);
   run.patches = std::move(found.patches);
 }

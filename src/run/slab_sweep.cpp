@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 #include <memory>
-#include <numeric>
 #include <optional>
 #include <string>
 #include <utility>
@@ -84,12 +83,6 @@ RunFile file_of(ChunkText text) {
   return files.at(static_cast<std::size_t>(text));
 }
 
-std::int64_t plane_count(std::span<const PlaneRange> ranges) {
-  return std::accumulate(
-      ranges.begin(), ranges.end(), std::int64_t{0},
-      [](std::int64_t sum, const PlaneRange& planes) { return sum + planes.count(); });
-}
-
 void add_shares(std::vector<AreaShare> shares, std::vector<AreaShare>& sums) {
   if (sums.empty()) {
     sums = std::move(shares);
@@ -165,9 +158,7 @@ SweepResult SlabSweep::run(Summary& summary) {
 SurfaceModel SlabSweep::make_surface() const {
   SurfaceModel surface(plan_.slab.molecule, task_.parameters.probe_radius);
   surface.cavities = plan_.filled();
-  const GridRegion all = plan_.grid.whole();
-  if (plan_.cut_depth > 0 || plan_.tiling.region != all ||
-      plan_.slab.planes != PlaneRange{0, all.end[2]})
+  if (!plan_.is_whole_surface() || plan_.slab.planes != region_planes(plan_))
     surface.confine_to(slab_box(plan_, plan_.slab.planes));
   return surface;
 }

@@ -71,20 +71,14 @@ class Bins {
   std::int64_t per_bin_;
 };
 
-// Returns the fraction of a bin's planes that is not in `finished`.
-double remaining_fraction(const PlaneRange& planes, std::span<const PlaneRange> finished) {
-  const std::vector<PlaneRange> left = remaining(planes, finished);
-  const std::int64_t count =
-      std::accumulate(left.begin(), left.end(), std::int64_t{0},
-                      [](std::int64_t sum, const PlaneRange& part) { return sum + part.count(); });
-  return static_cast<double>(count) / static_cast<double>(planes.count());
-}
-
-// Subtracts the costs of the planes in `finished`.
+// Leaves the planes in `finished` out of the costs.
 void subtract_finished(const Bins& bins, std::span<const PlaneRange> finished,
                        std::vector<double>& costs) {
-  for (std::size_t b = 0; b < costs.size(); ++b)
-    costs[b] *= remaining_fraction(bins.planes(b, b + 1), finished);
+  for (std::size_t b = 0; b < costs.size(); ++b) {
+    const PlaneRange planes = bins.planes(b, b + 1);
+    costs[b] *= static_cast<double>(plane_count(remaining(planes, finished))) /
+                static_cast<double>(planes.count());
+  }
 }
 
 // Returns the planes from the first to the last one of these ranges.
@@ -346,6 +340,12 @@ std::vector<std::size_t> cut_evenly(std::span<const double> costs, int parts) {
   }
   begins.push_back(costs.size());
   return begins;
+}
+
+std::int64_t plane_count(std::span<const PlaneRange> ranges) {
+  return std::accumulate(
+      ranges.begin(), ranges.end(), std::int64_t{0},
+      [](std::int64_t sum, const PlaneRange& planes) { return sum + planes.count(); });
 }
 
 PlaneRange region_planes(const Plan& plan) {

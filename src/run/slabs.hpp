@@ -54,6 +54,9 @@ std::pair<Slab, FileDiagnostics> make_slab(AtomPart part, const Plan& plan, cons
                                            std::span<const PlaneRange> finished, int threads,
                                            const Processes& processes);
 
+/// Returns the number of planes in ranges that do not overlap.
+std::int64_t plane_count(std::span<const PlaneRange> ranges);
+
 /// Returns the planes of the region of `plan`.
 PlaneRange region_planes(const Plan& plan);
 

@@ -33,9 +33,7 @@ inline Summary run(const Molecule& molecule, const Parameters& parameters, const
                      .outputs = outputs,
                      .output_directory = directory};
   const Processes alone;
-  eses::detail::RunResult result = execute(task, plan_run(task, alone), callbacks, alone);
-  result.summary.atom_areas = std::move(result.atom_areas).value();
-  return std::move(result.summary);
+  return execute(task, plan_run(task, alone), callbacks, alone).summary;
 }
 
 /// Performs a run without files.
