@@ -28,7 +28,6 @@
 #include "cli/usage.hpp"
 #include "cli/xyzr_command.hpp"
 #include "diff/compare_directories.hpp"
-#include "distributed/launcher.hpp"
 #include "distributed/processes.hpp"
 #include "eses/error.hpp"
 #include "output/output_files.hpp"
@@ -65,7 +64,7 @@ void reserve_standard_streams() {
 /// Throws Error if several processes were started together but cannot communicate. They usually
 /// have the same command line and would write the same files.
 void refuse_same_files(const Options& options, const Processes& processes) {
-  const int launched = launched_processes();
+  const int launched = Processes::launched_count();
   if (launched == 1 || processes.count() > 1 || options.independent || options.dry_run) return;
   if (!options.resume && final_paths(options.outputs, options.output_directory).empty()) return;
   throw Error(

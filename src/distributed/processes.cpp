@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdlib>
 #include <cstring>
 #include <new>
 #include <optional>
@@ -14,6 +15,13 @@
 #include "system/formatted.hpp"
 
 namespace eses::detail {
+
+int Processes::launched_count() {
+  int count = 1;
+  for (const char* const name : {"OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "SLURM_STEP_NUM_TASKS"})
+    if (const char* const size = std::getenv(name)) count = std::max(count, std::atoi(size));
+  return count;
+}
 
 IndexRange Processes::range_of(std::uint64_t count, std::uint64_t unit, int rank) const {
   const std::uint64_t units = (count + unit - 1) / unit, all = static_cast<std::uint64_t>(count_);

@@ -51,6 +51,9 @@ class Processes {
   int count() const { return count_; }
   bool is_first() const { return rank_ == 0; }
 
+  /// Returns the number of processes that a launcher (Open MPI, MPICH or Slurm's srun) has started
+  /// together, by its environment variables; 1 without a launcher.
+  static int launched_count();
   /// Advice for an error message if processes were started together but do not share a run.
   static std::string_view advice();
 

@@ -110,21 +110,17 @@ class TableState {
 
   std::string packed() const {
     std::string result;
-    pack(result, formatted("{}", bytes));
-    pack(result, tables.open ? open_mark : "");
+    // The text of a number that `{}` writes has exactly its value.
+    const auto put = [&result](const auto&... values) {
+      (pack(result, formatted("{}", values)), ...);
+    };
+    put(bytes, tables.open ? open_mark : "");
     if (tables.open) {
       const auto& [label, atoms, area] = *tables.open;
-      for (const std::string* const name : {&label.chain, &label.residue, &label.residue_number})
-        pack(result, *name);
-      pack(result, formatted("{}", atoms));
-      pack(result, formatted("{:a}", area));
+      put(label.chain, label.residue, label.residue_number, atoms, area);
     }
-    for (const ChainArea& chain : tables.chains.chains()) {
-      pack(result, chain.chain);
-      pack(result, formatted("{}", chain.residues));
-      pack(result, formatted("{}", chain.atoms));
-      pack(result, formatted("{:a}", chain.area));
-    }
+    for (const auto& [chain, residues, atoms, area] : tables.chains.chains())
+      put(chain, residues, atoms, area);
     return result;
   }
 
@@ -171,6 +167,16 @@ void append_atoms(const RunPlan& plan, std::span<const double> areas, bool with_
   table.flush();
 }
 
+// Writes a file whose parts follow each other in the order of ranks. See
+// SharedFile::write_by_rank.
+std::uint64_t write_text(OutputFile* file, const Processes& processes,
+                         const std::function<void(const TextSink& sink)>& make) {
+  SharedFile shared(processes, file);
+  const std::uint64_t bytes = shared.write_by_rank(0, make);
+  shared.close();
+  return bytes;
+}
+
 }  // namespace
 
 AreasOfRange add_up_areas(AtomShares shares, const RunPlan& plan, const Processes& processes) {
@@ -190,11 +196,8 @@ double total_area(const AreasOfRange& areas, const Processes& processes) {
 
 std::uint64_t write_areas(const AreasOfRange& areas, bool gzip, OutputFile* file,
                           const std::function<void()>& check, const Processes& processes) {
-  SharedFile shared(processes, file);
-  const std::uint64_t bytes = shared.write_by_rank(
-      0, [&](const TextSink& sink) { append_area_texts(areas, gzip, check, sink); });
-  shared.close();
-  return bytes;
+  return write_text(file, processes,
+                    [&](const TextSink& sink) { append_area_texts(areas, gzip, check, sink); });
 }
 
 std::uint64_t write_area_tables(const AreasOfRange& areas, const RunPlan& plan,
@@ -222,15 +225,12 @@ std::uint64_t write_area_tables(const AreasOfRange& areas, const RunPlan& plan,
 std::uint64_t write_atom_table(const AreasOfRange& areas, const RunPlan& plan, OutputFile* file,
                                const std::function<void()>& check, const Processes& processes) {
   const std::vector<double> read_areas = areas_of_read_atoms(areas, plan, processes);
-  SharedFile shared(processes, file);
-  const std::uint64_t bytes = shared.write_by_rank(0, [&](const TextSink& sink) {
+  return write_text(file, processes, [&](const TextSink& sink) {
     append_atoms(plan, read_areas, processes.is_first(), [&](std::string_view text) {
       check();
       sink(text);
     });
   });
-  shared.close();
-  return bytes;
 }
 
 }  // namespace eses::detail

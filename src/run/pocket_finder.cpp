@@ -258,12 +258,12 @@ PocketFinder::Element PocketFinder::owner_of_end(const PocketPlane::Edge& edge, 
 // Adds the crossings of the edges from a plane. The owners of the next plane are known.
 void PocketFinder::add_crossings(std::int64_t z) {
   Plane& here = plane(z);
-  for (const PocketPlane::Wall& wall : here.walls) {
+  for (const PocketPlane::Edge& wall : here.walls) {
     const Element owner = owner_of_end(wall, z, false);
     if (owner == none) continue;
     for (std::size_t k = 0; k < wall.atom_count; ++k) contacts_.emplace_back(owner, wall.atoms[k]);
   }
-  for (const PocketPlane::Mouth& mouth : here.mouths) {
+  for (const PocketPlane::Edge& mouth : here.mouths) {
     const Element owner = owner_of_end(mouth, z, true);
     if (owner != none) sums_[owner].mouth += mouth.share;
   }

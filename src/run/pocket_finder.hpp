@@ -29,21 +29,15 @@ struct PocketPlane {
     std::int64_t x = 0, y = 0;  ///< index of the lower end
     std::uint8_t axis = 0;
     bool lower_is_inside = false;
-  };
-  /// A crossing of the small probe's surface.
-  struct Wall : Edge {
-    std::array<AtomIndex, 3> atoms{};  ///< adjacent atoms; the first `atom_count` are set
     std::uint8_t atom_count = 0;
-  };
-  /// A crossing of the large probe's surface.
-  struct Mouth : Edge {
-    std::int64_t share = 0;  ///< |n_axis| in units of `area_share_unit`
+    std::array<AtomIndex, 3> atoms{};  ///< adjacent atoms; the first `atom_count` are set
+    std::int64_t share = 0;            ///< |n_axis| in units of `area_share_unit`
   };
 
   std::vector<std::uint64_t> small, large;  ///< points inside the surfaces
   std::vector<std::uint64_t> covered;       ///< points where the small probe's centre cannot be
-  std::vector<Wall> walls;
-  std::vector<Mouth> mouths;
+  std::vector<Edge> walls;                  ///< crossings of the small probe's surface
+  std::vector<Edge> mouths;                 ///< crossings of the large probe's surface
 };
 
 /// Finds pockets in planes that arrive in ascending order. Keeps the planes within the reach of a

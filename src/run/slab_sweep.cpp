@@ -64,19 +64,6 @@ TakeRows rows_of_map(OutputFile& file, const MapChoice& choice, const Plan& plan
                GridMap::Scratch& scratch) { map->write_rows(first_row, words, scratch); };
 }
 
-std::vector<ChunkText> chosen_texts(const Outputs& outputs) {
-  std::vector<ChunkText> texts;
-  if (outputs.grid) texts.push_back(ChunkText::grid);
-  if (outputs.edges) texts.push_back(ChunkText::edges);
-  for (const MapChoice& map : chosen_maps(outputs)) texts.push_back(text_of(map.quantity));
-  if (outputs.mesh) texts.insert(texts.end(), {ChunkText::vertices, ChunkText::triangles});
-  return texts;
-}
-
-bool is_of_mesh(ChunkText text) {
-  return text == ChunkText::vertices || text == ChunkText::triangles;
-}
-
 // Returns the output file of a text that is not a map.
 RunFile file_of(ChunkText text) {
   constexpr std::array files{RunFile::grid, RunFile::edges, RunFile::mesh, RunFile::mesh_faces};
@@ -182,47 +169,34 @@ Plan SlabSweep::plan_of(const PlaneRange& planes, std::int64_t checks) const {
   return plan;
 }
 
-// Returns whether a text is written directly to its final file. In a run in place, this is possible
-// if its offset does not depend on the length of another text.
-bool SlabSweep::is_written_in_place(ChunkText text) const {
-  if (!plan_.is_in_place) return false;
-  if (text == ChunkText::vertices) return !mesh_->has_columns();
-  if (text == ChunkText::triangles) return mesh_->has_face_file();
-  return true;
-}
-
-// Returns the offset of such a text in its final file.
-std::uint64_t SlabSweep::begin_in_place(ChunkText text) const {
-  if (text == ChunkText::triangles) return face_header(*mesh_).size();
+// Returns the offset of a text in its final file if it is written there directly. In a run in
+// place, this is possible if the offset does not depend on the length of another text.
+std::optional<std::uint64_t> SlabSweep::begin_in_place(ChunkText text) const {
+  if (!plan_.is_in_place) return std::nullopt;
   std::uint64_t begin = 0;
-  if (text == ChunkText::vertices)
+  if (text == ChunkText::vertices) {
+    if (mesh_->has_columns()) return std::nullopt;
     for (const std::string& part : mesh_header(*mesh_, plan_.groups, true)) begin += part.size();
+  }
+  if (text == ChunkText::triangles) {
+    if (!mesh_->has_face_file()) return std::nullopt;
+    begin = face_header(*mesh_).size();
+  }
   return begin;
 }
 
-PlaneChunk SlabSweep::new_chunk(const PlaneRange& planes) const {
-  PlaneChunk chunk;
-  chunk.info.planes = planes;
-  for (const ChunkText text : chosen_texts(task_.outputs)) {
-    if (is_written_in_place(text)) continue;
-    if (plan_.checkpoint)
-      chunk.text(text) = plan_.checkpoint->create(planes, text);
-    else if (is_of_mesh(text))
-      chunk.text(text) = std::make_unique<ScratchFile>(mesh_directory_of(*task_.outputs.mesh));
-    else
-      chunk.text(text) = std::make_unique<ScratchFile>(task_.output_directory);
+// Returns the receiver of a text: its output file, or a new scratch file of the chunk.
+OrderedOutput::WriteAt SlabSweep::open_text(ChunkText text, PlaneChunk& chunk) {
+  if (const auto begin = begin_in_place(text)) return sink_of(*files_->find(file_of(text)), *begin);
+  std::unique_ptr<ScratchFile>& file = chunk.text(text);
+  if (plan_.checkpoint) {
+    file = plan_.checkpoint->create(chunk.info.planes, text);
+    return sink_of(*file, &(*checksums_)[static_cast<std::size_t>(text)]);
   }
-  return chunk;
-}
-
-// Returns the receiver of a text: its scratch file, or its output file in a run in place. It is
-// empty if the text is not chosen.
-OrderedOutput::WriteAt SlabSweep::sink_of_text(ChunkText text, PlaneChunk& chunk) {
-  if (ScratchFile* const scratch = chunk.text(text).get())
-    return sink_of(*scratch, checksums_ ? &(*checksums_)[static_cast<std::size_t>(text)] : nullptr);
-  if (!plan_.is_in_place) return {};
-  OutputFile* const file = files_->find(file_of(text));
-  return file != nullptr ? sink_of(*file, begin_in_place(text)) : OrderedOutput::WriteAt();
+  const bool is_of_mesh = text == ChunkText::vertices || text == ChunkText::triangles;
+  file = std::make_unique<ScratchFile>(is_of_mesh ? mesh_directory_of(*task_.outputs.mesh)
+                                                  : task_.output_directory.string());
+  return sink_of(*file, nullptr);
 }
 
 // Returns the receivers of the mesh. Makes `pass` if the sweep improves the triangles. With chunks,
@@ -230,8 +204,8 @@ OrderedOutput::WriteAt SlabSweep::sink_of_text(ChunkText text, PlaneChunk& chunk
 MeshSinks SlabSweep::mesh_sinks(PlaneChunk& chunk, std::optional<QualityPass>& pass) {
   const bool has_local_triangles =
       (!plan_.is_in_place || mesh_->has_columns()) && !mesh_->has_corner_positions();
-  MeshSinks sinks{.vertices = sink_of_text(ChunkText::vertices, chunk),
-                  .triangles = sink_of_text(ChunkText::triangles, chunk),
+  MeshSinks sinks{.vertices = open_text(ChunkText::vertices, chunk),
+                  .triangles = open_text(ChunkText::triangles, chunk),
                   .has_local_triangles = has_local_triangles,
                   .is_stream = task_.outputs.mesh->quality};
   if (!plan_.is_in_place || !sinks.is_stream) return sinks;
@@ -253,7 +227,7 @@ std::vector<MapSink> SlabSweep::map_sinks(PlaneChunk& chunk, const GridRegion& r
         {map.quantity,
          plan_.is_in_place
              ? rows_of_map(*files_->find(file_of(map.quantity)), map, plan_)
-             : rows_as_words(map.quantity, region, sink_of_text(text_of(map.quantity), chunk))});
+             : rows_as_words(map.quantity, region, open_text(text_of(map.quantity), chunk))});
   return sinks;
 }
 
@@ -285,7 +259,8 @@ void SlabSweep::save_chunk(PlaneChunk& chunk, std::span<const AreaShare> shares)
 PlaneChunk SlabSweep::sweep(PatchSchedule& patches, const Plan& plan, SweepResult& result,
                             Summary& summary) {
   const GridRegion& region = plan.tiling.region;
-  PlaneChunk chunk = new_chunk({region.begin[2], region.end[2]});
+  PlaneChunk chunk;
+  chunk.info.planes = {region.begin[2], region.end[2]};
   if (plan_.checkpoint) checksums_.emplace();
   std::optional<MeshOutput> mesh;
   std::optional<QualityPass> pass;
@@ -298,9 +273,12 @@ PlaneChunk SlabSweep::sweep(PatchSchedule& patches, const Plan& plan, SweepResul
     verifier.emplace(plan_.slab.molecule.atoms(), plan, plan_.filled().get());
     summary.seconds.verify += drawing.seconds();
   }
+  const auto into = [&](ChunkText text, bool is_chosen) {
+    return is_chosen ? open_text(text, chunk) : OrderedOutput::WriteAt();
+  };
   Pipeline pipeline(patches, plan,
-                    {.grid = sink_of_text(ChunkText::grid, chunk),
-                     .edges = sink_of_text(ChunkText::edges, chunk),
+                    {.grid = into(ChunkText::grid, task_.outputs.grid),
+                     .edges = into(ChunkText::edges, task_.outputs.edges),
                      .gzip = task_.outputs.gzip,
                      .maps = map_sinks(chunk, region),
                      .extras = task_.maps_in_memory.sinks.empty() ? extras_of(task_.outputs)

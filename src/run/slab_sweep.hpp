@@ -53,10 +53,8 @@ class SlabSweep {
   Plan plan_of(const PlaneRange& planes, std::int64_t checks) const;
   SurfaceModel make_surface() const;
   ComponentOfCrossing component_of_crossing() const;
-  PlaneChunk new_chunk(const PlaneRange& planes) const;
-  bool is_written_in_place(ChunkText text) const;
-  std::uint64_t begin_in_place(ChunkText text) const;
-  OrderedOutput::WriteAt sink_of_text(ChunkText text, PlaneChunk& chunk);
+  std::optional<std::uint64_t> begin_in_place(ChunkText text) const;
+  OrderedOutput::WriteAt open_text(ChunkText text, PlaneChunk& chunk);
   MeshSinks mesh_sinks(PlaneChunk& chunk, std::optional<QualityPass>& pass);
   std::vector<MapSink> map_sinks(PlaneChunk& chunk, const GridRegion& region);
   PlaneChunk sweep(PatchSchedule& patches, const Plan& plan, SweepResult& result, Summary& summary);

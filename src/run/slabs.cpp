@@ -228,13 +228,14 @@ FileDiagnostics take_diagnostics(Slab& slab, std::uint64_t atoms, const Processe
   return all;
 }
 
-// Returns the planes of the grid that are outside the region or finished.
-std::vector<PlaneRange> planes_left_out(const Plan& plan, std::span<const PlaneRange> finished) {
+// Returns the planes of `all` that are outside the region or finished.
+std::vector<PlaneRange> planes_left_out(const PlaneRange& all, const Plan& plan,
+                                        std::span<const PlaneRange> finished) {
   const PlaneRange within = region_planes(plan);
   std::vector<PlaneRange> left_out;
-  if (within.begin > 0) left_out.push_back({0, within.begin});
+  if (within.begin > all.begin) left_out.push_back({all.begin, within.begin});
   left_out.insert(left_out.end(), finished.begin(), finished.end());
-  if (within.end < plan.grid.size[2]) left_out.push_back({within.end, plan.grid.size[2]});
+  if (within.end < all.end) left_out.push_back({within.end, all.end});
   return left_out;
 }
 
@@ -246,20 +247,11 @@ class SlabCutter {
       : plan_(plan),
         outputs_(outputs),
         processes_(processes),
-        bins_(plan.grid, {0, plan.grid.size[2]}),
+        bins_(plan.grid, planes_of_atoms(plan)),
         atoms_(bins_.count()) {
-    const PlaneRange all_planes = planes_of_atoms(plan);
-    const Bins all(plan.grid, all_planes);
-    std::vector<double> all_atoms(all.count());
-    for (const Atom& atom : part.atoms) {
-      const double z = atom.center.z;
-      ++all_atoms[all.bin_of(z)];
-      if (z >= plan.grid.origin.z && z <= plan.grid.upper().z) ++atoms_[bins_.bin_of(z)];
-    }
+    for (const Atom& atom : part.atoms) ++atoms_[bins_.bin_of(atom.center.z)];
     processes_.add(atoms_);
-    processes_.add(all_atoms);
-    by_atoms_ = cut_into_slabs(all, all_atoms, {}, processes_.count());
-    are_all_in_grid_ = all_planes == PlaneRange{0, plan.grid.size[2]};
+    by_atoms_ = cut_into_slabs(bins_, atoms_, {}, processes_.count());
   }
 
   // Slabs with equal numbers of atoms. They include all atoms, also those beyond the grid.
@@ -269,11 +261,12 @@ class SlabCutter {
   // which is its slab by atoms. Returns the slabs by atoms if other slabs would not save the time
   // for sending and preparing atoms again.
   std::vector<PlaneRange> by_costs(const Slab& slab, std::span<const PlaneRange> finished) const {
-    const std::vector<PlaneRange> left_out = planes_left_out(plan_, finished);
+    const std::vector<PlaneRange> left_out =
+        planes_left_out(bins_.planes(0, bins_.count()), plan_, finished);
     std::vector<double> costs = estimate_costs(slab);
     subtract_finished(bins_, left_out, costs);
     std::vector<PlaneRange> slabs = cut_into_slabs(bins_, costs, left_out, processes_.count());
-    if (!left_out.empty() || !are_all_in_grid_) return slabs;
+    if (!left_out.empty()) return slabs;
     const double gain = max_cost(bins_, costs, by_atoms_) - max_cost(bins_, costs, slabs);
     const double loss = seconds_per_prepared_atom * max_cost(bins_, atoms_, slabs);
     return gain > loss ? slabs : by_atoms_;
@@ -319,10 +312,9 @@ class SlabCutter {
   const Plan& plan_;
   const Outputs& outputs_;
   const Processes& processes_;
-  Bins bins_;                  // of the planes of the grid
-  std::vector<double> atoms_;  // atoms at the heights of the grid, by bin
+  Bins bins_;                  // of the planes of the grid and of atoms beyond it
+  std::vector<double> atoms_;  // by bin
   std::vector<PlaneRange> by_atoms_;
-  bool are_all_in_grid_ = true;  // whether no slab of `by_atoms_` has planes beyond the grid
 };
 
 }  // namespace
