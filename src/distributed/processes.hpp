@@ -81,6 +81,8 @@ class Processes {
   /// Returns the elements of all processes in the order of ranks, in all processes.
   template <class T>
   std::vector<T> gather(std::span<const T> elements) const;
+  /// Does the same with texts, which must not contain NUL.
+  std::vector<std::string> gather_texts(std::span<const std::string> texts) const;
   /// Returns the text of rank `from`, in all processes.
   std::string broadcast(std::string text, int from = 0) const;
   /// Sends `to[rank]` to each process. Returns the elements sent to this process, in the order of
@@ -91,7 +93,6 @@ class Processes {
   /// in all processes.
   std::string chain(const std::string& first,
                     const std::function<std::string(const std::string&)>& change) const;
-  double chain(double value, const std::function<double(double)>& change) const;
 
   /// Performs an action that does not communicate. If it throws Error, std::invalid_argument or
   /// std::bad_alloc in any process, all processes throw SharedError with the message and hints of

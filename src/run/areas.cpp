@@ -188,10 +188,12 @@ AreasOfRange add_up_areas(AtomShares shares, const RunPlan& plan, const Processe
 }
 
 double total_area(const AreasOfRange& areas, const Processes& processes) {
-  return processes.chain(0, [&](double sum) {
+  const auto number = [](const std::string& text) { return std::strtod(text.c_str(), nullptr); };
+  return number(processes.chain("0", [&](const std::string& before) {
+    double sum = number(before);
     for (const double area : areas.areas) sum += area;
-    return sum;
-  });
+    return formatted("{}", sum);  // has exactly the value of the sum
+  }));
 }
 
 std::uint64_t write_areas(const AreasOfRange& areas, bool gzip, OutputFile* file,

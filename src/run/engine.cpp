@@ -10,7 +10,6 @@
 #include <system_error>
 #include <utility>
 
-#include "distributed/packed_texts.hpp"
 #include "eses/error.hpp"
 #include "output/mesh_writer.hpp"
 #include "output/msms_text.hpp"
@@ -97,15 +96,6 @@ double cpu_seconds() {
   return seconds(usage.ru_utime) + seconds(usage.ru_stime);
 }
 
-// Returns the lines of all processes in the order of ranks, in all processes.
-std::vector<std::string> gather_lines(const std::vector<std::string>& lines,
-                                      const Processes& processes) {
-  std::string packed;
-  for (const std::string& line : lines) pack(packed, line);
-  const std::vector<char> all = processes.gather<char>(packed);
-  return unpack({all.begin(), all.end()});
-}
-
 // Replaces wall-clock times by their maxima, and times of threads by their sums over all processes.
 void combine_seconds(PhaseSeconds& seconds, const Processes& processes) {
   for (double* const wall_clock : {&seconds.blocks, &seconds.verify, &seconds.total})
@@ -119,7 +109,7 @@ void combine_seconds(PhaseSeconds& seconds, const Processes& processes) {
 void combine_verifications(Verification& found, const Processes& processes) {
   found.points = static_cast<std::int64_t>(processes.sum(static_cast<std::uint64_t>(found.points)));
   found.edges = static_cast<std::int64_t>(processes.sum(static_cast<std::uint64_t>(found.edges)));
-  found.faults = gather_lines(found.faults, processes);
+  found.faults = processes.gather_texts(found.faults);
 }
 
 // Measures the surface in closed form.
@@ -221,7 +211,7 @@ RunPaths paths_of(const RunTask& task, const Processes& processes) {
   if (processes.is_first())
     paths = {temporary_paths(task.outputs, task.output_directory),
              lock_paths(task.outputs, task.output_directory)};
-  return {gather_lines(paths.temporaries, processes), gather_lines(paths.locks, processes)};
+  return {processes.gather_texts(paths.temporaries), processes.gather_texts(paths.locks)};
 }
 
 RunResult execute(const RunTask& task, const RunPlan& plan, const Callbacks& callbacks,

@@ -375,8 +375,10 @@ std::uint64_t Merge::write_mesh(OutputFile* file, OutputFile* face_file,
 std::uint64_t Merge::write_header(SharedFile& file, const mesh::MeshText& text,
                                   const mesh::VertexBox& box) const {
   std::uint64_t bytes = 0;
-  for (const std::string& part : mesh_header(text, plan_.groups, processes_.is_first(), mesh_, box))
-    bytes += file.write_by_rank(bytes, [&part](const TextSink& sink) { sink(part); });
+  for (std::size_t part = 0; part < mesh_header_parts; ++part)
+    bytes += file.write_by_rank(bytes, [&](const TextSink& sink) {
+      write_header_part(part, text, plan_.groups, processes_.is_first(), mesh_, box, sink);
+    });
   return bytes;
 }
 

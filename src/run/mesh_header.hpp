@@ -2,20 +2,27 @@
 /// The headers of mesh files. A header may name chains and residues. Each process makes the names
 /// of the groups whose first atom it has read.
 
+#include <cstddef>
 #include <string>
-#include <vector>
 
 #include "distributed/group_numbers.hpp"
+#include "output/buffered_text.hpp"
 #include "output/mesh_writer.hpp"
 
 namespace eses::detail {
 
-/// Returns the text of this process for each part of the header of the mesh file. In the file, the
-/// texts of a part follow each other in the order of ranks. The length of the header does not
-/// depend on `counts` and `box`.
-std::vector<std::string> mesh_header(const mesh::MeshText& text, const GroupNames& names,
-                                     bool is_first_process, const MeshCounts& counts = {},
-                                     const mesh::VertexBox& box = {});
+/// Number of parts of the header of the mesh file. In the file, the texts of a part follow each
+/// other in the order of ranks.
+inline constexpr std::size_t mesh_header_parts = 5;
+
+/// Passes the text of this process for a part of the header to a sink. Its length does not depend
+/// on `counts` and `box`.
+void write_header_part(std::size_t part, const mesh::MeshText& text, const GroupNames& names,
+                       bool is_first_process, const MeshCounts& counts, const mesh::VertexBox& box,
+                       const TextSink& sink);
+
+/// Returns the length of the header in a run with a single process, in bytes.
+std::uint64_t mesh_header_bytes(const mesh::MeshText& text, const GroupNames& names);
 
 /// Returns the header of the separate file of the triangles, if the format has one. Its length does
 /// not depend on `counts`.

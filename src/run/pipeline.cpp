@@ -45,7 +45,7 @@ Pipeline::Pipeline(PatchSchedule& patches, const Plan& plan, Sinks sinks, Progre
       sinks_(std::move(sinks)),
       progress_(progress),
       text_(plan.grid, plan.tiling.region, sinks_.file_indices),
-      batches_(plan.tiling.region),
+      batches_(plan.tiling.region, sinks_.gzip),
       layers_(static_cast<std::size_t>(plan.tiling.blocks[2])),
       queue_(patches, heights_of_layers(plan), plan.tiling.blocks[0] * plan.tiling.blocks[1],
              plan.blocks_ahead),
@@ -222,7 +222,7 @@ void Pipeline::solve(const Task& task, Worker& worker, std::size_t thread) {
 void Pipeline::write(const Task& task, Worker& worker) {
   const Stopwatch watch;
   const Layer& layer = layers_[static_cast<std::size_t>(task.layer)];
-  const RowRange rows = batches_.rows(task.index);
+  const RowRange rows = batches_.rows(task.index, layer_planes(task.layer));
   append_points(layer, rows, worker);
   take_map_rows(layer, rows, worker);
   if (edges_) append_crossings(layer, rows, worker.edges);
@@ -263,9 +263,7 @@ void Pipeline::take_map_rows(const Layer& layer, const RowRange& rows, Worker& w
   const std::int64_t plane_rows = region.size()[1];
   for (const MapSink& map : sinks_.maps) {
     worker.map_rows.clear();
-    MapRows map_rows(plan_.tiling, layer, map.quantity);
-    rows.for_each(plane_rows,
-                  [&](std::int64_t y, std::int64_t z) { map_rows.append(y, z, worker.map_rows); });
+    append_map_rows(plan_.tiling, layer, map.quantity, rows, worker.map_rows);
     map.take_rows((layer.first_z() - region.begin[2]) * plane_rows + rows.begin, worker.map_rows,
                   worker.map);
   }

@@ -86,7 +86,7 @@ class Pipeline {
 
   std::int64_t layer_planes(std::int64_t layer) const;
   std::int64_t layer_batches(std::int64_t layer) const {
-    return batches_.per_plane() * layer_planes(layer);
+    return batches_.count(layer_planes(layer));
   }
   void abandon();
   void work(Worker& worker, std::size_t thread);

@@ -1,5 +1,5 @@
 #pragma once
-/// Division of the rows of planes into batches, which threads format as text.
+/// Division of a layer's rows into batches, which threads format as text.
 
 #include <algorithm>
 #include <cstdint>
@@ -26,25 +26,34 @@ struct RowRange {
   }
 };
 
-/// The batches of the planes of a region. They end where planes end, so that they do not depend on
-/// the height of layers, and so not on the block size.
+/// The batches of the layers of a region. With `ends_with_planes`, they are also cut at the end of
+/// each plane, so that they do not depend on the height of layers, and so not on the block size.
 class RowBatches {
  public:
-  explicit RowBatches(const GridRegion& region)
-      : plane_rows_(region.size()[1]), rows_per_batch_(rows_per_batch(region.size()[0])) {}
+  RowBatches(const GridRegion& region, bool ends_with_planes)
+      : plane_rows_(region.size()[1]),
+        rows_per_batch_(rows_per_batch(region.size()[0])),
+        ends_with_planes_(ends_with_planes) {}
 
-  std::int64_t per_plane() const { return (plane_rows_ + rows_per_batch_ - 1) / rows_per_batch_; }
+  std::int64_t count(std::int64_t planes) const {
+    return ends_with_planes_ ? planes * batches_in(plane_rows_) : batches_in(planes * plane_rows_);
+  }
 
-  /// Returns the rows of a batch, counted from the plane of batch 0.
-  RowRange rows(std::int64_t batch) const {
-    const std::int64_t plane = batch / per_plane();
-    const std::int64_t begin = (batch - plane * per_plane()) * rows_per_batch_;
-    const std::int64_t end = std::min(begin + rows_per_batch_, plane_rows_);
-    return {plane * plane_rows_ + begin, plane * plane_rows_ + end};
+  RowRange rows(std::int64_t batch, std::int64_t planes) const {
+    const std::int64_t per_plane = batches_in(plane_rows_);
+    const std::int64_t plane = ends_with_planes_ ? batch / per_plane : 0;
+    const std::int64_t begin = plane * plane_rows_ + (batch - plane * per_plane) * rows_per_batch_;
+    const std::int64_t last = ends_with_planes_ ? plane + 1 : planes;
+    return {begin, std::min(begin + rows_per_batch_, last * plane_rows_)};
   }
 
  private:
+  std::int64_t batches_in(std::int64_t rows) const {
+    return (rows + rows_per_batch_ - 1) / rows_per_batch_;
+  }
+
   std::int64_t plane_rows_, rows_per_batch_;
+  bool ends_with_planes_;
 };
 
 }  // namespace eses::detail

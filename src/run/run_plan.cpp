@@ -366,7 +366,7 @@ LabelTotals take_file(const InputFile& file, const RunTask& task, const Processe
   run.structure = std::move(part.structure);
   run.names = std::exchange(part.names, {});
   if (outputs.atoms && processes.count() > 1) run.radii = radii_of(part.atoms);
-  const FileDiagnostics of_names = std::exchange(part.diagnostics, {});
+  const FileDiagnostics of_names = std::move(part.file_diagnostics);
   processes.all_or_throw([&] { require_memory_for(part.total, file, limit, processes); });
   run.atoms = part.total;
   run.read_atoms = part.range();

@@ -176,7 +176,7 @@ std::optional<std::uint64_t> SlabSweep::begin_in_place(ChunkText text) const {
   std::uint64_t begin = 0;
   if (text == ChunkText::vertices) {
     if (mesh_->has_columns()) return std::nullopt;
-    for (const std::string& part : mesh_header(*mesh_, plan_.groups, true)) begin += part.size();
+    begin = mesh_header_bytes(*mesh_, plan_.groups);
   }
   if (text == ChunkText::triangles) {
     if (!mesh_->has_face_file()) return std::nullopt;

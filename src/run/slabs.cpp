@@ -117,11 +117,6 @@ struct SentAtom {
 };
 static_assert(sizeof(SentAtom) == 48);  // scripts/lib/scaling.py reads the size here
 
-struct SentAtoms {
-  std::vector<SentAtom> atoms;
-  std::vector<mesh::GroupNumbers> groups;  // by atom; empty if groups are not numbered
-};
-
 // Returns the maximum distance from a slab at which an atom influences it: the distance of Reach
 // for the patches, plus the distance at which SAS spheres meet. It includes all pairs of atoms that
 // give a diagnostic. For the map of ion access it is at least the ion radius.
@@ -137,40 +132,15 @@ struct Reached {
   double low, high;
 };
 
-SentAtoms send_atoms(const AtomPart& part, const Plan& plan, const Outputs& outputs,
-                     std::span<const PlaneRange> slabs, const Processes& processes) {
-  const double probe = plan.parameters.probe_radius;
-  double max_radius = 0;
-  for (const Atom& atom : part.atoms) max_radius = std::max(max_radius, atom.radius);
-  processes.allreduce_max({&max_radius, 1});
+std::vector<Reached> slabs_with_planes(const Grid& grid, std::span<const PlaneRange> slabs) {
   std::vector<Reached> reached;
   for (std::size_t rank = 0; rank < slabs.size(); ++rank) {
-    const PlaneRange& planes = slabs[rank];
-    if (planes.is_empty()) continue;
+    const auto& [begin, end] = slabs[rank];
     // With the plane below, and with the plane above, where edges of the slab end.
-    reached.push_back(
-        {rank, plan.grid.coordinate(2, planes.begin - 1), plan.grid.coordinate(2, planes.end)});
+    if (begin < end)
+      reached.push_back({rank, grid.coordinate(2, begin - 1), grid.coordinate(2, end)});
   }
-  std::vector<std::vector<SentAtom>> to(slabs.size());
-  std::vector<std::vector<mesh::GroupNumbers>> groups_to(slabs.size());
-  const auto send = [&](std::size_t i, std::size_t rank) {
-    to[rank].push_back({part.atoms[i], part.lines[i], static_cast<FileIndex>(part.first + i)});
-    if (!part.groups.empty()) groups_to[rank].push_back(part.groups[i]);
-  };
-  for (std::size_t i = 0; i < part.atoms.size(); ++i) {
-    const Atom& atom = part.atoms[i];
-    // The first atom is sent to all slabs with planes, so that each of them has an atom.
-    const bool matters_to_all = part.first + i == 0;
-    const double reach = matters_to_all ? endless : influence(atom, max_radius, probe, outputs);
-    auto slab = std::partition_point(reached.begin(), reached.end(), [&](const Reached& one) {
-      return one.high < atom.center.z - reach;
-    });
-    for (; slab != reached.end() && slab->low <= atom.center.z + reach; ++slab) send(i, slab->rank);
-  }
-  SentAtoms sent;
-  sent.atoms = processes.exchange(std::move(to));
-  sent.groups = processes.exchange(std::move(groups_to));
-  return sent;
+  return reached;
 }
 
 // Returns a function that decides whether a slab owns an atom. Each atom is owned by one slab.
@@ -191,22 +161,43 @@ std::function<bool(const Atom&)> ownership(const Plan& plan, std::span<const Pla
 // Sends the atoms that this process has read, and makes its slab from the received atoms.
 Slab exchange_atoms(const AtomPart& part, const Plan& plan, const Outputs& outputs,
                     std::span<const PlaneRange> slabs, int threads, const Processes& processes) {
-  SentAtoms sent = send_atoms(part, plan, outputs, slabs, processes);
+  const double probe = plan.parameters.probe_radius;
+  double max_radius = 0;
+  for (const Atom& atom : part.atoms) max_radius = std::max(max_radius, atom.radius);
+  processes.allreduce_max({&max_radius, 1});
+  const std::vector<Reached> reached = slabs_with_planes(plan.grid, slabs);
+  std::vector<std::vector<SentAtom>> to(slabs.size());
+  std::vector<std::vector<mesh::GroupNumbers>> groups_to(slabs.size());
+  const auto send = [&](std::size_t i, std::size_t rank) {
+    to[rank].push_back({part.atoms[i], part.lines[i], static_cast<FileIndex>(part.first + i)});
+    if (!part.groups.empty()) groups_to[rank].push_back(part.groups[i]);
+  };
+  for (std::size_t i = 0; i < part.atoms.size(); ++i) {
+    const Atom& atom = part.atoms[i];
+    // The first atom is sent to all slabs with planes, so that each of them has an atom.
+    const bool matters_to_all = part.first + i == 0;
+    const double reach = matters_to_all ? endless : influence(atom, max_radius, probe, outputs);
+    auto slab = std::partition_point(reached.begin(), reached.end(), [&](const Reached& one) {
+      return one.high < atom.center.z - reach;
+    });
+    for (; slab != reached.end() && slab->low <= atom.center.z + reach; ++slab) send(i, slab->rank);
+  }
   Slab slab;
+  std::vector<SentAtom> sent = processes.exchange(std::move(to));
+  slab.groups = processes.exchange(std::move(groups_to));
   const auto rank = static_cast<std::size_t>(processes.rank());
   slab.planes = slabs[rank];
   processes.all_or_throw([&] {
     std::vector<Atom> atoms;
-    atoms.reserve(sent.atoms.size());
-    slab.atoms_in_file.reserve(sent.atoms.size());
-    slab.lines.reserve(sent.atoms.size());
-    for (const auto& [atom, line, file_index] : sent.atoms) {
+    atoms.reserve(sent.size());
+    slab.atoms_in_file.reserve(sent.size());
+    slab.lines.reserve(sent.size());
+    for (const auto& [atom, line, file_index] : sent) {
       atoms.push_back(atom);
       slab.atoms_in_file.push_back(file_index);
       slab.lines.push_back(line);
     }
-    slab.groups = std::move(sent.groups);
-    std::vector<SentAtom>().swap(sent.atoms);
+    std::vector<SentAtom>().swap(sent);
     slab.molecule = Molecule::part(std::move(atoms), ownership(plan, slabs, rank), threads);
   });
   return slab;
