@@ -3,6 +3,7 @@
 /// of the groups whose first atom it has read.
 
 #include <cstddef>
+#include <cstdint>
 #include <string>
 
 #include "distributed/group_numbers.hpp"
