@@ -38,7 +38,7 @@ constexpr std::uint64_t plenty = std::uint64_t{1} << 42;
 /// Returns a plan for a machine on which `available` bytes are free.
 Plan plan_within(std::uint64_t available, const std::vector<Atom>& atoms,
                  const Parameters& parameters) {
-  Plan plan{plan_grid(sphere_bounds(atoms), parameters), {}};
+  Plan plan = plan_grid(sphere_bounds(atoms), parameters);
   plan_schedule({.available = available}, atoms, {}, plan);
   return plan;
 }
@@ -351,7 +351,7 @@ TEST_CASE("a run that exceeds its memory limit ends and leaves no file", "[plan]
   task.parameters.max_memory = 1000;
   const TemporaryDirectory directory;
   task.output_directory = directory.path();
-  CHECK_THROWS_AS(execute(task, plan, {}, {}, alone), Error);
+  CHECK_THROWS_AS(execute(task, plan, {}, alone), Error);
   CHECK(std::filesystem::is_empty(directory.path()));
 }
 

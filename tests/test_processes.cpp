@@ -107,7 +107,7 @@ TEST_CASE("collective operations of a single process return its own values", "[p
   CHECK(alone.range_of(1000, 64, 0).end == 1000);
   CHECK(alone.gather<int>(std::vector{1, 2}) == std::vector{1, 2});
   CHECK(alone.exchange(std::vector<std::vector<int>>{{3, 4}}) == std::vector{3, 4});
-  CHECK(alone.chain(2, [](double value) { return value + 1; }) == 3);
+  CHECK(alone.chain("a", [](const std::string& before) { return before + "b"; }) == "ab");
   CHECK_THROWS_AS(alone.all_or_throw([] { throw Error("no"); }), Error);
 }
 

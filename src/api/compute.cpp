@@ -32,8 +32,8 @@ struct PlannedRun {
   detail::RunTask task;
   detail::RunPlan plan;
 
-  const GridRegion& region() const { return plan.whole_plan.tiling.region; }
-  std::int64_t block_count() const { return plan.whole_plan.tiling.block_count(); }
+  const GridRegion& region() const { return plan.tiling.region; }
+  std::int64_t block_count() const { return plan.tiling.block_count(); }
 };
 
 const detail::Molecule& molecule_of(const Surface& surface) {
@@ -93,11 +93,9 @@ detail::Callbacks callbacks_of(const RunOptions& options) {
 
 // Performs a run, which writes the outputs of its task.
 Summary solve(const PlannedRun& run, const detail::Callbacks& callbacks) {
-  detail::RunResult result =
-      detail::execute(run.task, run.plan, {}, callbacks, detail::Processes());
+  detail::RunResult result = detail::execute(run.task, run.plan, callbacks, detail::Processes());
   Summary& summary = result.summary;
   if (detail::has_faults(summary)) throw VerificationError(std::move(*summary.verification));
-  summary.atom_areas = std::move(result.atom_areas).value();
   return std::move(summary);
 }
 
@@ -429,7 +427,7 @@ Summary write_files(const Surface& surface, const Grid& grid,
 Estimate estimate(const Surface& surface, const Grid& grid, const Outputs& outputs,
                   const RunOptions& options) {
   const PlannedRun run = plan_run(surface, grid, outputs, options);
-  const detail::Plan& plan = run.plan.whole_plan;
+  const detail::Plan& plan = run.plan;
   return {.memory_bytes = plan.memory_bytes,
           .threads = plan.threads,
           .block_size = plan.tiling.block_size,

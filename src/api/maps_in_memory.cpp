@@ -3,7 +3,6 @@
 #include <cstddef>
 
 #include "output/grid_map.hpp"
-#include "run/map_rows.hpp"
 
 namespace eses::detail {
 namespace {

@@ -253,7 +253,7 @@ bool is_whole(const Plan& plan) { return plan.tiling.region == plan.grid.whole()
 /// scripts search the report.
 std::string exact_text(const Report& report) {
   if (!report.exact) return "";
-  const auto& [area, volume] = *report.exact;
+  const double area = report.exact->ses_area, volume = report.exact->ses_volume;
   const std::string text =
       formatted("exact: {:.10g} square angstrom, {:.10g} cubic angstrom", area, volume);
   const Plan& plan = report.plan;
@@ -448,8 +448,8 @@ std::string json_text(const Report& report) {
     document.update({{"area", summary.area},
                      {"volume", summary.volume},
                      {"divergence_volume", summary.divergence_volume},
-                     {"exact_area", report.exact ? Json(report.exact->area) : Json()},
-                     {"exact_volume", report.exact ? Json(report.exact->volume) : Json()},
+                     {"exact_area", report.exact ? Json(report.exact->ses_area) : Json()},
+                     {"exact_volume", report.exact ? Json(report.exact->ses_volume) : Json()},
                      {"inside_points", summary.inside_points},
                      {"crossings",
                       {{"convex", summary.convex},

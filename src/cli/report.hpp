@@ -23,9 +23,9 @@ struct Report {
   std::optional<StructureReport> structure;  ///< only for PDB and mmCIF files
   Plan plan;
   DiskSpace disk = {};
-  Summary summary = {};                     ///< empty before the run
-  std::optional<ExactMeasures> exact = {};  ///< only with --exact
-  std::uint64_t peak_memory_bytes = 0;      ///< maximum over all processes
+  Summary summary = {};                 ///< empty before the run
+  std::optional<Measures> exact = {};   ///< only with --exact
+  std::uint64_t peak_memory_bytes = 0;  ///< maximum over all processes
   int process_count = 1;
   /// Figures by rank, only of a distributed or resumable run; empty before the run.
   std::vector<ProcessFigures> processes = {};

@@ -18,7 +18,6 @@
 #include "cli/options.hpp"
 #include "cli/progress.hpp"
 #include "cli/report.hpp"
-#include "distributed/launcher.hpp"
 #include "distributed/processes.hpp"
 #include "eses/error.hpp"
 #include "grid/make_grid.hpp"
@@ -32,7 +31,7 @@ namespace {
 /// Throws Error if several processes were started together but cannot communicate. They usually
 /// have the same command line and would write the same files.
 void refuse_same_files(const Options& options, const Processes& processes) {
-  const int launched = launched_processes();
+  const int launched = Processes::launched_count();
   if (launched == 1 || processes.count() > 1 || options.independent || options.dry_run) return;
   if (!options.resume && final_paths(options.outputs, options.output_directory).empty()) return;
   throw Error(
@@ -105,7 +104,7 @@ Report report_of(const Options& options, const RunPlan& plan, const Processes& p
           .atoms = plan.atoms,
           .diagnostics = describe(plan.diagnostics, options.input().path),
           .structure = plan.structure,
-          .plan = plan.whole_plan,
+          .plan = plan,
           .process_count = processes.count()};
 }
 
@@ -179,8 +178,8 @@ RunResult run_with_progress(const Options& options, const RunPlan& plan,
     bar.show_checks(done, total);
   };
   try {
-    RunResult result = execute(options, plan, paths,
-                               {.progress = show_blocks, .verification = show_checks}, processes);
+    RunResult result =
+        execute(options, plan, {.progress = show_blocks, .verification = show_checks}, processes);
     interruptible.check();
     return result;
   } catch (const SharedError&) {

@@ -83,37 +83,21 @@ std::uint64_t count_lines(const TextFile& file, const IndexRange& bytes) {
   return lines;
 }
 
-// The result of reading a part of a file.
-struct TextRead {
-  AtomFile atoms;  // without labels
-  AtomNames names;
-  LinesRead counts;
-};
-
 // Converts labels into residues and names after each part of the text, so that few labels are in
 // memory.
-void take_labels(AtomFile& atoms, AtomFormat format, bool with_names, TextRead& part) {
+void take_labels(AtomFile& atoms, AtomFormat format, bool with_names, AtomNames& names) {
   if (with_names && format == AtomFormat::pqr) complete_elements(atoms.labels);
   for (const AtomLabel& label : atoms.labels)
     if (with_names)
-      part.names.add(label);
+      names.add(label);
     else
-      part.names.add_residue(label);
+      names.add_residue(label);
   atoms.labels.clear();
   atoms.charges.clear();
 }
 
-// Reads the whole file, as read_atoms does.
-TextRead read_file(const std::filesystem::path& path, const ReadOptions& options, bool with_names) {
-  TextRead part;
-  part.atoms = read_input(path, options, [&](AtomFile& atoms) {
-    take_labels(atoms, options.format, with_names, part);
-  });
-  return part;
-}
-
-void read_atoms_of(const TextFile& file, const IndexRange& bytes, const AtomLines& lines,
-                   bool with_names, TextRead& read) {
+LinesRead read_atoms_of(const TextFile& file, const IndexRange& bytes, const AtomLines& lines,
+                        bool with_names, AtomPart& part) {
   std::uint64_t offset = bytes.begin;
   const auto read_text = [&](std::span<char> buffer) {
     buffer = buffer.first(std::min<std::uint64_t>(buffer.size(), bytes.end - offset));
@@ -123,15 +107,15 @@ void read_atoms_of(const TextFile& file, const IndexRange& bytes, const AtomLine
     offset += count;
     return count;
   };
-  read.counts = read_atom_lines(read_text, lines, read.atoms, [&] {
-    take_labels(read.atoms, lines.options.format, with_names, read);
-  });
+  return read_atom_lines(read_text, lines, part,
+                         [&] { take_labels(part, lines.options.format, with_names, part.names); });
 }
 
 // Reads this process's part of a file with this number of bytes.
-TextRead read_lines(const std::filesystem::path& path, std::uint64_t file_bytes,
-                    const ReadOptions& options, bool with_names, const Processes& processes) {
-  TextRead read;
+LinesRead read_lines(const std::filesystem::path& path, std::uint64_t file_bytes,
+                     const ReadOptions& options, bool with_names, const Processes& processes,
+                     AtomPart& part) {
+  LinesRead counts;
   std::uint64_t line_count = 0;
   std::optional<TextFile> file;
   IndexRange bytes;
@@ -143,10 +127,11 @@ TextRead read_lines(const std::filesystem::path& path, std::uint64_t file_bytes,
   });
   const std::uint64_t lines_before = processes.sum_before(line_count);
   processes.all_or_throw([&] {
-    read_atoms_of(*file, bytes, {options, file->name(), lines_before + 1}, with_names, read);
-    read.counts.lines = line_count;
+    counts =
+        read_atoms_of(*file, bytes, {options, file->name(), lines_before + 1}, with_names, part);
+    counts.lines = line_count;
   });
-  return read;
+  return counts;
 }
 
 // Returns the size of a file if several processes read it in parts, or 0 if the first one reads it.
@@ -169,11 +154,11 @@ std::uint64_t bytes_to_divide(const std::filesystem::path& path, const ReadOptio
 
 // Performs the checks that need all parts of the file.
 void check_all_parts(const std::filesystem::path& path, const ReadOptions& options,
-                     const AtomPart& part, const TextRead& read, const Processes& processes) {
-  const std::uint64_t lines = processes.sum(read.counts.lines);
-  const std::uint64_t models = processes.sum(read.counts.models);
-  const PdbLikeness likeness{processes.sum(read.counts.likeness.layout),
-                             processes.sum(read.counts.likeness.values)};
+                     const AtomPart& part, const LinesRead& counts, const Processes& processes) {
+  const std::uint64_t lines = processes.sum(counts.lines);
+  const std::uint64_t models = processes.sum(counts.models);
+  const PdbLikeness likeness{processes.sum(counts.likeness.layout),
+                             processes.sum(counts.likeness.values)};
   const std::string name = path.string();
   processes.all_or_throw([&] {
     require_atoms({options, name}, part.total, {lines, likeness, models});
@@ -192,28 +177,27 @@ AtomPart read_part(const std::filesystem::path& path, ReadOptions options, bool 
     options.format = format_of(path, options.format);
   });
   with_names = with_names || is_structure(options.format);
-  TextRead read;
+  AtomPart part;
+  LinesRead counts;
   if (const std::uint64_t bytes = bytes_to_divide(path, options, processes); bytes > 0) {
-    read = read_lines(path, bytes, options, with_names, processes);
+    counts = read_lines(path, bytes, options, with_names, processes, part);
   } else {
     processes.all_or_throw([&] {
-      if (processes.is_first()) read = read_file(path, options, with_names);
+      if (!processes.is_first()) return;
+      static_cast<AtomFile&>(part) = read_input(path, options, [&](AtomFile& atoms) {
+        take_labels(atoms, options.format, with_names, part.names);
+      });
     });
   }
-  AtomPart part;
-  part.first = processes.sum_before(read.atoms.atoms.size());
-  part.total = processes.sum(read.atoms.atoms.size());
-  check_all_parts(path, options, part, read, processes);
-  part.diagnostics = gather_diagnostics(
-      read.atoms.diagnostics,
+  part.first = processes.sum_before(part.atoms.size());
+  part.total = processes.sum(part.atoms.size());
+  check_all_parts(path, options, part, counts, processes);
+  part.file_diagnostics = gather_diagnostics(
+      part.diagnostics,
       [&](AtomIndex atom) {
-        return FileAtom{static_cast<FileIndex>(part.first + atom), read.atoms.lines[atom]};
+        return FileAtom{static_cast<FileIndex>(part.first + atom), part.lines[atom]};
       },
       processes);
-  part.atoms = std::move(read.atoms.atoms);
-  part.lines = std::move(read.atoms.lines);
-  part.names = std::move(read.names);
-  part.structure = std::move(read.atoms.structure);
   return part;
 }
 

@@ -3,7 +3,6 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <optional>
 #include <vector>
 
 #include "distributed/file_diagnostics.hpp"
@@ -14,21 +13,17 @@
 
 namespace eses::detail {
 
-/// The part of a file that a process has read.
-struct AtomPart {
-  std::vector<Atom> atoms;
-  std::vector<std::uint64_t> lines;        ///< line of each atom, 1-based
+/// The part of a file that a process has read, without labels and charges. Only the first process
+/// has the report of a PDB or mmCIF file.
+struct AtomPart : AtomFile {
   std::uint64_t first = 0;                 ///< index of the first atom in the file, 0-based
   std::uint64_t total = 0;                 ///< number of atoms in the file
   std::vector<mesh::GroupNumbers> groups;  ///< by atom, filled by number_groups
   /// Residues if labels were requested and the file has them; also the names of atoms in a PDB or
   /// mmCIF file, which the first process alone reads, and in a PQR file if they were requested.
   AtomNames names;
-  /// Report of a PDB or mmCIF file; only in the first process.
-  std::optional<StructureReport> structure;
-
-  /// The diagnostics that follow from the names of all atoms; the same in all processes.
-  FileDiagnostics diagnostics;
+  /// The diagnostics of reading the whole file; the same in all processes.
+  FileDiagnostics file_diagnostics;
 
   /// The indices of the atoms in the file, 0-based.
   IndexRange range() const { return {first, first + atoms.size()}; }

@@ -34,7 +34,8 @@ struct AtomSum {
 /// text or records of the mesh's format, mesh triangles as mesh::LocalTriangle or, if they have the
 /// positions of their corners, as records, and rows of words for each map, by its quantity. If the
 /// mesh is to be improved, the vertices are the stream of a QualityPass, and there are no
-/// triangles.
+/// triangles. A run in place (see RunPlan) has triangles as text of the mesh's format, or as
+/// mesh::LocalTriangle in a format with columns.
 enum class ChunkText : std::uint8_t { grid, edges, vertices, triangles, first_map };
 inline constexpr std::size_t chunk_text_count =
     static_cast<std::size_t>(ChunkText::first_map) + map_quantities;
@@ -50,7 +51,7 @@ struct ChunkInfo {
   PlaneRange planes;
   std::array<std::uint64_t, chunk_text_count> bytes{};      ///< length of each text
   std::array<std::uint32_t, chunk_text_count> checksums{};  ///< crc32; only in a checkpoint
-  std::uint32_t padding = 0;  ///< explicit padding, as the struct is written to disk
+  std::uint32_t rank = 0;  ///< process that has the texts when chunks are merged; 0 on disk
   MeshCounts mesh;
   RegionTotals totals;
 
@@ -65,12 +66,7 @@ struct PlaneChunk {
   std::vector<AtomSum> sums;
   /// Scratch files of the texts. In a checkpoint they are closed when the chunk is complete.
   std::array<std::unique_ptr<ScratchFile>, chunk_text_count> texts;
-  /// Whether the chunk has all planes of the run. Texts without a scratch file are then in their
-  /// final files. Triangles in a scratch file are text of the mesh's format, or LocalTriangle in a
-  /// format with columns.
-  bool is_in_place = false;
   bool is_restored = false;  ///< whether an earlier run wrote it, so that it may be damaged
-  bool is_unnamed = false;   ///< whether its files are lost when they are closed
 
   /// The scratch file of a text, or null.
   std::unique_ptr<ScratchFile>& text(ChunkText which) {

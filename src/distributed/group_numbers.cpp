@@ -14,76 +14,57 @@ namespace {
 
 constexpr std::uint32_t not_numbered = std::numeric_limits<std::uint32_t>::max();
 
-// The exchange of keys with the processes that are responsible for them.
+// The keys of this process, and the keys that the processes have sent to it. The hash of a key
+// determines the process that receives it.
 class KeyExchange {
  public:
   KeyExchange(std::span<const std::string> keys, const Processes& processes)
       : processes_(processes), sent_(static_cast<std::size_t>(processes.count())) {
     std::vector<std::vector<char>> texts(sent_.size());
     for (std::size_t k = 0; k < keys.size(); ++k) {
-      const std::size_t keeper = std::hash<std::string_view>()(keys[k]) % sent_.size();
-      sent_[keeper].push_back(k);
-      texts[keeper].insert(texts[keeper].end(), keys[k].begin(), keys[k].end());
-      texts[keeper].push_back('\0');
+      const std::size_t receiver = std::hash<std::string_view>()(keys[k]) % sent_.size();
+      sent_[receiver].push_back(k);
+      texts[receiver].insert(texts[receiver].end(), keys[k].begin(), keys[k].end());
+      texts[receiver].push_back('\0');
     }
-    std::vector<std::vector<std::uint64_t>> counts;
-    counts.reserve(sent_.size());
-    for (const auto& part : sent_) counts.push_back({part.size()});
-    received_ = processes.exchange(std::move(counts));
-    const std::vector<char> all = processes.exchange(std::move(texts));
-    for (std::string& key : unpack({all.begin(), all.end()}))
-      ids_.push_back(id_of_.try_emplace(std::move(key), static_cast<std::uint32_t>(id_of_.size()))
+    const std::vector<char> received = processes.exchange(std::move(texts));
+    std::unordered_map<std::string, std::uint32_t> id_of;
+    for (std::string& key : unpack({received.begin(), received.end()}))
+      ids_.push_back(id_of.try_emplace(std::move(key), static_cast<std::uint32_t>(id_of.size()))
                          .first->second);
+    id_count_ = id_of.size();
+    senders_ = send(std::vector(keys.size(), static_cast<std::uint32_t>(processes.rank())));
   }
 
-  // Ids of the keys that this process received, ordered by sender. Equal keys have equal ids.
+  // Received keys, in the order of their senders: equal keys have the same id, from 0.
   std::span<const std::uint32_t> ids() const { return ids_; }
-  std::size_t id_count() const { return id_of_.size(); }
+  std::span<const std::uint32_t> senders() const { return senders_; }
+  std::size_t id_count() const { return id_count_; }
 
-  // Sends a value for each key of this process to the responsible process. Returns the received
-  // ones.
+  // Sends a value for each key of this process. Returns the values for the received keys.
   std::vector<std::uint32_t> send(std::span<const std::uint32_t> of_key) const {
-    std::vector<std::vector<std::uint32_t>> to;
-    to.reserve(sent_.size());
-    for (const auto& part : sent_) {
-      to.emplace_back();
-      for (const std::size_t k : part) to.back().push_back(of_key[k]);
-    }
+    std::vector<std::vector<std::uint32_t>> to(sent_.size());
+    for (std::size_t rank = 0; rank < sent_.size(); ++rank)
+      for (const std::size_t k : sent_[rank]) to[rank].push_back(of_key[k]);
     return processes_.exchange(std::move(to));
   }
 
-  // Sends a value for each received key back to its sender. Returns the values of this process's
-  // keys.
+  // Sends a value for each received key back. Returns the values for the keys of this process.
   std::vector<std::uint32_t> send_back(std::span<const std::uint32_t> of_id) const {
-    std::vector<std::vector<std::uint32_t>> to;
-    to.reserve(received_.size());
-    for (auto id = ids_.begin(); const std::uint64_t count : received_) {
-      to.emplace_back();
-      for (std::uint64_t q = 0; q < count; ++q) to.back().push_back(of_id[*id++]);
-    }
+    std::vector<std::vector<std::uint32_t>> to(sent_.size());
+    for (std::size_t q = 0; q < ids_.size(); ++q) to[senders_[q]].push_back(of_id[ids_[q]]);
     const std::vector<std::uint32_t> answers = processes_.exchange(std::move(to));
     std::vector<std::uint32_t> of_key(answers.size());
-    for (auto one = answers.begin(); const auto& part : sent_)
-      for (const std::size_t k : part) of_key[k] = *one++;
+    for (auto answer = answers.begin(); const auto& part : sent_)
+      for (const std::size_t k : part) of_key[k] = *answer++;
     return of_key;
-  }
-
-  // Returns for each id the lowest rank that sent the key.
-  std::vector<std::uint32_t> first_senders() const {
-    std::vector<std::uint32_t> first(id_count(), not_numbered);
-    auto id = ids_.begin();
-    for (std::uint32_t rank = 0; rank < received_.size(); ++rank)
-      for (std::uint64_t q = 0; q < received_[rank]; ++q, ++id)
-        if (first[*id] == not_numbered) first[*id] = rank;
-    return first;
   }
 
  private:
   const Processes& processes_;
-  std::vector<std::vector<std::size_t>> sent_;  // indices of keys by responsible rank
-  std::vector<std::uint64_t> received_;         // number of keys by sender
-  std::unordered_map<std::string, std::uint32_t> id_of_;
-  std::vector<std::uint32_t> ids_;
+  std::vector<std::vector<std::size_t>> sent_;  // indices of keys by receiver
+  std::vector<std::uint32_t> ids_, senders_;    // of received keys
+  std::size_t id_count_ = 0;
 };
 
 // Returns the key of a label's chain.
@@ -101,16 +82,6 @@ std::string residue_key(const AtomLabel& label) {
   return key;
 }
 
-// Returns the numbers of the keys of a single process.
-KeyNumbers numbers_alone(std::size_t keys) {
-  KeyNumbers numbers;
-  numbers.of_key.resize(keys);
-  std::iota(numbers.of_key.begin(), numbers.of_key.end(), 0U);
-  numbers.first_here.resize(keys);
-  std::iota(numbers.first_here.begin(), numbers.first_here.end(), std::size_t{0});
-  return numbers;
-}
-
 // Numbers the groups whose first labels in this process are `first`. Appends to `names` the labels
 // that are the first of their group in all processes.
 template <class Key>
@@ -119,7 +90,9 @@ KeyNumbers number_first_labels(std::span<const AtomLabel> labels, std::span<cons
                                std::vector<AtomLabel>& names) {
   KeyNumbers numbers;
   if (processes.count() == 1) {
-    numbers = numbers_alone(first.size());
+    numbers.of_key.resize(first.size());
+    std::iota(numbers.of_key.begin(), numbers.of_key.end(), 0U);
+    numbers.first_here.assign(numbers.of_key.begin(), numbers.of_key.end());
   } else {
     std::vector<std::string> keys;
     keys.reserve(first.size());
@@ -135,16 +108,20 @@ KeyNumbers number_first_labels(std::span<const AtomLabel> labels, std::span<cons
 
 KeyNumbers number_keys(std::span<const std::string> keys, const Processes& processes) {
   const KeyExchange exchange(keys, processes);
-  const std::vector<std::uint32_t> first = exchange.send_back(exchange.first_senders());
+  std::vector<std::uint32_t> of_id(exchange.id_count());
+  // Keys arrive in the order of ranks, so the last assignment has the lowest rank.
+  for (std::size_t q = exchange.ids().size(); q-- > 0;)
+    of_id[exchange.ids()[q]] = exchange.senders()[q];
+  const std::vector<std::uint32_t> first_rank = exchange.send_back(of_id);
   KeyNumbers numbers;
   for (std::size_t k = 0; k < keys.size(); ++k)
-    if (first[k] == static_cast<std::uint32_t>(processes.rank())) numbers.first_here.push_back(k);
+    if (first_rank[k] == static_cast<std::uint32_t>(processes.rank()))
+      numbers.first_here.push_back(k);
   numbers.first = static_cast<std::uint32_t>(processes.sum_before(numbers.first_here.size()));
   std::vector<std::uint32_t> assigned(keys.size(), not_numbered);
-  for (std::size_t q = 0; q < numbers.first_here.size(); ++q)
-    assigned[numbers.first_here[q]] = numbers.first + static_cast<std::uint32_t>(q);
+  for (std::uint32_t number = numbers.first; const std::size_t k : numbers.first_here)
+    assigned[k] = number++;
   const std::vector<std::uint32_t> received = exchange.send(assigned);
-  std::vector<std::uint32_t> of_id(exchange.id_count());
   for (std::size_t q = 0; q < received.size(); ++q)
     if (received[q] != not_numbered) of_id[exchange.ids()[q]] = received[q];
   numbers.of_key = exchange.send_back(of_id);

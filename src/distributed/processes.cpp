@@ -5,7 +5,7 @@
 
 #include <algorithm>
 #include <array>
-#include <cstring>
+#include <cstdlib>
 #include <new>
 #include <optional>
 #include <stdexcept>
@@ -14,6 +14,13 @@
 #include "system/formatted.hpp"
 
 namespace eses::detail {
+
+int Processes::launched_count() {
+  int count = 1;
+  for (const char* const name : {"OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "SLURM_STEP_NUM_TASKS"})
+    if (const char* const size = std::getenv(name)) count = std::max(count, std::atoi(size));
+  return count;
+}
 
 IndexRange Processes::range_of(std::uint64_t count, std::uint64_t unit, int rank) const {
   const std::uint64_t units = (count + unit - 1) / unit, all = static_cast<std::uint64_t>(count_);
@@ -47,26 +54,18 @@ void Processes::all_or_throw(const std::function<void()>& action) const {
   auto first = static_cast<std::uint64_t>(failure ? rank_ : count_);
   allreduce(std::span(&first, 1), Reduction::min);
   if (first == static_cast<std::uint64_t>(count_)) return;
-  std::string packed;
-  if (failure)
-    for (const std::string& text : *failure) pack(packed, text);
-  std::vector<std::string> texts = unpack(broadcast(std::move(packed), static_cast<int>(first)));
+  if (first != static_cast<std::uint64_t>(rank_)) failure.reset();
+  std::vector<std::string> texts = gather_texts(failure.value_or(std::vector<std::string>()));
   const std::string message = texts.front();
   texts.erase(texts.begin());
   throw SharedError(message, std::move(texts));
 }
 
-double Processes::chain(double value, const std::function<double(double)>& change) const {
-  const auto text_of = [](double number) {
-    return std::string(reinterpret_cast<const char*>(&number), sizeof number);
-  };
-  const auto number_of = [](const std::string& text) {
-    double number = 0;
-    std::memcpy(&number, text.data(), sizeof number);
-    return number;
-  };
-  return number_of(chain(
-      text_of(value), [&](const std::string& text) { return text_of(change(number_of(text))); }));
+std::vector<std::string> Processes::gather_texts(std::span<const std::string> texts) const {
+  std::string packed;
+  for (const std::string& text : texts) pack(packed, text);
+  const std::vector<char> all = gather<char>(packed);
+  return unpack({all.begin(), all.end()});
 }
 
 std::string Processes::on_machine() const {

@@ -32,9 +32,9 @@ class SharedError : public Error, public Hints {
 };
 
 /// The MPI processes of a run. All functions except `rank`, `count`, `is_first`, `range_of`,
-/// `become_reporter` and `abort` are collective: all processes must call them, from their main
-/// threads and outside of parallel loops (MPI_THREAD_FUNNELED). Elements are copied as bytes. In a
-/// single process all functions return at once.
+/// `become_reporter`, `abort` and the static ones are collective: all processes must call them,
+/// from their main threads and outside of parallel loops (MPI_THREAD_FUNNELED). Elements are copied
+/// as bytes. In a single process all functions return at once.
 class Processes {
  public:
   /// Makes a single process, independent of any launcher. Never uses MPI.
@@ -51,6 +51,9 @@ class Processes {
   int count() const { return count_; }
   bool is_first() const { return rank_ == 0; }
 
+  /// Returns the number of processes that a launcher (Open MPI, MPICH or Slurm's srun) has started
+  /// together, by its environment variables; 1 without a launcher.
+  static int launched_count();
   /// Advice for an error message if processes were started together but do not share a run.
   static std::string_view advice();
 
@@ -78,6 +81,8 @@ class Processes {
   /// Returns the elements of all processes in the order of ranks, in all processes.
   template <class T>
   std::vector<T> gather(std::span<const T> elements) const;
+  /// Does the same with texts, which must not contain NUL.
+  std::vector<std::string> gather_texts(std::span<const std::string> texts) const;
   /// Returns the text of rank `from`, in all processes.
   std::string broadcast(std::string text, int from = 0) const;
   /// Sends `to[rank]` to each process. Returns the elements sent to this process, in the order of
@@ -88,7 +93,6 @@ class Processes {
   /// in all processes.
   std::string chain(const std::string& first,
                     const std::function<std::string(const std::string&)>& change) const;
-  double chain(double value, const std::function<double(double)>& change) const;
 
   /// Performs an action that does not communicate. If it throws Error, std::invalid_argument or
   /// std::bad_alloc in any process, all processes throw SharedError with the message and hints of

@@ -37,15 +37,8 @@ int small_count(std::uint64_t count) {
 }
 
 MPI_Op operation_of(Processes::Reduction reduction) {
-  switch (reduction) {
-    case Processes::Reduction::min:
-      return MPI_MIN;
-    case Processes::Reduction::max:
-      return MPI_MAX;
-    case Processes::Reduction::sum:
-      break;
-  }
-  return MPI_SUM;
+  using Reduction = Processes::Reduction;
+  return reduction == Reduction::min ? MPI_MIN : reduction == Reduction::max ? MPI_MAX : MPI_SUM;
 }
 
 template <class Value>

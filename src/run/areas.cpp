@@ -47,14 +47,6 @@ std::vector<AreaShare> exchange_shares(AtomShares shares, const RunPlan& plan,
   return sums;
 }
 
-// Returns the shares of all atoms in a single process.
-std::vector<AreaShare> shares_alone(AtomShares shares, const RunPlan& plan) {
-  std::vector<AreaShare> sums = std::move(shares.of_slab);
-  sums.resize(plan.atoms);
-  for (const AtomSum& sum : shares.restored) sums[as_number(sum.atom)] += sum.share;
-  return sums;
-}
-
 // Passes this process's lines of partition_area.txt to `sink`, compressed if necessary.
 void append_area_texts(const AreasOfRange& atoms, bool is_gzipped,
                        const std::function<void()>& check, const TextSink& sink) {
@@ -72,12 +64,13 @@ void append_area_texts(const AreasOfRange& atoms, bool is_gzipped,
   }
 }
 
-// Returns the areas of the atoms in `wanted`. Other processes may have some of them.
-std::vector<double> fetch_areas(const IndexRange& wanted, const AreasOfRange& known,
-                                const Processes& processes) {
+// Returns the areas of the atoms that this process has read. Other processes may have some of them.
+// All processes must call it.
+std::vector<double> areas_of_read_atoms(const AreasOfRange& known, const RunPlan& plan,
+                                        const Processes& processes) {
   const IndexRange range = known.range();
   std::vector<std::vector<double>> to;
-  for (const IndexRange& part : processes.gather<IndexRange>({&wanted, 1})) {
+  for (const IndexRange& part : processes.gather<IndexRange>({&plan.read_atoms, 1})) {
     const auto area_of = [&](std::uint64_t file_index) {
       return known.areas.begin() +
              static_cast<std::ptrdiff_t>(std::clamp(file_index, range.begin, range.end) -
@@ -117,21 +110,17 @@ class TableState {
 
   std::string packed() const {
     std::string result;
-    pack(result, formatted("{}", bytes));
-    pack(result, tables.open ? open_mark : "");
+    // The text of a number that `{}` writes has exactly its value.
+    const auto put = [&result](const auto&... values) {
+      (pack(result, formatted("{}", values)), ...);
+    };
+    put(bytes, tables.open ? open_mark : "");
     if (tables.open) {
       const auto& [label, atoms, area] = *tables.open;
-      for (const std::string* const name : {&label.chain, &label.residue, &label.residue_number})
-        pack(result, *name);
-      pack(result, formatted("{}", atoms));
-      pack(result, formatted("{:a}", area));
+      put(label.chain, label.residue, label.residue_number, atoms, area);
     }
-    for (const ChainArea& chain : tables.chains.chains()) {
-      pack(result, chain.chain);
-      pack(result, formatted("{}", chain.residues));
-      pack(result, formatted("{}", chain.atoms));
-      pack(result, formatted("{:a}", chain.area));
-    }
+    for (const auto& [chain, residues, atoms, area] : tables.chains.chains())
+      put(chain, residues, atoms, area);
     return result;
   }
 
@@ -158,16 +147,6 @@ void append_residues_read(const RunPlan& plan, std::span<const double> areas,
   table.flush();
 }
 
-// Returns the areas of the atoms that this process has read: of all atoms in a single process, else
-// areas that are fetched into `fetched`. All processes must call it.
-std::span<const double> areas_of_read_atoms(const AreasOfRange& areas, const RunPlan& plan,
-                                            const Processes& processes,
-                                            std::vector<double>& fetched) {
-  if (processes.count() == 1) return areas.areas;
-  fetched = fetch_areas(plan.read_atoms, areas, processes);
-  return fetched;
-}
-
 // Returns the label of an atom, by its index among the atoms that this process has read. It is
 // empty if the input has no names.
 AtomLabel label_of(const RunPlan& plan, std::size_t atom) {
@@ -188,40 +167,45 @@ void append_atoms(const RunPlan& plan, std::span<const double> areas, bool with_
   table.flush();
 }
 
+// Writes a file whose parts follow each other in the order of ranks. See
+// SharedFile::write_by_rank.
+std::uint64_t write_text(OutputFile* file, const Processes& processes,
+                         const std::function<void(const TextSink& sink)>& make) {
+  SharedFile shared(processes, file);
+  const std::uint64_t bytes = shared.write_by_rank(0, make);
+  shared.close();
+  return bytes;
+}
+
 }  // namespace
 
 AreasOfRange add_up_areas(AtomShares shares, const RunPlan& plan, const Processes& processes) {
-  const std::vector<AreaShare> sums = processes.count() == 1
-                                          ? shares_alone(std::move(shares), plan)
-                                          : exchange_shares(std::move(shares), plan, processes);
+  const std::vector<AreaShare> sums = exchange_shares(std::move(shares), plan, processes);
   AreasOfRange areas{atoms_of(processes.rank(), plan, processes).begin, {}};
   areas.areas.reserve(sums.size());
-  for (const AreaShare sum : sums)
-    areas.areas.push_back(atom_area(sum, plan.whole_plan.grid.spacing));
+  for (const AreaShare sum : sums) areas.areas.push_back(atom_area(sum, plan.grid.spacing));
   return areas;
 }
 
 double total_area(const AreasOfRange& areas, const Processes& processes) {
-  return processes.chain(0, [&](double sum) {
+  const auto number = [](const std::string& text) { return std::strtod(text.c_str(), nullptr); };
+  return number(processes.chain("0", [&](const std::string& before) {
+    double sum = number(before);
     for (const double area : areas.areas) sum += area;
-    return sum;
-  });
+    return formatted("{}", sum);  // has exactly the value of the sum
+  }));
 }
 
 std::uint64_t write_areas(const AreasOfRange& areas, bool gzip, OutputFile* file,
                           const std::function<void()>& check, const Processes& processes) {
-  SharedFile shared(processes, file);
-  const std::uint64_t bytes = shared.write_by_rank(
-      0, [&](const TextSink& sink) { append_area_texts(areas, gzip, check, sink); });
-  shared.close();
-  return bytes;
+  return write_text(file, processes,
+                    [&](const TextSink& sink) { append_area_texts(areas, gzip, check, sink); });
 }
 
 std::uint64_t write_area_tables(const AreasOfRange& areas, const RunPlan& plan,
                                 OutputFile* residues, OutputFile* chains,
                                 const Processes& processes) {
-  std::vector<double> fetched;
-  const std::span<const double> read_areas = areas_of_read_atoms(areas, plan, processes, fetched);
+  const std::vector<double> read_areas = areas_of_read_atoms(areas, plan, processes);
   SharedFile shared(processes, residues);
   const TableState all(processes.chain(std::string(), [&](const std::string& before) {
     TableState state(before);
@@ -242,17 +226,13 @@ std::uint64_t write_area_tables(const AreasOfRange& areas, const RunPlan& plan,
 
 std::uint64_t write_atom_table(const AreasOfRange& areas, const RunPlan& plan, OutputFile* file,
                                const std::function<void()>& check, const Processes& processes) {
-  std::vector<double> fetched;
-  const std::span<const double> read_areas = areas_of_read_atoms(areas, plan, processes, fetched);
-  SharedFile shared(processes, file);
-  const std::uint64_t bytes = shared.write_by_rank(0, [&](const TextSink& sink) {
+  const std::vector<double> read_areas = areas_of_read_atoms(areas, plan, processes);
+  return write_text(file, processes, [&](const TextSink& sink) {
     append_atoms(plan, read_areas, processes.is_first(), [&](std::string_view text) {
       check();
       sink(text);
     });
   });
-  shared.close();
-  return bytes;
 }
 
 }  // namespace eses::detail

@@ -29,29 +29,26 @@ struct AreasOfRange {
   IndexRange range() const { return {first, first + areas.size()}; }
 };
 
-/// Adds up the shares of all processes, which must all call it. Returns the areas of this process's
-/// atoms.
+// All processes must call these functions. The first process passes output files, the others pass
+// null. `check` is called repeatedly, and may end the run by an exception.
+
+/// Adds up the shares of all processes. Returns the areas of this process's atoms.
 AreasOfRange add_up_areas(AtomShares shares, const RunPlan& plan, const Processes& processes);
 
-/// Returns the sum of all areas (square angstrom). All processes must call it. Areas are added in
-/// the order of the atoms, because floating-point sums depend on the order.
+/// Returns the sum of all areas (square angstrom). Areas are added in the order of the atoms,
+/// because floating-point sums depend on the order.
 double total_area(const AreasOfRange& areas, const Processes& processes);
 
-/// Writes partition_area.txt and returns its length in bytes. All processes must call it. The first
-/// process passes the output file, the others pass null. `check` is called repeatedly, and may end
-/// the run by an exception.
+/// Writes partition_area.txt and returns its length in bytes.
 std::uint64_t write_areas(const AreasOfRange& areas, bool gzip, OutputFile* file,
                           const std::function<void()>& check, const Processes& processes);
 
-/// Writes the tables of residues and chains and returns their length in bytes. All processes must
-/// call it. The first process passes the output files, the others pass null.
+/// Writes the tables of residues and chains and returns their length in bytes.
 std::uint64_t write_area_tables(const AreasOfRange& areas, const RunPlan& plan,
                                 OutputFile* residues, OutputFile* chains,
                                 const Processes& processes);
 
-/// Writes atoms.csv and returns its length in bytes. All processes must call it. The first process
-/// passes the output file, the others pass null. `check` is called repeatedly, and may end the run
-/// by an exception.
+/// Writes atoms.csv and returns its length in bytes.
 std::uint64_t write_atom_table(const AreasOfRange& areas, const RunPlan& plan, OutputFile* file,
                                const std::function<void()>& check, const Processes& processes);
 

@@ -10,17 +10,17 @@
 #include <system_error>
 #include <utility>
 
-#include "distributed/packed_texts.hpp"
 #include "eses/error.hpp"
 #include "output/mesh_writer.hpp"
 #include "output/msms_text.hpp"
 #include "output/output_files.hpp"
 #include "output/sequential_writer.hpp"
 #include "run/areas.hpp"
+#include "run/exact_measures.hpp"
 #include "run/merge.hpp"
-#include "run/mesh_header.hpp"
 #include "run/progress_report.hpp"
 #include "run/slab_sweep.hpp"
+#include "surface/measure_patches.hpp"
 #include "system/file_descriptor.hpp"
 #include "system/formatted.hpp"
 #include "system/parallel.hpp"
@@ -36,8 +36,7 @@ std::unique_ptr<OutputFiles> open_files(const RunTask& task, const RunPlan& plan
   std::unique_ptr<OutputFiles> files;
   processes.all_or_throw([&] {
     if (!processes.is_first()) return;
-    files =
-        std::make_unique<OutputFiles>(task.outputs, task.output_directory, plan.whole_plan.files);
+    files = std::make_unique<OutputFiles>(task.outputs, task.output_directory, plan.files);
     if (plan.checkpoint) plan.checkpoint->prepare();
   });
   return files;
@@ -45,9 +44,9 @@ std::unique_ptr<OutputFiles> open_files(const RunTask& task, const RunPlan& plan
 
 // Checks that all processes can open the output files. Otherwise MPI would wait forever when the
 // files are merged.
-void require_shared_directories(const RunTask& task, const RunPaths& paths,
-                                const Processes& processes) {
+void require_shared_directories(const RunTask& task, const Processes& processes) {
   if (processes.count() == 1) return;
+  const RunPaths paths = paths_of(task, processes);
   const auto require = [&](const std::filesystem::path& path, int mode) {
     if (!FileDescriptor(::open(path.c_str(), mode | O_CLOEXEC)).is_open())
       throw Error(
@@ -73,20 +72,19 @@ std::optional<mesh::MeshText> mesh_text(const RunTask& task, const RunPlan& plan
   mesh::VertexPotential potential;
   if (plan.potential)
     potential = {&*plan.potential, mesh->potential->offset, mesh->potential->limit};
-  const double spacing = plan.whole_plan.grid.spacing;
-  return mesh::MeshText(
-      required_mesh_format(*mesh), mesh->color,
-      {.groups = groups,
-       .file_indices = plan.slab.file_indices(),
-       .atoms = plan.slab.molecule.atoms(),
-       .atom_count = plan.atoms,
-       .probe_radius = plan.whole_plan.parameters.probe_radius,
-       .density =
-           (mesh->quality ? mesh::quality_vertices_per_area : mesh::plain_vertices_per_area) /
-           (spacing * spacing),
-       .grid = plan.whole_plan.grid,
-       .center = 0.5 * (plan.whole_plan.grid.origin + plan.whole_plan.grid.upper()),
-       .potential = potential});
+  const double spacing = plan.grid.spacing;
+  return mesh::MeshText(required_mesh_format(*mesh), mesh->color,
+                        {.groups = groups,
+                         .file_indices = plan.slab.file_indices(),
+                         .atoms = plan.slab.molecule.atoms(),
+                         .atom_count = plan.atoms,
+                         .probe_radius = plan.parameters.probe_radius,
+                         .density = (mesh->quality ? mesh::quality_vertices_per_area
+                                                   : mesh::plain_vertices_per_area) /
+                                    (spacing * spacing),
+                         .grid = plan.grid,
+                         .center = 0.5 * (plan.grid.origin + plan.grid.upper()),
+                         .potential = potential});
 }
 
 double cpu_seconds() {
@@ -96,15 +94,6 @@ double cpu_seconds() {
     return static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_usec);
   };
   return seconds(usage.ru_utime) + seconds(usage.ru_stime);
-}
-
-// Broadcasts the lines of process `from` to all processes.
-std::vector<std::string> broadcast_lines(const std::vector<std::string>& lines, int from,
-                                         const Processes& processes) {
-  std::string packed;
-  if (processes.rank() == from)
-    for (const std::string& line : lines) pack(packed, line);
-  return unpack(processes.broadcast(std::move(packed), from));
 }
 
 // Replaces wall-clock times by their maxima, and times of threads by their sums over all processes.
@@ -120,35 +109,30 @@ void combine_seconds(PhaseSeconds& seconds, const Processes& processes) {
 void combine_verifications(Verification& found, const Processes& processes) {
   found.points = static_cast<std::int64_t>(processes.sum(static_cast<std::uint64_t>(found.points)));
   found.edges = static_cast<std::int64_t>(processes.sum(static_cast<std::uint64_t>(found.edges)));
-  if (processes.sum(found.faults.size()) == 0) return;
-  std::vector<std::string> all;
-  for (int rank = 0; rank < processes.count(); ++rank) {
-    const std::vector<std::string> lines = broadcast_lines(found.faults, rank, processes);
-    all.insert(all.end(), lines.begin(), lines.end());
-  }
-  found.faults = std::move(all);
+  found.faults = processes.gather_texts(found.faults);
 }
 
 // Measures the surface in closed form.
-ExactMeasures measure_surface(const RunTask& task, const RunPlan& plan,
-                              const std::function<void()>& check) {
-  const Parameters& parameters = task.parameters;
-  const int threads = plan.slab_plan.threads;
-  return plan.patches ? measure_exactly(plan.patches, threads, check, parameters.max_filled_void)
-                      : measure_exactly(plan.slab.molecule, parameters.probe_radius, threads, check,
-                                        parameters.max_filled_void);
+Measures measure_surface(const RunTask& task, const RunPlan& plan,
+                         const std::function<void()>& check) {
+  const MeasureSettings settings{.probe_radius = task.parameters.probe_radius,
+                                 .threads = plan.process_schedule.threads,
+                                 .check = check,
+                                 .max_filled_void = task.parameters.max_filled_void};
+  return plan.patches ? measure_kept_patches(plan.patches, settings)
+                      : measure_patches(plan.slab.molecule, settings);
 }
 
 // Compares the number of inside points with the exact volume, if the grid encloses the molecule and
 // no cavities are filled.
 void verify_volume(const RunTask& task, const RunPlan& plan, const std::function<void()>& check,
                    Summary& summary) {
-  const Plan& whole = plan.whole_plan;
-  if (plan.filled() || whole.cut_depth > 0 || whole.tiling.region != whole.grid.whole()) return;
+  if (plan.filled() || !plan.is_whole_surface()) return;
   const Stopwatch watch;
-  const VolumeBounds bounds = bound_inside_cells(plan.slab.molecule, task.parameters.probe_radius,
-                                                 whole.grid.spacing, plan.slab_plan.threads, check);
-  if (const auto fault = find_volume_fault(summary.inside_points, whole.grid.spacing, bounds))
+  const VolumeBounds bounds =
+      bound_inside_cells(plan.slab.molecule, task.parameters.probe_radius, plan.grid.spacing,
+                         plan.process_schedule.threads, check);
+  if (const auto fault = find_volume_fault(summary.inside_points, plan.grid.spacing, bounds))
     summary.verification->faults.push_back(*fault);
   summary.seconds.verify += watch.seconds();
 }
@@ -164,19 +148,6 @@ void take_restored(const RunPlan& plan, const Processes& processes, std::vector<
     chunk.sums = {};
     chunks.push_back(std::move(chunk));
   }
-}
-
-// Returns the files of the sweep, with the lengths of the headers of the mesh.
-SweepFiles sweep_files(const RunPlan& plan, const std::optional<mesh::MeshText>& mesh,
-                       OutputFiles* files, const Processes& processes) {
-  SweepFiles result{.final_files = files};
-  if (!mesh) return result;
-  result.mesh_text = &*mesh;
-  result.mesh_header_bytes =
-      header_bytes(mesh_header(*mesh, plan.groups, {}, processes), processes);
-  if (mesh->has_face_file())
-    result.face_header_bytes = header_bytes(face_header(*mesh, {}, processes), processes);
-  return result;
 }
 
 // Completes all files except the bounding box. Returns their length in bytes.
@@ -208,7 +179,7 @@ std::uint64_t commit_files(const RunTask& task, const RunPlan& plan, OutputFiles
   processes.all_or_throw([&] {
     if (files == nullptr) return;
     if (OutputFile* const box = files->find(RunFile::box))
-      box_bytes = write_box(*box, plan.whole_plan.grid, task.outputs.gzip);
+      box_bytes = write_box(*box, plan.grid, task.outputs.gzip);
     require_memory_within(task.parameters.max_memory);
     files->commit(check);
     if (plan.checkpoint)
@@ -236,16 +207,19 @@ bool has_faults(const Summary& summary) {
 }
 
 RunPaths paths_of(const RunTask& task, const Processes& processes) {
-  return {broadcast_lines(temporary_paths(task.outputs, task.output_directory), 0, processes),
-          broadcast_lines(lock_paths(task.outputs, task.output_directory), 0, processes)};
+  RunPaths paths;
+  if (processes.is_first())
+    paths = {temporary_paths(task.outputs, task.output_directory),
+             lock_paths(task.outputs, task.output_directory)};
+  return {processes.gather_texts(paths.temporaries), processes.gather_texts(paths.locks)};
 }
 
-RunResult execute(const RunTask& task, const RunPlan& plan, const RunPaths& paths,
-                  const Callbacks& callbacks, const Processes& processes) {
+RunResult execute(const RunTask& task, const RunPlan& plan, const Callbacks& callbacks,
+                  const Processes& processes) {
   const Stopwatch total;
-  processes.all_or_throw([&] { start_threads(plan.slab_plan.threads); });
+  processes.all_or_throw([&] { start_threads(plan.process_schedule.threads); });
   const std::unique_ptr<OutputFiles> files = open_files(task, plan, processes);
-  require_shared_directories(task, paths, processes);
+  require_shared_directories(task, processes);
 
   const std::vector<PlaneRange> ranges = ranges_to_sweep(task, plan);
   ProgressReport report(callbacks.progress, count_blocks(plan, ranges));
@@ -259,8 +233,8 @@ RunResult execute(const RunTask& task, const RunPlan& plan, const RunPaths& path
   const std::optional<mesh::MeshText> mesh = mesh_text(task, plan, processes);
   // The sweep takes the patches that are kept.
   if (task.parameters.exact) result.exact = measure_surface(task, plan, check);
-  SlabSweep sweep(task, plan, ranges, sweep_files(plan, mesh, files.get(), processes), callbacks,
-                  report, processes);
+  SlabSweep sweep(task, plan, ranges, files.get(), mesh ? &*mesh : nullptr, callbacks, report,
+                  processes);
   SweepResult swept = sweep.run(summary);
   // The heap memory of patches and blocks is too fragmented for the long lists of areas.
   release_free_memory();
@@ -270,21 +244,21 @@ RunResult execute(const RunTask& task, const RunPlan& plan, const RunPaths& path
 
   Merge merge(task, plan, processes, std::move(swept.chunks), check);
   const bool is_void = task.outputs.mesh && task.outputs.mesh->component.value_or(0) > 0;
-  fill_totals(is_void ? complement(merge.totals(), plan.whole_plan.tiling.region.point_count())
-                      : merge.totals(),
-              plan.whole_plan.grid.spacing, summary);
+  fill_totals(
+      is_void ? complement(merge.totals(), plan.tiling.region.point_count()) : merge.totals(),
+      plan.grid.spacing, summary);
   AreasOfRange areas = add_up_areas(std::move(shares), plan, processes);
   summary.area = total_area(areas, processes);
   if (result.exact && summary.verification) verify_volume(task, plan, check, summary);
   if (!has_faults(summary)) {
-    if (mesh && task.outputs.mesh->quality)
-      summary.mesh_quality = swept.mesh_quality ? swept.mesh_quality : merge.improve_mesh(*mesh);
+    if (mesh && task.outputs.mesh->quality && !summary.mesh_quality)
+      summary.mesh_quality = merge.improve_mesh(*mesh);
     if (mesh) summary.mesh = merge.mesh_counts();
     summary.bytes_written =
         write_files(task, plan, mesh, areas, merge, files.get(), check, processes) +
         commit_files(task, plan, files.get(), check, processes);
   }
-  if (processes.count() == 1) result.atom_areas = std::move(areas.areas);
+  if (processes.count() == 1) summary.atom_areas = std::move(areas.areas);
   add_figures(total, plan, processes, result);
   return result;
 }

@@ -13,8 +13,8 @@
 #include <vector>
 
 #include "distributed/processes.hpp"
+#include "eses/measure.hpp"
 #include "grid/plane_range.hpp"
-#include "run/exact_measures.hpp"
 #include "run/run_plan.hpp"
 #include "run/task.hpp"
 
@@ -30,12 +30,11 @@ struct ProcessFigures {
 
 /// The result of a run.
 struct RunResult {
-  Summary summary;  ///< equal in all processes; without atom_areas
+  /// Equal in all processes. Several processes leave out atom_areas, as each of them has the areas
+  /// of some atoms.
+  Summary summary;
   /// The whole surface, also if only a part of it was computed; if Parameters::exact is set.
-  std::optional<ExactMeasures> exact;
-  /// Area of each atom in square angstrom; only in a single process, as each of several processes
-  /// has the areas of some atoms.
-  std::optional<std::vector<double>> atom_areas;
+  std::optional<Measures> exact;
   std::vector<ProcessFigures> processes;  ///< by rank
 };
 
@@ -53,7 +52,7 @@ RunPaths paths_of(const RunTask& task, const Processes& processes);
 /// Computes the surface and writes the files of a plan. All processes must call it. A SharedError
 /// is thrown in all processes. Any other exception is thrown only in the process that failed, whose
 /// caller must then abort the other processes.
-RunResult execute(const RunTask& task, const RunPlan& plan, const RunPaths& paths,
-                  const Callbacks& callbacks, const Processes& processes);
+RunResult execute(const RunTask& task, const RunPlan& plan, const Callbacks& callbacks,
+                  const Processes& processes);
 
 }  // namespace eses::detail

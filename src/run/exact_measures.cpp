@@ -24,36 +24,12 @@ std::optional<double> volume_beyond(const Molecule& molecule, double probe_radiu
     atom.radius += probe_radius - distance;
     if (atom.radius < 0) return std::nullopt;
   }
-  return measure_exactly(Molecule(std::move(atoms), {}, threads, check), distance, threads, check)
-      .volume;
+  return measure_patches(Molecule(std::move(atoms), {}, threads, check),
+                         {.probe_radius = distance, .threads = threads, .check = check})
+      .ses_volume;
 }
 
 }  // namespace
-
-// The measures of a face, and a second molecule with its index.
-double exact_measure_bytes(std::size_t atoms) {
-  constexpr double face_bytes = 48, index_bytes = 32;
-  return static_cast<double>(atoms) * (face_bytes + sizeof(Atom) + index_bytes);
-}
-
-ExactMeasures measure_exactly(const Molecule& molecule, double probe_radius, int threads,
-                              const CheckCallback& check, std::optional<double> max_filled_void) {
-  const Measures measures = measure_patches(molecule, {.probe_radius = probe_radius,
-                                                       .threads = threads,
-                                                       .check = check,
-                                                       .max_filled_void = max_filled_void});
-  return {measures.ses_area, measures.ses_volume};
-}
-
-ExactMeasures measure_exactly(const std::shared_ptr<ScheduledSurface>& patches, int threads,
-                              const CheckCallback& check, std::optional<double> max_filled_void) {
-  const Measures measures =
-      measure_kept_patches(patches, {.probe_radius = patches->surface.probe_radius,
-                                     .threads = threads,
-                                     .check = check,
-                                     .max_filled_void = max_filled_void});
-  return {measures.ses_area, measures.ses_volume};
-}
 
 VolumeBounds bound_inside_cells(const Molecule& molecule, double probe_radius, double spacing,
                                 int threads, const CheckCallback& check) {

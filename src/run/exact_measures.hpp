@@ -1,34 +1,14 @@
 #pragma once
-/// Area and volume of the whole surface in closed form, and their comparison with a grid.
+/// Comparison of the volume of a grid with the exact volume.
 
-#include <cstddef>
 #include <cstdint>
-#include <memory>
 #include <optional>
 #include <string>
 
 #include "eses/check.hpp"
 #include "surface/molecule.hpp"
-#include "surface/patch_schedule.hpp"
 
 namespace eses::detail {
-
-/// Area (square angstrom) and volume (cubic angstrom) of a surface.
-struct ExactMeasures {
-  double area = 0, volume = 0;
-};
-
-/// Measures the surface of a molecule. Cavities up to `max_filled_void` are filled, see Parameters.
-ExactMeasures measure_exactly(const Molecule& molecule, double probe_radius, int threads,
-                              const CheckCallback& check,
-                              std::optional<double> max_filled_void = {});
-
-/// Does the same with patches that the sweep uses later, see measure_kept_patches.
-ExactMeasures measure_exactly(const std::shared_ptr<ScheduledSurface>& patches, int threads,
-                              const CheckCallback& check, std::optional<double> max_filled_void);
-
-/// Memory of the functions of this file in bytes, besides that of patches.
-double exact_measure_bytes(std::size_t atoms);
 
 /// Bounds of a volume (cubic angstrom).
 struct VolumeBounds {

@@ -30,20 +30,29 @@ void append_whole_edges(std::uint64_t bits, std::vector<std::uint64_t>& words) {
     words[begin + pair] = pairs[bits >> (2 * pair) & 3];
 }
 
-}  // namespace
+// Makes rows of words from the blocks of a layer.
+class MapRows {
+ public:
+  MapRows(const BlockTiling& tiling, const Layer& layer, MapQuantity quantity)
+      : tiling_(tiling),
+        layer_(layer),
+        quantity_(quantity),
+        rows_(tiling, layer, extent_of(quantity), bits_of(quantity)) {}
 
-MapRows::MapRows(const BlockTiling& tiling, const Layer& layer, MapQuantity quantity)
-    : tiling_(tiling),
-      layer_(layer),
-      quantity_(quantity),
-      rows_(tiling, layer, extent_of(quantity), bits_of(quantity)) {}
+  // These functions append row (y, z). `y` counts from the region's first row, `z` from the layer's
+  // first plane.
+  void append_points(std::int64_t y, std::int64_t z, std::vector<std::uint64_t>& words);
+  void append_edges(std::int64_t y, std::int64_t z, std::vector<std::uint64_t>& words);
 
-void MapRows::append(std::int64_t y, std::int64_t z, std::vector<std::uint64_t>& words) {
-  if (is_of_edges(quantity_))
-    append_edges(y, z, words);
-  else
-    append_points(y, z, words);
-}
+ private:
+  bool merge_upper_ends(std::int64_t y, std::int64_t z);
+
+  const BlockTiling& tiling_;
+  const Layer& layer_;
+  MapQuantity quantity_;
+  LayerRows rows_;
+  RowBits lower_, upper_;  // inside bits of the lower and upper ends of the edges of a row
+};
 
 void MapRows::append_points(std::int64_t y, std::int64_t z, std::vector<std::uint64_t>& words) {
   rows_.merge_row(y, z, lower_);
@@ -89,6 +98,19 @@ void MapRows::append_edges(std::int64_t y, std::int64_t z, std::vector<std::uint
       set_fraction(words[begin + x / fractions_per_word], x, edge.fraction);
     }
   }
+}
+
+}  // namespace
+
+void append_map_rows(const BlockTiling& tiling, const Layer& layer, MapQuantity quantity,
+                     const RowRange& rows, std::vector<std::uint64_t>& words) {
+  MapRows map_rows(tiling, layer, quantity);
+  rows.for_each(tiling.region.size()[1], [&](std::int64_t y, std::int64_t z) {
+    if (is_of_edges(quantity))
+      map_rows.append_edges(y, z, words);
+    else
+      map_rows.append_points(y, z, words);
+  });
 }
 
 }  // namespace eses::detail

@@ -150,9 +150,9 @@ double min_expected_memory(std::size_t atoms) {
   return base_bytes + static_cast<double>(atoms) * bytes_per_atom;
 }
 
-double expected_memory(const SurfaceSurvey& survey, const LabelTotals& labels, bool has_groups,
-                       const Grid& grid, const Schedule& schedule, const Outputs& outputs,
-                       bool is_in_place) {
+double expected_memory(const SurfaceSurvey& survey, const MemoryBudget& budget, const Grid& grid,
+                       const Schedule& schedule, const Outputs& outputs) {
+  const LabelTotals& labels = budget.labels;
   const auto atoms = static_cast<double>(survey.atom_count());
   const BlockTiling& tiling = schedule.tiling;
   const double threads = schedule.threads;
@@ -172,12 +172,12 @@ double expected_memory(const SurfaceSurvey& survey, const LabelTotals& labels, b
   // blocks and patches are freed.
   double improving = outputs.mesh && outputs.mesh->quality
                          ? QualityPass::memory_bytes(*outputs.mesh, tiling.region_with_halo,
-                                                     crossings_of_plane, is_in_place)
+                                                     crossings_of_plane, budget.is_in_place)
                          : 0;
-  if (is_in_place) held += std::exchange(improving, 0);
+  if (budget.is_in_place) held += std::exchange(improving, 0);
   constexpr double bytes_per_area = sizeof(double) + list_growth * sizeof(AtomSum);
   double names = 0;
-  if (has_groups)
+  if (budget.has_groups)
     names += GroupNumbering::memory_bytes(
         atoms, static_cast<double>(labels.residue_runs + labels.chain_runs));
   if (outputs.residues)

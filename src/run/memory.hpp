@@ -27,6 +27,18 @@ struct LabelTotals {
   std::uint64_t atom_text_bytes = 0;
 };
 
+/// The memory of a process for its part of a run.
+struct MemoryBudget {
+  std::uint64_t available = 0;  ///< free memory in bytes
+  /// Bytes that the process holds during the whole run, besides the atoms: labels, and memory of
+  /// MPI.
+  std::uint64_t held = 0;
+  LabelTotals labels = {};   ///< totals of the labels that the process has read
+  bool has_groups = false;   ///< whether chains and residues of atoms are numbered
+  CallerMemory caller = {};  ///< memory that the caller needs for the results
+  bool is_in_place = true;   ///< whether texts are written directly to the output files
+};
+
 /// Returns what the outputs need of each block besides points and crossings.
 BlockExtras extras_of(const Outputs& outputs);
 
@@ -50,11 +62,9 @@ double halo_growth(const BlockTiling& tiling);
 /// Returns a lower bound of expected_memory for this number of atoms, in bytes.
 double min_expected_memory(std::size_t atoms);
 
-/// Returns an estimate of the peak memory of the process in bytes, without its labels, intended as
-/// an upper bound. `has_groups` is whether chains and residues of atoms are numbered, and
-/// `is_in_place` whether texts are written directly to the output files.
-double expected_memory(const SurfaceSurvey& survey, const LabelTotals& labels, bool has_groups,
-                       const Grid& grid, const Schedule& schedule, const Outputs& outputs,
-                       bool is_in_place);
+/// Returns an estimate of the peak memory of the process in bytes, intended as an upper bound. It
+/// lacks the memory that `budget` says is held, and that of the caller.
+double expected_memory(const SurfaceSurvey& survey, const MemoryBudget& budget, const Grid& grid,
+                       const Schedule& schedule, const Outputs& outputs);
 
 }  // namespace eses::detail

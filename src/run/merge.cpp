@@ -4,9 +4,9 @@
 #include <array>
 #include <cstring>
 #include <future>
-#include <map>
 #include <memory>
 #include <optional>
+#include <string>
 #include <utility>
 
 #include "eses/error.hpp"
@@ -122,45 +122,37 @@ class ColumnWriter {
 Merge::Merge(const RunTask& task, const RunPlan& plan, const Processes& processes,
              std::vector<PlaneChunk> chunks, std::function<void()> check)
     : task_(task), plan_(plan), processes_(processes), check_(std::move(check)) {
-  const auto by_planes = [](const ChunkInfo& a, const ChunkInfo& b) {
-    return a.planes.begin < b.planes.begin;
-  };
-  std::sort(chunks.begin(), chunks.end(),
-            [&](const PlaneChunk& a, const PlaneChunk& b) { return by_planes(a.info, b.info); });
   std::vector<ChunkInfo> infos;
-  infos.reserve(chunks.size());
-  for (const PlaneChunk& chunk : chunks) infos.push_back(chunk.info);
-  infos = processes.gather<ChunkInfo>(infos);
-  std::sort(infos.begin(), infos.end(), by_planes);
-  swept_ = {std::move(infos), std::move(chunks)};
+  for (PlaneChunk& chunk : chunks) {
+    chunk.info.rank = static_cast<std::uint32_t>(processes.rank());
+    infos.push_back(chunk.info);
+  }
+  auto next = chunks.begin();
+  for (const ChunkInfo& info : processes.gather<ChunkInfo>(infos)) {
+    MergedChunk& chunk = chunks_.emplace_back();
+    chunk.info = info;
+    if (is_here(chunk)) static_cast<PlaneChunk&>(chunk) = std::move(*next++);
+  }
+  std::sort(chunks_.begin(), chunks_.end(), [](const PlaneChunk& a, const PlaneChunk& b) {
+    return a.info.planes.begin < b.info.planes.begin;
+  });
   processes.all_or_throw([this] { add_up(); });
 }
 
 void Merge::add_up() {
-  std::int64_t next = plan_.whole_plan.tiling.region.begin[2];
-  for (const ChunkInfo& info : swept_.of_all) {
+  std::int64_t next = plan_.tiling.region.begin[2];
+  for (MergedChunk& chunk : chunks_) {
+    const ChunkInfo& info = chunk.info;
     if (info.planes.begin != next)
       throw Error("the checkpoint has gaps or overlaps; remove its directory and run again");
     next = info.planes.end;
     totals_.add(info.totals);
+    chunk.before = mesh_;
     mesh_.vertices += info.mesh.vertices;
     mesh_.triangles += info.mesh.triangles;
   }
-  if (next != plan_.whole_plan.tiling.region.end[2]) throw Error("chunks of the run are missing");
+  if (next != plan_.tiling.region.end[2]) throw Error("chunks of the run are missing");
   mesh::require_vertex_count(mesh_.vertices);
-}
-
-// Calls `action(chunk, sum)` for each chunk of this process, with the sum of `amount` over all
-// previous chunks. Returns the sum over all chunks.
-template <class Amount, class Action>
-std::uint64_t Merge::for_each_chunk(Chunks& chunks, Amount&& amount, Action&& action) {
-  std::uint64_t sum = 0;
-  auto next = chunks.of_process.begin();
-  for (const ChunkInfo& info : chunks.of_all) {
-    if (next != chunks.of_process.end() && next->info.planes == info.planes) action(*next++, sum);
-    sum += amount(info);
-  }
-  return sum;
 }
 
 ScratchFile& Merge::open(PlaneChunk& chunk, ChunkText text) const {
@@ -169,8 +161,8 @@ ScratchFile& Merge::open(PlaneChunk& chunk, ChunkText text) const {
   return *file;
 }
 
-// Closes the file of a text, as the number of open files is limited. Without a checkpoint, a closed
-// scratch file is deleted.
+// Closes the file of a text, as the number of open files is limited. This deletes the file, except
+// in a checkpoint.
 void Merge::close(PlaneChunk& chunk, ChunkText text) const { chunk.text(text).reset(); }
 
 void Merge::require_sound(const PlaneChunk& chunk, ChunkText text, std::uint32_t checksum) const {
@@ -190,38 +182,39 @@ void Merge::read(PlaneChunk& chunk, ChunkText text, std::uint64_t unit, Take&& t
   if (length == 0) return;
   TextChecksum checksum;
   read_parts(
-      open(chunk, text), 0, length, unit, plan_.slab_plan.threads, check_,
+      open(chunk, text), 0, length, unit, plan_.process_schedule.threads, check_,
       [&](std::span<const char> bytes, std::uint64_t offset) {
         if (chunk.is_restored) checksum.add(bytes, offset);
       },
       std::forward<Take>(take));
   if (chunk.is_restored) require_sound(chunk, text, checksum.value());
-  if (plan_.checkpoint && !chunk.is_unnamed) close(chunk, text);
 }
 
 // Copies a text to the file `to` from `begin` on, unless it is there already.
-void Merge::copy(PlaneChunk& chunk, ChunkText text, SharedFile& to, std::uint64_t begin) {
+void Merge::copy(PlaneChunk& chunk, ChunkText text, SharedFile& to, std::uint64_t begin) const {
   const std::uint64_t length = chunk.info.bytes_of(text);
   if (chunk.is_restored)
     read(chunk, text, 1, [&](std::span<const char> bytes, std::uint64_t offset) {
       to.write_at(bytes, begin + offset);
     });
-  else if (length > 0 && (!chunk.is_in_place || chunk.text(text)))
-    copy_file(open(chunk, text), length, to, begin, plan_.slab_plan.threads, check_);
+  else if (length > 0 && (!plan_.is_in_place || chunk.text(text)))
+    copy_file(open(chunk, text), length, to, begin, plan_.process_schedule.threads, check_);
   close(chunk, text);
 }
 
 // Copies a text of all chunks to the file from `begin` on. Returns the offset of their end.
-std::uint64_t Merge::copy_all(Chunks& chunks, ChunkText text, SharedFile& to, std::uint64_t begin) {
-  const auto bytes_of = [text](const ChunkInfo& info) { return info.bytes_of(text); };
-  return begin + for_each_chunk(chunks, bytes_of, [&](PlaneChunk& chunk, std::uint64_t before) {
-           copy(chunk, text, to, begin + before);
-         });
+std::uint64_t Merge::copy_all(Chunks& chunks, ChunkText text, SharedFile& to,
+                              std::uint64_t begin) const {
+  for (MergedChunk& chunk : chunks) {
+    if (is_here(chunk)) copy(chunk, text, to, begin);
+    begin += chunk.info.bytes_of(text);
+  }
+  return begin;
 }
 
 std::uint64_t Merge::write_text(OutputFile* file, ChunkText text) {
   SharedFile shared(processes_, file);
-  std::uint64_t bytes = copy_all(swept_, text, shared, 0);
+  std::uint64_t bytes = copy_all(chunks_, text, shared, 0);
   if (task_.outputs.gzip && bytes == 0) bytes = write_empty_member(processes_, shared);
   shared.close();
   return bytes;
@@ -230,7 +223,7 @@ std::uint64_t Merge::write_text(OutputFile* file, ChunkText text) {
 // Number of threads that read a file which all processes share. With several processes only the
 // main thread may do so.
 int Merge::threads_of_shared_file() const {
-  return processes_.count() > 1 ? 1 : plan_.slab_plan.threads;
+  return processes_.count() > 1 ? 1 : plan_.process_schedule.threads;
 }
 
 std::uint64_t Merge::write_values(GridMap& map) const {
@@ -268,16 +261,16 @@ std::uint64_t Merge::write_compressed_values(GridMap& map, SharedFile& to) const
 
 std::uint64_t Merge::write_map(OutputFile* file, const MapChoice& choice) {
   SharedFile shared(processes_, file);
-  const GridRegion& region = plan_.whole_plan.tiling.region;
-  GridMap map(map_file(shared), choice, plan_.whole_plan.grid, region);
+  const GridRegion& region = plan_.tiling.region;
+  GridMap map(map_file(shared), choice, plan_.grid, region);
   const ChunkText text = text_of(choice.quantity);
   const auto row_words =
       static_cast<std::uint64_t>(GridMap::words_of_row(choice.quantity, region.size()));
   const std::uint64_t row_bytes = sizeof(std::uint64_t) * row_words;
   GridMap::Scratch scratch;
   std::vector<std::uint64_t> words;
-  for (PlaneChunk& chunk : swept_.of_process) {
-    if (chunk.is_in_place) continue;
+  for (MergedChunk& chunk : chunks_) {
+    if (!is_here(chunk) || plan_.is_in_place) continue;
     const std::int64_t first_row = (chunk.info.planes.begin - region.begin[2]) * region.size()[1];
     read(chunk, text, row_bytes, [&](std::span<const char> bytes, std::uint64_t offset) {
       words.resize(bytes.size() / sizeof(std::uint64_t));
@@ -296,42 +289,22 @@ std::uint64_t Merge::write_map(OutputFile* file, const MapChoice& choice) {
   return bytes;
 }
 
-// Returns the rank of the process that has each chunk.
-std::vector<int> Merge::ranks_of_chunks() const {
-  struct Owner {
-    std::int64_t plane, rank;
-  };
-  std::vector<Owner> owners;
-  for (const PlaneChunk& chunk : swept_.of_process)
-    owners.push_back({chunk.info.planes.begin, processes_.rank()});
-  owners = processes_.gather<Owner>(owners);
-  std::sort(owners.begin(), owners.end(),
-            [](const Owner& a, const Owner& b) { return a.plane < b.plane; });
-  std::vector<int> ranks;
-  for (const Owner& owner : owners) ranks.push_back(static_cast<int>(owner.rank));
-  return ranks;
-}
-
 // Passes the stream of the mesh of all chunks to the first process, which has the only `pass`.
 void Merge::stream_mesh(std::optional<QualityPass>& pass) {
-  const std::vector<int> ranks = ranks_of_chunks();
-  std::uint64_t first_vertex = 0;
-  auto next = swept_.of_process.begin();
-  for (std::size_t i = 0; i < ranks.size(); ++i) {
-    const ChunkInfo& info = swept_.of_all[i];
-    if (pass) pass->begin_chunk(first_vertex);
-    first_vertex += info.mesh.vertices;
+  for (MergedChunk& chunk : chunks_) {
+    if (pass) pass->begin_chunk(chunk.before.vertices);
     const auto take = [&](std::span<const char> bytes) {
       if (processes_.count() == 1) return pass->add(bytes);
-      const std::string part = processes_.broadcast({bytes.begin(), bytes.end()}, ranks[i]);
+      const std::string part =
+          processes_.broadcast({bytes.begin(), bytes.end()}, static_cast<int>(chunk.info.rank));
       if (pass) pass->add(part);
     };
-    if (ranks[i] == processes_.rank()) {
-      read(*next, ChunkText::vertices, 1,
+    if (is_here(chunk)) {
+      read(chunk, ChunkText::vertices, 1,
            [&](std::span<const char> bytes, std::uint64_t) { take(bytes); });
-      close(*next++, ChunkText::vertices);
+      close(chunk, ChunkText::vertices);
     } else {
-      const std::uint64_t bytes = info.bytes_of(ChunkText::vertices);
+      const std::uint64_t bytes = chunk.info.bytes_of(ChunkText::vertices);
       for (std::uint64_t begin = 0; begin < bytes; begin += bytes_per_read) take({});
     }
   }
@@ -339,9 +312,7 @@ void Merge::stream_mesh(std::optional<QualityPass>& pass) {
 
 // The first process improves the whole mesh, as each triangle depends on the triangles before it.
 MeshQuality Merge::improve_mesh(const mesh::MeshText& text) {
-  PlaneChunk improved;
-  improved.info.planes = region_planes(plan_.whole_plan);
-  improved.is_unnamed = true;
+  MergedChunk improved;
   std::optional<QualityPass> pass;
   processes_.all_or_throw([&] {
     if (!processes_.is_first()) return;
@@ -351,7 +322,7 @@ MeshQuality Merge::improve_mesh(const mesh::MeshText& text) {
         file->append(std::as_bytes(bytes));
       };
     };
-    pass.emplace(text, plan_.whole_plan.grid, plan_.whole_plan.tiling.region_with_halo,
+    pass.emplace(text, plan_.grid, plan_.tiling.region_with_halo,
                  QualityPass::Sinks{.vertices = sink_of(ChunkText::vertices),
                                     .triangles = sink_of(ChunkText::triangles),
                                     .has_local_triangles = true});
@@ -371,9 +342,9 @@ MeshQuality Merge::improve_mesh(const mesh::MeshText& text) {
     results.push_back({improved.info, pass->quality()});
   });
   const Result result = processes_.gather<Result>(results).front();
-  mesh_ = result.info.mesh;
-  improved_.emplace().of_all = {result.info};
-  if (processes_.is_first()) improved_->of_process.push_back(std::move(improved));
+  improved.info = result.info;
+  mesh_ = improved.info.mesh;
+  improved_.push_back(std::move(improved));
   return result.quality;
 }
 
@@ -381,7 +352,7 @@ std::uint64_t Merge::write_mesh(OutputFile* file, OutputFile* face_file,
                                 const mesh::MeshText& text) {
   text.require_counts(mesh_);
   SharedFile shared(processes_, file);
-  std::uint64_t bytes = write_header(mesh_header(text, plan_.groups, mesh_, processes_), shared);
+  std::uint64_t bytes = write_header(shared, text);
   if (text.has_columns()) {
     bytes = write_columns(shared, bytes, text);
   } else {
@@ -393,9 +364,21 @@ std::uint64_t Merge::write_mesh(OutputFile* file, OutputFile* face_file,
   shared.close();
   if (!text.has_face_file()) return bytes;
   SharedFile faces(processes_, face_file);
-  const std::uint64_t header = write_header(face_header(text, mesh_, processes_), faces);
-  bytes += write_triangles(faces, header, text);
+  const std::string header = face_header(text, mesh_);
+  if (processes_.is_first()) faces.write_at(header, 0);
+  bytes += write_triangles(faces, header.size(), text);
   faces.close();
+  return bytes;
+}
+
+// Writes the header of the mesh file and returns its length in bytes.
+std::uint64_t Merge::write_header(SharedFile& file, const mesh::MeshText& text,
+                                  const mesh::VertexBox& box) const {
+  std::uint64_t bytes = 0;
+  for (std::size_t part = 0; part < mesh_header_parts; ++part)
+    bytes += file.write_by_rank(bytes, [&](const TextSink& sink) {
+      write_header_part(part, text, plan_.groups, processes_.is_first(), mesh_, box, sink);
+    });
   return bytes;
 }
 
@@ -415,32 +398,31 @@ void Merge::write_vertex_box(SharedFile& file, std::uint64_t begin, const mesh::
       box.add_records(records, record_bytes);
     }
   });
-  write_header(mesh_header(text, plan_.groups, mesh_, processes_, box), file);
+  write_header(file, text, box);
 }
 
-// Calls `take(triangles, first)` for parts of a chunk's triangles. `first` is the index in the
-// chunk of the first triangle of the part.
+// Calls `take(triangles, first)` for parts of a chunk's triangles. `first` is the number of the
+// first triangle of the part in the mesh.
 template <class Take>
-void Merge::for_triangles(PlaneChunk& chunk, Take&& take) const {
+void Merge::for_triangles(MergedChunk& chunk, Take&& take) const {
   std::vector<mesh::LocalTriangle> triangles;
   read(chunk, ChunkText::triangles, sizeof(mesh::LocalTriangle),
        [&](std::span<const char> bytes, std::uint64_t offset) {
          triangles.resize(bytes.size() / sizeof(mesh::LocalTriangle));
          std::memcpy(triangles.data(), bytes.data(), bytes.size());
          take(std::span<const mesh::LocalTriangle>(triangles),
-              offset / sizeof(mesh::LocalTriangle));
+              chunk.before.triangles + offset / sizeof(mesh::LocalTriangle));
        });
 }
 
 // Calls `take(text)` for parts of the text of a chunk's triangles.
 template <class Take>
-void Merge::for_triangle_texts(PlaneChunk& chunk, std::uint64_t first_vertex,
-                               const mesh::MeshText& text, Take&& take) const {
+void Merge::for_triangle_texts(MergedChunk& chunk, const mesh::MeshText& text, Take&& take) const {
   TextBuffer buffer;
   for_triangles(chunk, [&](std::span<const mesh::LocalTriangle> triangles, std::uint64_t) {
     buffer.clear();
     for (const mesh::LocalTriangle& local : triangles)
-      text.append_triangle(buffer, mesh::global_triangle(first_vertex, local),
+      text.append_triangle(buffer, mesh::global_triangle(chunk.before.vertices, local),
                            static_cast<std::uint8_t>(local.patch));
     take(buffer.text());
   });
@@ -452,35 +434,27 @@ void Merge::for_triangle_texts(PlaneChunk& chunk, std::uint64_t first_vertex,
 std::uint64_t Merge::write_triangles(SharedFile& file, std::uint64_t begin,
                                      const mesh::MeshText& text) {
   Chunks& chunks = mesh_chunks();
-  const bool is_in_place = !chunks.of_process.empty() && chunks.of_process.front().is_in_place;
-  if (text.has_corner_positions() || is_in_place)
+  if (text.has_corner_positions() || plan_.is_in_place)
     return copy_all(chunks, ChunkText::triangles, file, begin);
-  struct ChunkBytes {
-    std::int64_t plane;
-    std::uint64_t bytes;
-  };
-  const auto vertices_of = [](const ChunkInfo& info) { return info.mesh.vertices; };
-  std::vector<ChunkBytes> lengths;
-  for_each_chunk(chunks, vertices_of, [&](PlaneChunk& chunk, std::uint64_t first_vertex) {
-    lengths.push_back({chunk.info.planes.begin, 0});
-    for_triangle_texts(chunk, first_vertex, text,
-                       [&](std::span<const char> part) { lengths.back().bytes += part.size(); });
-  });
-  std::map<std::int64_t, std::uint64_t>
-      begins;  // by first plane: the length of the text, then its offset
-  for (const ChunkBytes& one : processes_.gather<ChunkBytes>(lengths))
-    begins[one.plane] = one.bytes;
-  std::uint64_t end = begin;
-  for (auto& [plane, bytes] : begins) end += std::exchange(bytes, end);
-  for_each_chunk(chunks, vertices_of, [&](PlaneChunk& chunk, std::uint64_t first_vertex) {
-    std::uint64_t offset = begins.at(chunk.info.planes.begin);
-    for_triangle_texts(chunk, first_vertex, text, [&](std::span<const char> part) {
-      file.write_at(part, offset);
-      offset += part.size();
-    });
-    close(chunk, ChunkText::triangles);
-  });
-  return end;
+  std::vector<std::uint64_t> lengths(chunks.size());
+  for (std::size_t i = 0; i < chunks.size(); ++i) {
+    if (!is_here(chunks[i])) continue;
+    for_triangle_texts(chunks[i], text,
+                       [&](std::span<const char> part) { lengths[i] += part.size(); });
+    if (plan_.checkpoint && improved_.empty()) close(chunks[i], ChunkText::triangles);
+  }
+  processes_.add(lengths);
+  for (std::size_t i = 0; i < chunks.size(); ++i) {
+    if (is_here(chunks[i])) {
+      for_triangle_texts(chunks[i], text, [&, offset = begin](std::span<const char> part) mutable {
+        file.write_at(part, offset);
+        offset += part.size();
+      });
+      close(chunks[i], ChunkText::triangles);
+    }
+    begin += lengths[i];
+  }
+  return begin;
 }
 
 // Writes the records of vertices and triangles as columns from `begin` on, and then the footer of
@@ -489,31 +463,24 @@ std::uint64_t Merge::write_columns(SharedFile& file, std::uint64_t begin,
                                    const mesh::MeshText& text) {
   const mesh::VtpData data = text.columns(mesh_);
   ColumnWriter vertices(file, begin, data.vertices), triangles(file, begin, data.triangles);
-  const auto vertices_of = [](const ChunkInfo& info) { return info.mesh.vertices; };
-  const auto triangles_of = [](const ChunkInfo& info) { return info.mesh.triangles; };
-  Chunks& chunks = mesh_chunks();
-  std::vector<std::uint64_t> first_triangles;
-  for_each_chunk(chunks, triangles_of,
-                 [&](PlaneChunk&, std::uint64_t first) { first_triangles.push_back(first); });
-  std::size_t index = 0;
   TextBuffer records;
-  for_each_chunk(chunks, vertices_of, [&](PlaneChunk& chunk, std::uint64_t first_vertex) {
-    const std::uint64_t first_triangle = first_triangles[index++];
+  for (MergedChunk& chunk : mesh_chunks()) {
+    if (!is_here(chunk)) continue;
     read(chunk, ChunkText::vertices, data.vertices.record_bytes,
          [&](std::span<const char> bytes, std::uint64_t offset) {
-           vertices.write(bytes, first_vertex + offset / data.vertices.record_bytes);
+           vertices.write(bytes, chunk.before.vertices + offset / data.vertices.record_bytes);
          });
     close(chunk, ChunkText::vertices);
-    for_triangles(chunk, [&](std::span<const mesh::LocalTriangle> locals, std::uint64_t before) {
+    for_triangles(chunk, [&](std::span<const mesh::LocalTriangle> locals, std::uint64_t first) {
       records.clear();
-      std::uint64_t triangle = first_triangle + before;
+      std::uint64_t number = first;
       for (const mesh::LocalTriangle& local : locals)
-        text.append_triangle_record(records, mesh::global_triangle(first_vertex, local),
-                                    triangle++);
-      triangles.write(records.text(), first_triangle + before);
+        text.append_triangle_record(records, mesh::global_triangle(chunk.before.vertices, local),
+                                    number++);
+      triangles.write(records.text(), first);
     });
     close(chunk, ChunkText::triangles);
-  });
+  }
   const std::uint64_t end = begin + data.bytes;
   if (processes_.is_first()) {
     vertices.write_lengths();

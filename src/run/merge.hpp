@@ -44,33 +44,35 @@ class Merge {
   std::uint64_t write_mesh(OutputFile* file, OutputFile* face_file, const mesh::MeshText& text);
 
  private:
-  // Chunks, sorted by planes.
-  struct Chunks {
-    std::vector<ChunkInfo> of_all;       // of all processes
-    std::vector<PlaneChunk> of_process;  // of this process
+  // A chunk of any process. Only the process that has swept or read it has its texts.
+  struct MergedChunk : PlaneChunk {
+    MeshCounts before;  // vertices and triangles of the chunks before it
   };
+  using Chunks = std::vector<MergedChunk>;  // of all processes, sorted by planes
 
-  Chunks& mesh_chunks() { return improved_ ? *improved_ : swept_; }
+  // Chunks with the texts of the mesh.
+  Chunks& mesh_chunks() { return improved_.empty() ? chunks_ : improved_; }
+  bool is_here(const PlaneChunk& chunk) const {
+    return chunk.info.rank == static_cast<std::uint32_t>(processes_.rank());
+  }
   void add_up();
   int threads_of_shared_file() const;
   std::uint64_t write_values(GridMap& map) const;
   std::uint64_t write_compressed_values(GridMap& map, SharedFile& to) const;
-  template <class Amount, class Action>
-  std::uint64_t for_each_chunk(Chunks& chunks, Amount&& amount, Action&& action);
   ScratchFile& open(PlaneChunk& chunk, ChunkText text) const;
   void close(PlaneChunk& chunk, ChunkText text) const;
   template <class Take>
   void read(PlaneChunk& chunk, ChunkText text, std::uint64_t unit, Take&& take) const;
   void require_sound(const PlaneChunk& chunk, ChunkText text, std::uint32_t checksum) const;
-  void copy(PlaneChunk& chunk, ChunkText text, SharedFile& to, std::uint64_t begin);
-  std::uint64_t copy_all(Chunks& chunks, ChunkText text, SharedFile& to, std::uint64_t begin);
+  void copy(PlaneChunk& chunk, ChunkText text, SharedFile& to, std::uint64_t begin) const;
+  std::uint64_t copy_all(Chunks& chunks, ChunkText text, SharedFile& to, std::uint64_t begin) const;
   template <class Take>
-  void for_triangles(PlaneChunk& chunk, Take&& take) const;
+  void for_triangles(MergedChunk& chunk, Take&& take) const;
   template <class Take>
-  void for_triangle_texts(PlaneChunk& chunk, std::uint64_t first_vertex, const mesh::MeshText& text,
-                          Take&& take) const;
-  std::vector<int> ranks_of_chunks() const;
+  void for_triangle_texts(MergedChunk& chunk, const mesh::MeshText& text, Take&& take) const;
   void stream_mesh(std::optional<QualityPass>& pass);
+  std::uint64_t write_header(SharedFile& file, const mesh::MeshText& text,
+                             const mesh::VertexBox& box = {}) const;
   void write_vertex_box(SharedFile& file, std::uint64_t begin, const mesh::MeshText& text);
   std::uint64_t write_triangles(SharedFile& file, std::uint64_t begin, const mesh::MeshText& text);
   std::uint64_t write_columns(SharedFile& file, std::uint64_t begin, const mesh::MeshText& text);
@@ -79,9 +81,8 @@ class Merge {
   const RunPlan& plan_;
   const Processes& processes_;
   std::function<void()> check_;
-  Chunks swept_;
-  // The improved mesh, which is a single chunk of the first process.
-  std::optional<Chunks> improved_;
+  Chunks chunks_;
+  Chunks improved_;  // the improved mesh as a single chunk, which the first process has
   RegionTotals totals_;
   MeshCounts mesh_;
 };

@@ -2,36 +2,31 @@
 /// The headers of mesh files. A header may name chains and residues. Each process makes the names
 /// of the groups whose first atom it has read.
 
+#include <cstddef>
 #include <cstdint>
-#include <functional>
-#include <vector>
+#include <string>
 
 #include "distributed/group_numbers.hpp"
-#include "distributed/processes.hpp"
-#include "distributed/shared_file.hpp"
+#include "output/buffered_text.hpp"
 #include "output/mesh_writer.hpp"
 
 namespace eses::detail {
 
-/// Functions that pass a process's text of each part of a header to a sink. In the file, the texts
-/// of a part follow each other in the order of ranks.
-using HeaderParts = std::vector<std::function<void(const TextSink& sink)>>;
+/// Number of parts of the header of the mesh file. In the file, the texts of a part follow each
+/// other in the order of ranks.
+inline constexpr std::size_t mesh_header_parts = 5;
 
-/// Returns the header of the mesh file. Keeps references to `text` and `names`. The length of the
-/// header does not depend on `counts` and `box`.
-HeaderParts mesh_header(const mesh::MeshText& text, const GroupNames& names,
-                        const MeshCounts& counts, const Processes& processes,
-                        const mesh::VertexBox& box = {});
+/// Passes the text of this process for a part of the header to a sink. Its length does not depend
+/// on `counts` and `box`.
+void write_header_part(std::size_t part, const mesh::MeshText& text, const GroupNames& names,
+                       bool is_first_process, const MeshCounts& counts, const mesh::VertexBox& box,
+                       const TextSink& sink);
 
-/// Does the same for the separate file of the triangles, if the format has one.
-HeaderParts face_header(const mesh::MeshText& text, const MeshCounts& counts,
-                        const Processes& processes);
+/// Returns the length of the header in a run with a single process, in bytes.
+std::uint64_t mesh_header_bytes(const mesh::MeshText& text, const GroupNames& names);
 
-/// Returns the length of a header in bytes. All processes must call it.
-std::uint64_t header_bytes(const HeaderParts& parts, const Processes& processes);
-
-/// Writes a header at the beginning of the file and returns its length in bytes. All processes must
-/// call it.
-std::uint64_t write_header(const HeaderParts& parts, SharedFile& file);
+/// Returns the header of the separate file of the triangles, if the format has one. Its length does
+/// not depend on `counts`.
+std::string face_header(const mesh::MeshText& text, const MeshCounts& counts = {});
 
 }  // namespace eses::detail

@@ -49,15 +49,14 @@ Pipeline::Pipeline(PatchSchedule& patches, const Plan& plan, Sinks sinks, Progre
       layers_(static_cast<std::size_t>(plan.tiling.blocks[2])),
       queue_(patches, heights_of_layers(plan), plan.tiling.blocks[0] * plan.tiling.blocks[1],
              plan.blocks_ahead),
-      builders_(static_cast<std::size_t>(plan.threads)),
-      workspaces_(static_cast<std::size_t>(plan.threads)),
-      writers_(static_cast<std::size_t>(plan.threads)),
+      workers_(static_cast<std::size_t>(plan.threads)),
       atom_shares_(patches.patches().surface().atoms.size()) {
   if (sinks_.grid) grid_.emplace(sinks_.grid);
   if (sinks_.edges) edges_.emplace(sinks_.edges);
-  if (sinks_.gzip)
-    for (Writer& writer : writers_) writer.gzip.emplace();
-  for (BlockWorkspace& workspace : workspaces_) workspace.extras = sinks_.extras;
+  for (Worker& worker : workers_) {
+    worker.block.extras = sinks_.extras;
+    if (sinks_.gzip) worker.gzip.emplace();
+  }
   make_room(0);
   make_room(1);
   // The sweep starts at the plane below the region, as it may be solved first.
@@ -87,8 +86,9 @@ void Pipeline::solve_plane_below() {
 
 void Pipeline::run() {
   parallel_for(plan_.threads, plan_.threads, [&](std::int64_t, int thread) {
+    const auto t = static_cast<std::size_t>(thread);
     try {
-      work(static_cast<std::size_t>(thread));
+      work(workers_[t], t);
     } catch (...) {
       abandon();
       throw;
@@ -104,26 +104,27 @@ void Pipeline::abandon() {
   if (sinks_.mesh != nullptr) sinks_.mesh->abandon();
 }
 
-RegionSums Pipeline::take_sums() {
-  RegionSums sums;
-  for (const BlockWorkspace& workspace : workspaces_) sums.totals.add(workspace.tally);
-  for (const Writer& writer : writers_) sums.totals.points.add(writer.counts);
-  sums.atom_shares = std::move(atom_shares_);
-  return sums;
+RegionTotals Pipeline::totals() const {
+  RegionTotals totals;
+  for (const Worker& worker : workers_) {
+    totals.add(worker.block.tally);
+    totals.points.add(worker.counts);
+  }
+  return totals;
 }
 
 void Pipeline::add_seconds(PhaseSeconds& seconds) const {
-  for (const BlockWorkspace& workspace : workspaces_) {
-    seconds.classify += workspace.classify_seconds;
-    seconds.intersect += workspace.intersect_seconds;
+  for (const Worker& worker : workers_) {
+    seconds.patches += worker.build_seconds;
+    seconds.classify += worker.block.classify_seconds;
+    seconds.intersect += worker.block.intersect_seconds;
+    seconds.output += worker.write_seconds;
   }
-  for (const Builder& builder : builders_) seconds.patches += builder.seconds;
-  for (const Writer& writer : writers_) seconds.output += writer.seconds;
 }
 
 std::uint64_t Pipeline::triangle_count() const {
   std::uint64_t count = 0;
-  for (const Writer& writer : writers_) count += writer.mesh.triangle_count;
+  for (const Worker& worker : workers_) count += worker.mesh.triangle_count;
   return count;
 }
 
@@ -131,17 +132,17 @@ std::int64_t Pipeline::layer_planes(std::int64_t layer) const {
   return plan_.tiling.block(0, 0, layer).owned[2];
 }
 
-void Pipeline::work(std::size_t thread) {
+void Pipeline::work(Worker& worker, std::size_t thread) {
   while (const auto task = queue_.take()) {
     switch (task->kind) {
       case Task::Kind::build:
-        build(task->step, builders_[thread]);
+        build(task->step, worker);
         break;
       case Task::Kind::solve:
-        solve(*task, thread);
+        solve(*task, worker, thread);
         break;
       case Task::Kind::write:
-        write(*task, writers_[thread]);
+        write(*task, worker);
         break;
     }
     queue_.finish(*task, layer_batches(task->layer), [&](std::int64_t layer) { release(layer); });
@@ -149,31 +150,29 @@ void Pipeline::work(std::size_t thread) {
 }
 
 void Pipeline::build_patches_up_to(double height) {
-  parallel_for(plan_.threads, plan_.threads, [&](std::int64_t, int thread) {
-    try {
-      while (const auto task = queue_.take_step(height)) {
-        build(task->step, builders_[static_cast<std::size_t>(thread)]);
-        queue_.finish(*task, 0, [](std::int64_t) {});
-      }
-    } catch (...) {
-      queue_.stop();
-      throw;
-    }
-  });
+  while (!patches_.is_ready(height)) {
+    std::vector<BuildStep> steps;
+    while (const auto step = patches_.take(height)) steps.push_back(*step);
+    parallel_for(
+        static_cast<std::int64_t>(steps.size()), plan_.threads, [&](std::int64_t i, int thread) {
+          build(steps[static_cast<std::size_t>(i)], workers_[static_cast<std::size_t>(thread)]);
+        });
+    for (const BuildStep& step : steps) patches_.finish(step);
+  }
 }
 
-void Pipeline::build(const BuildStep& step, Builder& builder) {
+void Pipeline::build(const BuildStep& step, Worker& worker) {
   const Stopwatch watch;
   Patches& patches = patches_.patches();
   switch (step.kind) {
     case BuildStep::Kind::find_arcs:
-      patches.find_arcs(step.cluster, builder.scratch);
+      patches.find_arcs(step.cluster, worker.patches);
       break;
     case BuildStep::Kind::complete:
       patches.complete(step.cluster);
       break;
   }
-  builder.seconds += watch.seconds();
+  worker.build_seconds += watch.seconds();
   require_memory_within(plan_.parameters.max_memory);
   progress_.check();
 }
@@ -201,47 +200,40 @@ BlockResult Pipeline::solve_block(const BlockBounds& block, const BlockBounds& w
              : eses::detail::solve_block(patches_.patches(), plan_.grid, block, workspace);
 }
 
-void Pipeline::solve(const Task& task, std::size_t thread) {
+void Pipeline::solve(const Task& task, Worker& worker, std::size_t thread) {
   const std::int64_t bx = task.index % plan_.tiling.blocks[0];
   const std::int64_t by = task.index / plan_.tiling.blocks[0];
   BlockResult& result =
       layers_[static_cast<std::size_t>(task.layer)].blocks[static_cast<std::size_t>(task.index)];
   const Stopwatch watch;
   result = solve_block(plan_.tiling.block(bx, by, task.layer),
-                       plan_.tiling.block_with_halo(bx, by, task.layer), workspaces_[thread]);
+                       plan_.tiling.block_with_halo(bx, by, task.layer), worker.block);
   result.seconds = watch.seconds();
-  add_shares(workspaces_[thread]);
+  {
+    const std::lock_guard lock(shares_mutex_);
+    worker.block.tally.atom_shares.move_into(atom_shares_);
+  }
   if (sinks_.verifier != nullptr) sinks_.verifier->take(result, thread);
-  call_block_callback(result);
+  if (sinks_.block) progress_.call([&] { sinks_.block(result); });
   require_memory_within(plan_.parameters.max_memory);
   progress_.add(1);
 }
 
-void Pipeline::add_shares(BlockWorkspace& workspace) {
-  const std::lock_guard lock(shares_mutex_);
-  workspace.tally.atom_shares.move_into(atom_shares_);
-}
-
-void Pipeline::call_block_callback(const BlockResult& result) {
-  if (!sinks_.block) return;
-  progress_.call([&] { sinks_.block(result); });
-}
-
-void Pipeline::write(const Task& task, Writer& writer) {
+void Pipeline::write(const Task& task, Worker& worker) {
   const Stopwatch watch;
   const Layer& layer = layers_[static_cast<std::size_t>(task.layer)];
   const RowRange rows = batches_.rows(task.index, layer_planes(task.layer));
-  append_points(layer, rows, writer);
-  take_map_rows(layer, rows, writer);
-  if (edges_) append_crossings(layer, rows, writer.edges);
-  count_points_of(task, layer, writer.counts);
+  append_points(layer, rows, worker);
+  take_map_rows(layer, rows, worker);
+  if (edges_) append_crossings(layer, rows, worker.edges);
+  count_points_of(task, layer, worker.counts);
   // All layers before the last one have the same number of batches.
   const std::int64_t batch = task.layer * layer_batches(0) + task.index;
-  if (grid_) grid_->write(batch, file_bytes(writer.grid, writer.gzip));
-  if (edges_) edges_->write(batch, file_bytes(writer.edges, writer.gzip));
+  if (grid_) grid_->write(batch, file_bytes(worker.grid, worker.gzip));
+  if (edges_) edges_->write(batch, file_bytes(worker.edges, worker.gzip));
   if (sinks_.mesh != nullptr)
-    sinks_.mesh->write(layer, batch, {task.index, layer_batches(task.layer)}, writer.mesh);
-  writer.seconds += watch.seconds();
+    sinks_.mesh->write(layer, batch, {task.index, layer_batches(task.layer)}, worker.mesh);
+  worker.write_seconds += watch.seconds();
   progress_.check();
 }
 
@@ -254,28 +246,26 @@ void Pipeline::count_points_of(const Task& task, const Layer& layer, PointCounts
 }
 
 // Formats rows of points as text.
-void Pipeline::append_points(const Layer& layer, const RowRange& rows, Writer& writer) const {
-  writer.grid.clear();
+void Pipeline::append_points(const Layer& layer, const RowRange& rows, Worker& worker) const {
+  worker.grid.clear();
   if (!grid_) return;
   const GridRegion& region = plan_.tiling.region;
   const LayerRows layer_rows(plan_.tiling, layer);
   rows.for_each(region.size()[1], [&](std::int64_t y, std::int64_t z) {
-    layer_rows.merge_row(y, z, writer.row);
-    text_.append_row(writer.grid, region.begin[1] + y, layer.first_z() + z, writer.row);
+    layer_rows.merge_row(y, z, worker.row);
+    text_.append_row(worker.grid, region.begin[1] + y, layer.first_z() + z, worker.row);
   });
 }
 
 // Passes the same rows to the maps.
-void Pipeline::take_map_rows(const Layer& layer, const RowRange& rows, Writer& writer) const {
+void Pipeline::take_map_rows(const Layer& layer, const RowRange& rows, Worker& worker) const {
   const GridRegion& region = plan_.tiling.region;
   const std::int64_t plane_rows = region.size()[1];
   for (const MapSink& map : sinks_.maps) {
-    writer.map_rows.clear();
-    MapRows map_rows(plan_.tiling, layer, map.quantity);
-    rows.for_each(plane_rows,
-                  [&](std::int64_t y, std::int64_t z) { map_rows.append(y, z, writer.map_rows); });
-    map.take_rows((layer.first_z() - region.begin[2]) * plane_rows + rows.begin, writer.map_rows,
-                  writer.map);
+    worker.map_rows.clear();
+    append_map_rows(plan_.tiling, layer, map.quantity, rows, worker.map_rows);
+    map.take_rows((layer.first_z() - region.begin[2]) * plane_rows + rows.begin, worker.map_rows,
+                  worker.map);
   }
 }
 

@@ -7,6 +7,7 @@
 #include <mutex>
 #include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "input/file_index.hpp"
@@ -42,12 +43,6 @@ struct Sinks {
   FileIndices file_indices;  ///< of the atoms of the surface
 };
 
-/// Sums over a region, which do not depend on its division into blocks.
-struct RegionSums {
-  RegionTotals totals;
-  std::vector<AreaShare> atom_shares;  ///< by atom of the surface
-};
-
 /// A sweep over the region of a plan.
 class Pipeline {
  public:
@@ -63,8 +58,10 @@ class Pipeline {
   /// Performs the sweep.
   void run();
 
-  /// Returns the sums after `run`. May be called once.
-  RegionSums take_sums();
+  /// Returns the sums over the region after `run`. They do not depend on its division into blocks.
+  RegionTotals totals() const;
+  /// Returns the area shares by atom of the surface, after `run`. May be called once.
+  std::vector<AreaShare> take_atom_shares() { return std::move(atom_shares_); }
   /// Adds the times of all threads.
   void add_seconds(PhaseSeconds& seconds) const;
   /// Lengths of the two texts in bytes, after `run`.
@@ -73,14 +70,10 @@ class Pipeline {
   std::uint64_t triangle_count() const;
 
  private:
-  // Scratch memory of a thread that builds patches.
-  struct Builder {
-    Patches::Scratch scratch;
-    double seconds = 0;
-  };
-
-  // Scratch memory of a thread that formats rows.
-  struct Writer {
+  // Scratch memory and sums of a thread.
+  struct Worker {
+    Patches::Scratch patches;
+    BlockWorkspace block;
     TextBuffer grid, edges;
     MeshScratch mesh;
     RowBits row;
@@ -88,7 +81,7 @@ class Pipeline {
     GridMap::Scratch map;
     std::optional<Gzip> gzip;
     PointCounts counts;
-    double seconds = 0;
+    double build_seconds = 0, write_seconds = 0;
   };
 
   std::int64_t layer_planes(std::int64_t layer) const;
@@ -96,20 +89,18 @@ class Pipeline {
     return batches_.count(layer_planes(layer));
   }
   void abandon();
-  void work(std::size_t thread);
+  void work(Worker& worker, std::size_t thread);
   void build_patches_up_to(double height);
-  void build(const BuildStep& step, Builder& builder);
+  void build(const BuildStep& step, Worker& worker);
   void make_room(std::int64_t layer);
   void release(std::int64_t layer);
   BlockResult solve_block(const BlockBounds& block, const BlockBounds& with_halo,
                           BlockWorkspace& workspace) const;
-  void solve(const Task& task, std::size_t thread);
-  void add_shares(BlockWorkspace& workspace);
-  void call_block_callback(const BlockResult& result);
-  void write(const Task& task, Writer& writer);
+  void solve(const Task& task, Worker& worker, std::size_t thread);
+  void write(const Task& task, Worker& worker);
   void count_points_of(const Task& task, const Layer& layer, PointCounts& counts) const;
-  void append_points(const Layer& layer, const RowRange& rows, Writer& writer) const;
-  void take_map_rows(const Layer& layer, const RowRange& rows, Writer& writer) const;
+  void append_points(const Layer& layer, const RowRange& rows, Worker& worker) const;
+  void take_map_rows(const Layer& layer, const RowRange& rows, Worker& worker) const;
   void append_crossings(const Layer& layer, const RowRange& rows, TextBuffer& text) const;
 
   PatchSchedule& patches_;
@@ -122,9 +113,7 @@ class Pipeline {
   Plane below_;  // the plane below the layer that is being written
   TaskQueue queue_;
   std::optional<OrderedOutput> grid_, edges_;
-  std::vector<Builder> builders_;
-  std::vector<BlockWorkspace> workspaces_;
-  std::vector<Writer> writers_;
+  std::vector<Worker> workers_;  // by thread
   std::mutex shares_mutex_;
   std::vector<AreaShare> atom_shares_;  // by atom of the surface
 };

@@ -17,7 +17,6 @@
 #include "output/grid_map.hpp"
 #include "output/mesh_writer.hpp"
 #include "output/output_files.hpp"
-#include "run/exact_measures.hpp"
 #include "run/memory.hpp"
 #include "run/quality_pass.hpp"
 #include "run/verifier.hpp"
@@ -209,41 +208,47 @@ void expect_mesh(const MeshOptions& mesh, const LabelTotals& labels, const Plan&
                   bytes.name_line * (labels.residue_runs + labels.chain_runs);
 }
 
+// Returns the memory of Parameters::exact in bytes, besides that of patches: the measures of a
+// face, and a second molecule with its index to compare volumes.
+double exact_measure_bytes(std::size_t atoms) {
+  constexpr double face_bytes = 48, index_bytes = 32;
+  return static_cast<double>(atoms) * (face_bytes + sizeof(Atom) + index_bytes);
+}
+
 // Chooses the fastest schedule that exceeds neither the limit nor the available memory.
 void choose_schedule(const SurfaceSurvey& survey, const MemoryBudget& budget,
                      const Outputs& outputs, Plan& plan) {
-  const auto& [available, held, labels, has_groups, caller, is_in_place] = budget;
   const Parameters& p = plan.parameters;
+  const GridRegion region = plan.tiling.region;
+  const std::uint64_t available = budget.available;
   const std::uint64_t limit = p.max_memory > 0 ? std::min(p.max_memory, available) : available;
-  const double always = static_cast<double>(held) +
-                        caller.per_point * static_cast<double>(plan.region.point_count()) +
-                        caller.per_crossing * plan.crossings +
+  const double always = static_cast<double>(budget.held) +
+                        budget.caller.per_point * static_cast<double>(region.point_count()) +
+                        budget.caller.per_crossing * plan.crossings +
                         (p.exact ? exact_measure_bytes(survey.atom_count()) : 0);
   double smallest = std::numeric_limits<double>::infinity();
-  for (const Schedule& schedule : possible_schedules(plan.grid, plan.region, p, survey)) {
-    const double memory =
-        always +
-        expected_memory(survey, labels, has_groups, plan.grid, schedule, outputs, is_in_place) +
-        Verifier::memory_bytes(p.verify, schedule.threads, plan.crossings);
+  for (const Schedule& schedule : possible_schedules(plan.grid, region, p, survey)) {
+    const double memory = always + expected_memory(survey, budget, plan.grid, schedule, outputs) +
+                          Verifier::memory_bytes(p.verify, schedule.threads, plan.crossings);
     smallest = std::min(smallest, memory);
     if (memory > static_cast<double>(limit)) continue;
     static_cast<Schedule&>(plan) = schedule;
     plan.memory_bytes = whole_bytes(memory);
     return;
   }
-  if (smallest > static_cast<double>(available)) refuse_memory(plan.region, p, smallest, available);
+  if (smallest > static_cast<double>(available)) refuse_memory(region, p, smallest, available);
   refuse_limit(p, smallest);
 }
 
 // Returns a survey of the part of the surface that the run computes.
-SurfaceSurvey survey_of(const Molecule& molecule, const GridPlan& plan) {
+SurfaceSurvey survey_of(const Molecule& molecule, const Plan& plan) {
   const double probe_radius = plan.parameters.probe_radius;
-  if (plan.region == plan.grid.whole() && plan.cut_depth <= 0) return {molecule, probe_radius};
-  return {molecule, probe_radius, region_box(plan.grid, plan.region)};
+  if (plan.is_whole_surface()) return {molecule, probe_radius};
+  return {molecule, probe_radius, region_box(plan.grid, plan.tiling.region)};
 }
 
 void expect_maps(const Outputs& outputs, const Plan& plan, FileSizes& files) {
-  const GridRegion& region = plan.region;
+  const GridRegion& region = plan.tiling.region;
   for (const MapChoice& map : chosen_maps(outputs)) {
     files.map_scratch += GridMap::scratch_bytes(map, region);
     if (!map.gzip) {
@@ -296,7 +301,7 @@ FileSizes plan_files(std::uint64_t atoms, const LabelTotals& labels, const Outpu
   };
   if (outputs.box) files.box = box_bytes(plan.grid, outputs.gzip);
   if (outputs.grid)
-    files.grid = on_disk(static_cast<double>(max_grid_bytes(plan.region)), grid_gzip_ratio);
+    files.grid = on_disk(static_cast<double>(max_grid_bytes(plan.tiling.region)), grid_gzip_ratio);
   if (outputs.edges)
     files.edges = on_disk(typical_crossing_bytes * plan.crossings, edge_gzip_ratio);
   if (outputs.areas)
@@ -311,9 +316,9 @@ FileSizes plan_files(std::uint64_t atoms, const LabelTotals& labels, const Outpu
   return files;
 }
 
-GridPlan plan_grid(const Box& bounds, const Parameters& parameters) {
+Plan plan_grid(const Box& bounds, const Parameters& parameters) {
   require_valid(parameters);
-  GridPlan plan;
+  Plan plan;
   plan.parameters = parameters;
   const auto* const options = std::get_if<GridOptions>(&parameters.grid);
   plan.grid = options != nullptr ? make_grid(bounds, options->spacing, options->margin)
@@ -321,7 +326,7 @@ GridPlan plan_grid(const Box& bounds, const Parameters& parameters) {
   plan.cut_depths = depths_inside(plan.grid, bounds);
   plan.cut_depth = cut_depth(plan.grid, bounds);
   if (options != nullptr) require_enclosing_margin(plan.cut_depth, *options);
-  plan.region = region_of(plan.grid, parameters);
+  plan.tiling.region = region_of(plan.grid, parameters);
   return plan;
 }
 

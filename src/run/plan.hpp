@@ -14,31 +14,29 @@
 
 namespace eses::detail {
 
-/// The grid of a run, and the points to compute.
-struct GridPlan {
+/// The plan of a run, made before anything is allocated or written. The region of the tiling has
+/// the points to compute.
+struct Plan : Schedule {
   Parameters parameters;
   Grid grid;
-  GridRegion region;                   ///< the whole grid, or the chosen part
   std::array<double, 6> cut_depths{};  ///< see eses::detail::depths_inside
   double cut_depth = 0;  ///< see eses::detail::cut_depth; > 0 if the grid cuts the surface
-};
-
-/// The plan of a run, made before anything is allocated or written. The blocks of the schedule
-/// divide the region of the grid.
-struct Plan : GridPlan, Schedule {
   double crossings = 0;  ///< expected number of crossings
   /// Estimate of the peak memory of the process, intended as an upper bound, if the process holds
   /// only the atoms before the run.
   std::uint64_t memory_bytes = 0;
   FileSizes files = {};
+
+  /// Whether the region to compute contains the whole surface.
+  bool is_whole_surface() const { return cut_depth <= 0 && tiling.region == grid.whole(); }
 };
 
 /// Performs step 1 of a plan: takes the grid of the parameters or, if they have none, makes the
-/// grid around atoms with these bounds, and determines the points to compute. Throws
+/// grid around atoms with these bounds, and determines the region to compute. Throws
 /// std::invalid_argument if a parameter is out of its range, if the part of the grid is empty or
 /// not within the grid, or if the margin is so small that the grid would cut the surface (see
 /// doc/grid.md).
-GridPlan plan_grid(const Box& bounds, const Parameters& parameters);
+Plan plan_grid(const Box& bounds, const Parameters& parameters);
 
 /// Throws std::invalid_argument if the probe radius, the number of threads or the number of points
 /// to verify is out of its range.
@@ -49,20 +47,8 @@ void require_valid(const Parameters& parameters);
 /// outputs need.
 void require_valid(const Outputs& outputs, const Molecule& molecule);
 
-/// The memory of a process for its part of a run.
-struct MemoryBudget {
-  std::uint64_t available = 0;  ///< free memory in bytes
-  /// Bytes that the process holds during the whole run, besides the atoms: labels, and memory of
-  /// MPI.
-  std::uint64_t held = 0;
-  LabelTotals labels = {};   ///< totals of the labels that the process has read
-  bool has_groups = false;   ///< whether chains and residues of atoms are numbered
-  CallerMemory caller = {};  ///< memory that the caller needs for the results
-  bool is_in_place = true;   ///< whether texts are written directly to the output files
-};
-
 /// Performs step 2 of a plan: chooses block size, threads and number of blocks ahead for the region
-/// of `plan`, as far as they are not given, so that neither `max_memory` nor the available
+/// to compute, as far as they are not given, so that neither `max_memory` nor the available
 /// memory is exceeded. `molecule` must have the atoms that influence the region. Sets the expected
 /// number of crossings in the region. Throws MemoryLimitError if the run needs more memory.
 void plan_schedule(const MemoryBudget& budget, const Molecule& molecule, const Outputs& outputs,

@@ -53,8 +53,8 @@ PocketFinder::PocketFinder(const Grid& grid, double probe_radius, int threads)
   const double reach = reach_of(grid, probe_radius);
   const std::int64_t far = std::max(planes_within_reach_, connected_within);
   const auto square = [](std::int64_t x) { return static_cast<double>(x * x); };
-  const auto squared_length = [&](const Offset& offset) {
-    return square(offset.x) + square(offset.y) + square(offset.z);
+  const auto squared_length = [&](const GridIndex& offset) {
+    return square(offset[0]) + square(offset[1]) + square(offset[2]);
   };
   for (std::int64_t z = -far; z <= far; ++z)
     for (std::int64_t y = -far; y <= far; ++y) {
@@ -62,16 +62,17 @@ PocketFinder::PocketFinder(const Grid& grid, double probe_radius, int threads)
       if (rest >= 0)
         rows_within_reach_.push_back({y, z, static_cast<std::int64_t>(std::sqrt(rest))});
       for (std::int64_t x = -far; x <= far; ++x) {
-        const Offset offset{x, y, z};
+        const GridIndex offset{x, y, z};
         const double squared = squared_length(offset);
         if (squared <= reach * reach) within_reach_.push_back(offset);
         if (squared <= square(connected_within) && std::tuple(z, y, x) < std::tuple(0, 0, 0))
           before_.push_back(offset);
       }
     }
-  std::stable_sort(
-      within_reach_.begin(), within_reach_.end(),
-      [&](const Offset& a, const Offset& b) { return squared_length(a) < squared_length(b); });
+  std::stable_sort(within_reach_.begin(), within_reach_.end(),
+                   [&](const GridIndex& a, const GridIndex& b) {
+                     return squared_length(a) < squared_length(b);
+                   });
   const std::int64_t window = window_of(reach);
   first_z_ = -window;
   Plane blank{empty_plane(), {}, {}, {}, {}, {}};
@@ -137,23 +138,35 @@ PocketFinder::Element PocketFinder::united(DisjointSets& sets,
   return found;
 }
 
+// Finds the sets of connected points among the points of a plane with set bits. Calls
+// `action(x, y, element, is_new)` for each point with an element of its set.
+template <class Action>
+void PocketFinder::find_sets(std::int64_t z, const std::vector<std::uint64_t>& bits,
+                             DisjointSets& sets, std::vector<Element> Plane::*elements,
+                             Action&& action) {
+  std::vector<Element>& here = plane(z).*elements;
+  for_each_point(bits, [&](std::int64_t x, std::int64_t y) {
+    if (here.empty()) here.assign(points_of_plane(grid_), none);
+    Element element = united(sets, elements, {x, y, z});
+    const bool is_new = element == none;
+    if (is_new) element = sets.add();
+    here[static_cast<std::size_t>(y * grid_.size[0] + x)] = element;
+    action(x, y, element, is_new);
+  });
+}
+
 void PocketFinder::find_centers(std::int64_t z) {
   Plane& here = plane(z);
   here.centers.resize(here.small.size());
   here.has_centers.assign(static_cast<std::size_t>(grid_.size[1]), 0);
   for (std::size_t w = 0; w < here.centers.size(); ++w)
     here.centers[w] = here.large[w] & ~here.small[w] & ~here.covered[w];
-  for_each_point(here.centers, [&](std::int64_t x, std::int64_t y) {
-    here.has_centers[static_cast<std::size_t>(y)] = 1;
-    if (here.center.empty()) here.center.assign(points_of_plane(grid_), none);
-    Element element = united(centers_, &Plane::center, {x, y, z});
-    if (element == none) {
-      element = centers_.add();
-      sums_.emplace_back();
-    }
-    here.center[static_cast<std::size_t>(y * grid_.size[0] + x)] = element;
-    ++sums_[element].centers;
-  });
+  find_sets(z, here.centers, centers_, &Plane::center,
+            [&](std::int64_t, std::int64_t y, Element element, bool is_new) {
+              here.has_centers[static_cast<std::size_t>(y)] = 1;
+              if (is_new) sums_.emplace_back();
+              ++sums_[element].centers;
+            });
 }
 
 // Returns the centers of a word that have a neighbour outside of the large probe's surface.
@@ -174,22 +187,15 @@ std::uint64_t PocketFinder::at_mouth(std::int64_t y, std::int64_t z, std::size_t
 }
 
 void PocketFinder::find_mouths(std::int64_t z) {
-  Plane& here = plane(z);
+  const Plane& here = plane(z);
   if (here.center.empty()) return;
-  for (std::int64_t y = 0; y < grid_.size[1]; ++y) {
-    if (here.has_centers[static_cast<std::size_t>(y)] == 0) continue;
-    for (std::size_t w = 0; w < words_; ++w)
-      for_each_bit(at_mouth(y, z, w), [&](int bit) {
-        const std::int64_t x = static_cast<std::int64_t>(w) * 64 + bit;
-        if (here.mouth.empty()) here.mouth.assign(points_of_plane(grid_), none);
-        Element element = united(mouths_, &Plane::mouth, {x, y, z});
-        if (element == none) {
-          element = mouths_.add();
-          center_of_mouth_.push_back(element_at(here.center, x, y));
-        }
-        here.mouth[static_cast<std::size_t>(y * grid_.size[0] + x)] = element;
-      });
-  }
+  std::vector<std::uint64_t> mouths(here.centers.size());
+  for (std::int64_t y = 0; y < grid_.size[1]; ++y)
+    for (std::size_t w = 0; w < words_; ++w) mouths[row_begin(y) + w] = at_mouth(y, z, w);
+  find_sets(z, mouths, mouths_, &Plane::mouth,
+            [&](std::int64_t x, std::int64_t y, Element, bool is_new) {
+              if (is_new) center_of_mouth_.push_back(element_at(here.center, x, y));
+            });
 }
 
 PocketFinder::Element PocketFinder::nearest_center(const GridIndex& at) {
@@ -252,12 +258,12 @@ PocketFinder::Element PocketFinder::owner_of_end(const PocketPlane::Edge& edge, 
 // Adds the crossings of the edges from a plane. The owners of the next plane are known.
 void PocketFinder::add_crossings(std::int64_t z) {
   Plane& here = plane(z);
-  for (const PocketPlane::Wall& wall : here.walls) {
+  for (const PocketPlane::Edge& wall : here.walls) {
     const Element owner = owner_of_end(wall, z, false);
     if (owner == none) continue;
     for (std::size_t k = 0; k < wall.atom_count; ++k) contacts_.emplace_back(owner, wall.atoms[k]);
   }
-  for (const PocketPlane::Mouth& mouth : here.mouths) {
+  for (const PocketPlane::Edge& mouth : here.mouths) {
     const Element owner = owner_of_end(mouth, z, true);
     if (owner != none) sums_[owner].mouth += mouth.share;
   }

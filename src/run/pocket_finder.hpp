@@ -29,21 +29,15 @@ struct PocketPlane {
     std::int64_t x = 0, y = 0;  ///< index of the lower end
     std::uint8_t axis = 0;
     bool lower_is_inside = false;
-  };
-  /// A crossing of the small probe's surface.
-  struct Wall : Edge {
-    std::array<AtomIndex, 3> atoms{};  ///< adjacent atoms; the first `atom_count` are set
     std::uint8_t atom_count = 0;
-  };
-  /// A crossing of the large probe's surface.
-  struct Mouth : Edge {
-    std::int64_t share = 0;  ///< |n_axis| in units of `area_share_unit`
+    std::array<AtomIndex, 3> atoms{};  ///< adjacent atoms; the first `atom_count` are set
+    std::int64_t share = 0;            ///< |n_axis| in units of `area_share_unit`
   };
 
   std::vector<std::uint64_t> small, large;  ///< points inside the surfaces
   std::vector<std::uint64_t> covered;       ///< points where the small probe's centre cannot be
-  std::vector<Wall> walls;
-  std::vector<Mouth> mouths;
+  std::vector<Edge> walls;                  ///< crossings of the small probe's surface
+  std::vector<Edge> mouths;                 ///< crossings of the large probe's surface
 };
 
 /// Finds pockets in planes that arrive in ascending order. Keeps the planes within the reach of a
@@ -67,10 +61,6 @@ class PocketFinder {
   using Element = DisjointSets::Element;
   static constexpr Element none = 0xffffffff;
 
-  /// The difference of the indices of two points.
-  struct Offset {
-    std::int64_t x = 0, y = 0, z = 0;
-  };
   /// The points [x - half, x + half] of a row, at an offset.
   struct RowOffset {
     std::int64_t y = 0, z = 0, half = 0;
@@ -93,6 +83,9 @@ class PocketFinder {
   bool is_row(std::int64_t y) const { return y >= 0 && y < grid_.size[1]; }
   Element element_at(const std::vector<Element>& elements, std::int64_t x, std::int64_t y) const;
   Element united(DisjointSets& sets, std::vector<Element> Plane::*elements, const GridIndex& at);
+  template <class Action>
+  void find_sets(std::int64_t z, const std::vector<std::uint64_t>& bits, DisjointSets& sets,
+                 std::vector<Element> Plane::*elements, Action&& action);
   void find_centers(std::int64_t z);
   std::uint64_t at_mouth(std::int64_t y, std::int64_t z, std::size_t word);
   void find_mouths(std::int64_t z);
@@ -110,8 +103,9 @@ class PocketFinder {
   int threads_;
   std::size_t words_;  // of a row
   std::int64_t planes_within_reach_;
-  std::vector<Offset> before_;        // neighbours that are connected, and precede a point
-  std::vector<Offset> within_reach_;  // ascending in distance
+  // Differences of the indices of points.
+  std::vector<GridIndex> before_;        // to neighbours that are connected, and precede a point
+  std::vector<GridIndex> within_reach_;  // ascending in distance
   std::vector<RowOffset> rows_within_reach_;
   std::deque<Plane> planes_;
   std::int64_t first_z_;  // of `planes_`

@@ -63,8 +63,8 @@ class ProbeSweep {
   }
 
   // Planes of a layer of blocks.
-  std::int64_t layer_planes() const { return plan_.slab_plan.tiling.block_size[2] - 1; }
-  int threads() const { return plan_.slab_plan.threads; }
+  std::int64_t layer_planes() const { return plan_.tiling.block_size[2] - 1; }
+  int threads() const { return plan_.threads; }
 
   // Sweeps over the next planes.
   void sweep(const PlaneRange& planes, std::vector<MapSink> maps, SolvedBlockCallback block,
@@ -73,9 +73,9 @@ class ProbeSweep {
     sinks.maps = std::move(maps);
     sinks.extras = extras_;
     sinks.block = std::move(block);
-    Plan plan = plan_.slab_plan;
-    plan.region = with_planes(plan.region, planes);
-    plan.tiling = make_tiling(plan.grid, plan.tiling.block_size, plan.region);
+    Plan plan = plan_;
+    plan.tiling =
+        make_tiling(plan.grid, plan.tiling.block_size, with_planes(plan.tiling.region, planes));
     Pipeline pipeline(patches_->schedule, plan, std::move(sinks), report);
     pipeline.solve_plane_below();
     pipeline.run();
@@ -111,19 +111,20 @@ class PocketPlanes {
             }};
   }
 
-  void add_wall(const GridIndex& row_start, const BlockCrossing& crossing) {
-    at(row_start[2])
-        .walls.push_back({edge_of(row_start, crossing), crossing.atoms, crossing.atom_count});
-  }
-  void add_mouth(const GridIndex& row_start, const BlockCrossing& crossing) {
-    const double share = std::fabs(crossing.normal[crossing.axis]) / area_share_unit;
-    at(row_start[2]).mouths.push_back({edge_of(row_start, crossing), std::llround(share)});
+  // Returns a receiver of the crossings of blocks.
+  SolvedBlockCallback receiver(std::vector<PocketPlane::Edge> PocketPlane::*edges) {
+    return [this, edges](const BlockResult& result) {
+      for_each_crossing(result, [&](const GridIndex& row_start, const BlockCrossing& crossing) {
+        const double share = std::fabs(crossing.normal[crossing.axis]) / area_share_unit;
+        (at(row_start[2]).*edges)
+            .push_back({row_start[0] + crossing.x, row_start[1], crossing.axis,
+                        crossing.lower_is_inside != 0, crossing.atom_count, crossing.atoms,
+                        std::llround(share)});
+      });
+    };
   }
 
  private:
-  static PocketPlane::Edge edge_of(const GridIndex& row_start, const BlockCrossing& crossing) {
-    return {row_start[0] + crossing.x, row_start[1], crossing.axis, crossing.lower_is_inside != 0};
-  }
   PocketPlane& at(std::int64_t z) { return planes_[static_cast<std::size_t>(z - begin_)]; }
 
   std::int64_t begin_;
@@ -169,20 +170,12 @@ Pockets sweep_pockets(const Molecule& molecule, double probe_radius, const Pocke
   for (std::int64_t z = 0; z < grid.size[2]; z += small.layer_planes()) {
     const PlaneRange planes{z, std::min(z + small.layer_planes(), grid.size[2])};
     PocketPlanes buffer(planes, finder);
-    small.sweep(
-        planes,
-        {buffer.receiver(MapQuantity::inside, &PocketPlane::small, grid),
-         buffer.receiver(MapQuantity::ion_access, &PocketPlane::covered, grid)},
-        [&](const BlockResult& result) {
-          for_each_crossing(result, [&](auto&&... crossing) { buffer.add_wall(crossing...); });
-        },
-        report);
-    large.sweep(
-        planes, {buffer.receiver(MapQuantity::inside, &PocketPlane::large, grid)},
-        [&](const BlockResult& result) {
-          for_each_crossing(result, [&](auto&&... crossing) { buffer.add_mouth(crossing...); });
-        },
-        report);
+    small.sweep(planes,
+                {buffer.receiver(MapQuantity::inside, &PocketPlane::small, grid),
+                 buffer.receiver(MapQuantity::ion_access, &PocketPlane::covered, grid)},
+                buffer.receiver(&PocketPlane::walls), report);
+    large.sweep(planes, {buffer.receiver(MapQuantity::inside, &PocketPlane::large, grid)},
+                buffer.receiver(&PocketPlane::mouths), report);
     for (PocketPlane& plane : buffer.planes()) {
       finder.add(std::move(plane));
       report.check();

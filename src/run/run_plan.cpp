@@ -96,9 +96,9 @@ std::string map_identity(const Outputs& outputs) {
 // Returns a text that differs between runs whose chunks must not be combined.
 std::string identity_of(const RunTask& task, const RunPlan& run, std::uint64_t hash) {
   const Parameters& p = task.parameters;
-  const Grid& grid = run.whole_plan.grid;
+  const Grid& grid = run.grid;
   const auto* const options = std::get_if<GridOptions>(&p.grid);
-  const GridRegion& region = run.whole_plan.region;
+  const GridRegion& region = run.tiling.region;
   return formatted(
       "eses-blocks {} format {} {} {}\natoms {} {:016x}\nprobe {:a} spacing {:a} margin {:a}\n"
       "origin {:a} {:a} {:a} size {}\npoints {} {}\ngrid {} edges {} gzip {} maps {} mesh {}\n"
@@ -232,12 +232,14 @@ int threads_of(const RunTask& task, const Processes::Machine& machine, const Pro
   return chosen > 0 || processes.count() == 1 ? chosen : machine.processors;
 }
 
-// Makes the plan of this process's slab. `labels` are the totals of the labels that it has read.
-void plan_slab(const RunTask& task, const LabelTotals& labels, const Processes::Machine& machine,
-               const Processes& processes, RunPlan& run) {
-  run.slab_plan = run.whole_plan;
-  run.slab_plan.region = with_planes(run.whole_plan.region, run.slab.planes);
-  run.slab_plan.parameters.threads = threads_of(task, machine, processes);
+// Chooses the schedule of this process for its slab. `labels` are the totals of the labels that it
+// has read. The schedule of the whole run has the maxima over all processes, and its crossings are
+// the sum.
+void plan_schedules(const RunTask& task, const LabelTotals& labels,
+                    const Processes::Machine& machine, const Processes& processes, RunPlan& run) {
+  Plan slab = run;
+  slab.tiling.region = with_planes(run.tiling.region, run.slab.planes);
+  slab.parameters.threads = threads_of(task, machine, processes);
   processes.all_or_throw([&] {
     if (run.slab.planes.is_empty()) return;
     const auto sharing = static_cast<std::uint64_t>(machine.processes);
@@ -246,31 +248,25 @@ void plan_slab(const RunTask& task, const LabelTotals& labels, const Processes::
                    .labels = labels,
                    .has_groups = run.groups.are_known,
                    .caller = task.caller_memory,
-                   .is_in_place = writes_in_place(task, processes)},
-                  run.slab.molecule, task.outputs, run.slab_plan);
+                   .is_in_place = run.is_in_place},
+                  run.slab.molecule, task.outputs, slab);
     if (const auto* file = std::get_if<InputFile>(&task.atoms))
       require_memory_held(*file, task.parameters.max_memory);
   });
-}
-
-// Sets the schedule of the whole run to the maxima over all processes, and its crossings to the
-// sum.
-void combine_schedules(const Processes& processes, RunPlan& run) {
-  Plan& whole = run.whole_plan;
-  const Plan& slab = run.slab_plan;
+  run.process_schedule = slab;
   const auto max_of = [&](auto value) {
     auto max = static_cast<std::uint64_t>(value);
     processes.allreduce({&max, 1}, Processes::Reduction::max);
     return static_cast<decltype(value)>(max);
   };
-  whole.crossings = slab.crossings;
-  processes.add(std::span<double>(&whole.crossings, 1));
-  whole.memory_bytes = max_of(slab.memory_bytes);
-  whole.blocks_ahead = max_of(slab.blocks_ahead);
-  whole.threads = max_of(slab.threads);
+  run.crossings = slab.crossings;
+  processes.add(std::span<double>(&run.crossings, 1));
+  run.memory_bytes = max_of(slab.memory_bytes);
+  run.blocks_ahead = max_of(slab.blocks_ahead);
+  run.threads = max_of(slab.threads);
   GridIndex block_size = slab.tiling.block_size;
   for (std::int64_t& side : block_size) side = max_of(side);
-  whole.tiling = make_tiling(whole.grid, block_size, whole.region);
+  run.tiling = make_tiling(run.grid, block_size, run.tiling.region);
 }
 
 // Adds the sizes of the chunks, which are on disk until they are merged. A checkpoint has all
@@ -324,19 +320,17 @@ FoundCavities find_cavities_of(const Molecule& molecule, const RunTask& task, in
 // Finds the cavities of a molecule that a single process has, if they are needed. A run that needs
 // all patches several times keeps them unless there are many.
 void prepare_patches(const Molecule& molecule, const RunTask& task, int threads, RunPlan& run) {
-  const Plan& plan = run.whole_plan;
-  const Parameters& parameters = plan.parameters;
+  const Parameters& parameters = run.parameters;
   if (!needs_cavities(task) && !parameters.exact) return;
   const double bytes = kept_patch_bytes * static_cast<double>(molecule.atoms().size());
-  const bool fits =
-      bytes <= max_kept_bytes &&
+  const bool keeps_patches =
+      run.is_whole_surface() && bytes <= max_kept_bytes &&
       (parameters.max_memory == 0 || 8 * bytes <= static_cast<double>(parameters.max_memory));
-  const bool is_whole = plan.cut_depth <= 0 && plan.region == plan.grid.whole();
   if (!searches_cavities(task)) {
-    if (fits && is_whole) run.patches = schedule_patches(molecule, parameters.probe_radius);
+    if (keeps_patches) run.patches = schedule_patches(molecule, parameters.probe_radius);
     return;
   }
-  FoundCavities found = find_cavities_of(molecule, task, threads, fits && is_whole);
+  FoundCavities found = find_cavities_of(molecule, task, threads, keeps_patches);
   run.cavities = std::move(found.map);
   run.patches = std::move(found.patches);
 }
@@ -372,7 +366,7 @@ LabelTotals take_file(const InputFile& file, const RunTask& task, const Processe
   run.structure = std::move(part.structure);
   run.names = std::exchange(part.names, {});
   if (outputs.atoms && processes.count() > 1) run.radii = radii_of(part.atoms);
-  const FileDiagnostics of_names = std::exchange(part.diagnostics, {});
+  const FileDiagnostics of_names = std::move(part.file_diagnostics);
   processes.all_or_throw([&] { require_memory_for(part.total, file, limit, processes); });
   run.atoms = part.total;
   run.read_atoms = part.range();
@@ -381,7 +375,7 @@ LabelTotals take_file(const InputFile& file, const RunTask& task, const Processe
   const bool needs_residues = outputs.residues || outputs.atoms;
   if (!needs_residues && !has_names) run.names = {};
   const Box bounds = bounds_of_all(part.atoms, processes);
-  processes.all_or_throw([&] { run.whole_plan = {plan_grid(bounds, task.parameters), {}}; });
+  processes.all_or_throw([&] { static_cast<Plan&>(run) = plan_grid(bounds, task.parameters); });
   open_checkpoint(task, part, processes, run);
   const int threads = threads_of(task, machine, processes);
   if (searches_cavities(task) && processes.count() > 1) {
@@ -392,7 +386,7 @@ LabelTotals take_file(const InputFile& file, const RunTask& task, const Processe
     });
   }
   std::tie(run.slab, run.diagnostics) =
-      make_slab(std::move(part), run.whole_plan, outputs, run.finished_planes, threads, processes);
+      make_slab(std::move(part), run, outputs, run.finished_planes, threads, processes);
   if (run.cavities) {
     run.cavities = with_slab_indices(std::move(run.cavities), run.slab);
   } else {
@@ -411,8 +405,8 @@ LabelTotals take_molecule(const Molecule& molecule, const RunTask& task, const P
                           RunPlan& run) {
   run.atoms = molecule.atoms().size();
   run.read_atoms = {0, run.atoms};
-  run.whole_plan = {plan_grid(sphere_bounds(molecule.atoms()), task.parameters), {}};
-  run.slab.planes = region_planes(run.whole_plan);
+  static_cast<Plan&>(run) = plan_grid(sphere_bounds(molecule.atoms()), task.parameters);
+  run.slab.planes = region_planes(run);
   run.slab.molecule = molecule;
   prepare_patches(molecule, task, task.parameters.threads, run);
   if (task.outputs.residues || needs_groups(task.outputs))
@@ -427,6 +421,7 @@ LabelTotals take_molecule(const Molecule& molecule, const RunTask& task, const P
 
 RunPlan plan_run(const RunTask& task, const Processes& processes) {
   RunPlan run;
+  run.is_in_place = processes.count() == 1 && !task.resume;
   const Processes::Machine machine = processes.machine(available_threads());
   const auto* const molecule = std::get_if<Molecule>(&task.atoms);
   if (molecule != nullptr) {
@@ -439,16 +434,10 @@ RunPlan plan_run(const RunTask& task, const Processes& processes) {
   const LabelTotals labels = molecule != nullptr ? take_molecule(*molecule, task, processes, run)
                                                  : take_file(std::get<InputFile>(task.atoms), task,
                                                              machine, processes, run);
-  plan_slab(task, labels, machine, processes, run);
-  combine_schedules(processes, run);
-  Plan& whole = run.whole_plan;
-  whole.files = plan_files(run.atoms, sum_labels(labels, processes), task.outputs, whole);
-  if (!writes_in_place(task, processes)) expect_chunks(task, whole.region, whole.files);
+  plan_schedules(task, labels, machine, processes, run);
+  run.files = plan_files(run.atoms, sum_labels(labels, processes), task.outputs, run);
+  if (!run.is_in_place) expect_chunks(task, run.tiling.region, run.files);
   return run;
-}
-
-bool writes_in_place(const RunTask& task, const Processes& processes) {
-  return processes.count() == 1 && !task.resume;
 }
 
 }  // namespace eses::detail

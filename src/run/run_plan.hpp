@@ -21,11 +21,14 @@
 
 namespace eses::detail {
 
-/// The plan of a run, and the part of the molecule that this process has.
-struct RunPlan {
-  Plan whole_plan;  ///< plan of the whole run; memory and threads are maxima over the processes
-  Plan slab_plan;   ///< plan of this process's slab
+/// The plan of a run, whose memory and schedule are maxima over the processes; and the part of the
+/// run that belongs to this process.
+struct RunPlan : Plan {
+  Schedule process_schedule;  ///< for the slab
   Slab slab;
+  /// Whether texts are written directly to the output files: a single process sweeps the whole
+  /// region as one range.
+  bool is_in_place = true;
   FileDiagnostics diagnostics;
   std::uint64_t atoms = 0;  ///< number of atoms in the molecule
   IndexRange read_atoms;    ///< indices of the atoms that this process has read
@@ -58,9 +61,5 @@ struct RunPlan {
 /// call it. Throws SharedError if the atoms cannot be read, if a parameter or an output is not
 /// possible for them, and if the run would exceed the memory.
 RunPlan plan_run(const RunTask& task, const Processes& processes);
-
-/// Returns whether texts are written directly to the output files: a single process sweeps the
-/// whole region as one range.
-bool writes_in_place(const RunTask& task, const Processes& processes);
 
 }  // namespace eses::detail

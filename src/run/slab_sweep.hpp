@@ -30,63 +30,47 @@ std::vector<PlaneRange> ranges_to_sweep(const RunTask& task, const RunPlan& plan
 /// Returns the number of blocks in these ranges.
 std::int64_t count_blocks(const RunPlan& plan, std::span<const PlaneRange> ranges);
 
-/// The files of a sweep.
-struct SweepFiles {
-  OutputFiles* final_files = nullptr;   ///< output files; null if chunks are written
-  std::uint64_t mesh_header_bytes = 0;  ///< offset of the vertices in the mesh file
-  std::uint64_t face_header_bytes = 0;  ///< offset of the triangles if they have their own file
-  const mesh::MeshText* mesh_text = nullptr;  ///< null without a mesh
-};
-
 /// The result of a sweep.
 struct SweepResult {
   std::vector<PlaneChunk> chunks;
-  std::vector<AreaShare> atom_shares;       ///< area share of each atom of the slab; empty if none
-  std::optional<MeshQuality> mesh_quality;  ///< if the sweep has improved the mesh
+  std::vector<AreaShare> atom_shares;  ///< area share of each atom of the slab; empty if none
 };
 
 /// Sweeps the planes of this process's slab.
 class SlabSweep {
  public:
-  /// Keeps references to all arguments except `files` and `processes`.
+  /// `files` are the output files, and null in processes that write chunks. `mesh` is null without
+  /// a mesh. Keeps references to all arguments except `processes`.
   SlabSweep(const RunTask& task, const RunPlan& plan, std::span<const PlaneRange> ranges,
-            const SweepFiles& files, const Callbacks& callbacks, ProgressReport& report,
-            const Processes& processes);
+            OutputFiles* files, const mesh::MeshText* mesh, const Callbacks& callbacks,
+            ProgressReport& report, const Processes& processes);
 
-  /// Sweeps all ranges. Adds their times and the results of the verification to the summary. A
-  /// chunk with faults is not kept in the checkpoint.
+  /// Sweeps all ranges. Adds their times, the results of the verification and the angles of a mesh
+  /// that the sweep has improved to the summary. A chunk with faults is not kept in the checkpoint.
   SweepResult run(Summary& summary);
 
  private:
-  // Checksums of the texts of a chunk in a checkpoint.
-  using Checksums = std::array<TextChecksum, chunk_text_count>;
-
-  Plan plan_of(const PlaneRange& planes) const;
-  std::int64_t check_count_of(const PlaneRange& planes) const;
+  Plan plan_of(const PlaneRange& planes, std::int64_t checks) const;
   SurfaceModel make_surface() const;
   ComponentOfCrossing component_of_crossing() const;
-  PlaneChunk new_chunk(const PlaneRange& planes) const;
-  bool is_written_in_place(ChunkText text) const;
-  OrderedOutput::WriteAt sink_of_text(ChunkText text, PlaneChunk& chunk,
-                                      Checksums& checksums) const;
-  MeshSinks mesh_sinks(PlaneChunk& chunk, Checksums& checksums,
-                       std::optional<QualityPass>& pass) const;
-  std::vector<MapSink> map_sinks(PlaneChunk& chunk, const GridRegion& region,
-                                 Checksums& checksums) const;
-  PlaneChunk sweep(PatchSchedule& patches, const PlaneRange& planes, SweepResult& result,
-                   Summary& summary);
+  std::optional<std::uint64_t> begin_in_place(ChunkText text) const;
+  OrderedOutput::WriteAt open_text(ChunkText text, PlaneChunk& chunk);
+  MeshSinks mesh_sinks(PlaneChunk& chunk, std::optional<QualityPass>& pass);
+  std::vector<MapSink> map_sinks(PlaneChunk& chunk, const GridRegion& region);
+  PlaneChunk sweep(PatchSchedule& patches, const Plan& plan, SweepResult& result, Summary& summary);
   bool verify(Verifier& verifier, Summary& summary);
-  void save_chunk(PlaneChunk& chunk, const Checksums& checksums,
-                  std::span<const AreaShare> shares) const;
+  void save_chunk(PlaneChunk& chunk, std::span<const AreaShare> shares) const;
 
   const RunTask& task_;
   const RunPlan& plan_;
   std::span<const PlaneRange> ranges_;
-  SweepFiles files_;
+  OutputFiles* files_;
+  const mesh::MeshText* mesh_;
   const Callbacks& callbacks_;
   ProgressReport& report_;
-  bool is_in_place_;
-  std::int64_t check_count_;  // number of points, and of edges, that this process verifies
+  double check_count_;  // number of points, and of edges, that this process verifies
+  // Of the texts of the current chunk, if there is a checkpoint.
+  std::optional<std::array<TextChecksum, chunk_text_count>> checksums_;
 };
 
 }  // namespace eses::detail

@@ -33,7 +33,7 @@ constexpr double endless = std::numeric_limits<double>::infinity();
 constexpr std::int64_t max_bins = 1 << 16;
 
 // Returns the planes at the heights of all atoms. Planes beyond the grid continue its numbering.
-PlaneRange planes_of_atoms(const GridPlan& plan) {
+PlaneRange planes_of_atoms(const Plan& plan) {
   constexpr double max_planes = 1e15;
   const auto planes_in = [&](double depth) {
     return static_cast<std::int64_t>(
@@ -71,20 +71,14 @@ class Bins {
   std::int64_t per_bin_;
 };
 
-// Returns the fraction of a bin's planes that is not in `finished`.
-double remaining_fraction(const PlaneRange& planes, std::span<const PlaneRange> finished) {
-  const std::vector<PlaneRange> left = remaining(planes, finished);
-  const std::int64_t count =
-      std::accumulate(left.begin(), left.end(), std::int64_t{0},
-                      [](std::int64_t sum, const PlaneRange& part) { return sum + part.count(); });
-  return static_cast<double>(count) / static_cast<double>(planes.count());
-}
-
-// Subtracts the costs of the planes in `finished`.
+// Leaves the planes in `finished` out of the costs.
 void subtract_finished(const Bins& bins, std::span<const PlaneRange> finished,
                        std::vector<double>& costs) {
-  for (std::size_t b = 0; b < costs.size(); ++b)
-    costs[b] *= remaining_fraction(bins.planes(b, b + 1), finished);
+  for (std::size_t b = 0; b < costs.size(); ++b) {
+    const PlaneRange planes = bins.planes(b, b + 1);
+    costs[b] *= static_cast<double>(plane_count(remaining(planes, finished))) /
+                static_cast<double>(planes.count());
+  }
 }
 
 // Returns the planes from the first to the last one of these ranges.
@@ -123,11 +117,6 @@ struct SentAtom {
 };
 static_assert(sizeof(SentAtom) == 48);  // scripts/lib/scaling.py reads the size here
 
-struct SentAtoms {
-  std::vector<SentAtom> atoms;
-  std::vector<mesh::GroupNumbers> groups;  // by atom; empty if groups are not numbered
-};
-
 // Returns the maximum distance from a slab at which an atom influences it: the distance of Reach
 // for the patches, plus the distance at which SAS spheres meet. It includes all pairs of atoms that
 // give a diagnostic. For the map of ion access it is at least the ion radius.
@@ -143,20 +132,40 @@ struct Reached {
   double low, high;
 };
 
-SentAtoms send_atoms(const AtomPart& part, const GridPlan& plan, const Outputs& outputs,
-                     std::span<const PlaneRange> slabs, const Processes& processes) {
+std::vector<Reached> slabs_with_planes(const Grid& grid, std::span<const PlaneRange> slabs) {
+  std::vector<Reached> reached;
+  for (std::size_t rank = 0; rank < slabs.size(); ++rank) {
+    const auto& [begin, end] = slabs[rank];
+    // With the plane below, and with the plane above, where edges of the slab end.
+    if (begin < end)
+      reached.push_back({rank, grid.coordinate(2, begin - 1), grid.coordinate(2, end)});
+  }
+  return reached;
+}
+
+// Returns a function that decides whether a slab owns an atom. Each atom is owned by one slab.
+std::function<bool(const Atom&)> ownership(const Plan& plan, std::span<const PlaneRange> slabs,
+                                           std::size_t rank) {
+  double low = -endless, high = endless;
+  for (std::size_t other = 0; other < slabs.size(); ++other) {
+    if (slabs[other].is_empty()) continue;
+    if (other < rank) low = plan.grid.coordinate(2, slabs[rank].begin);
+    if (other > rank) {
+      high = plan.grid.coordinate(2, slabs[other].begin);
+      break;
+    }
+  }
+  return [low, high](const Atom& atom) { return atom.center.z >= low && atom.center.z < high; };
+}
+
+// Sends the atoms that this process has read, and makes its slab from the received atoms.
+Slab exchange_atoms(const AtomPart& part, const Plan& plan, const Outputs& outputs,
+                    std::span<const PlaneRange> slabs, int threads, const Processes& processes) {
   const double probe = plan.parameters.probe_radius;
   double max_radius = 0;
   for (const Atom& atom : part.atoms) max_radius = std::max(max_radius, atom.radius);
   processes.allreduce_max({&max_radius, 1});
-  std::vector<Reached> reached;
-  for (std::size_t rank = 0; rank < slabs.size(); ++rank) {
-    const PlaneRange& planes = slabs[rank];
-    if (planes.is_empty()) continue;
-    // With the plane below, and with the plane above, where edges of the slab end.
-    reached.push_back(
-        {rank, plan.grid.coordinate(2, planes.begin - 1), plan.grid.coordinate(2, planes.end)});
-  }
+  const std::vector<Reached> reached = slabs_with_planes(plan.grid, slabs);
   std::vector<std::vector<SentAtom>> to(slabs.size());
   std::vector<std::vector<mesh::GroupNumbers>> groups_to(slabs.size());
   const auto send = [&](std::size_t i, std::size_t rank) {
@@ -173,46 +182,22 @@ SentAtoms send_atoms(const AtomPart& part, const GridPlan& plan, const Outputs& 
     });
     for (; slab != reached.end() && slab->low <= atom.center.z + reach; ++slab) send(i, slab->rank);
   }
-  SentAtoms sent;
-  sent.atoms = processes.exchange(std::move(to));
-  sent.groups = processes.exchange(std::move(groups_to));
-  return sent;
-}
-
-// Returns a function that decides whether a slab owns an atom. Each atom is owned by one slab.
-std::function<bool(const Atom&)> ownership(const GridPlan& plan, std::span<const PlaneRange> slabs,
-                                           std::size_t rank) {
-  double low = -endless, high = endless;
-  for (std::size_t other = 0; other < slabs.size(); ++other) {
-    if (slabs[other].is_empty()) continue;
-    if (other < rank) low = plan.grid.coordinate(2, slabs[rank].begin);
-    if (other > rank) {
-      high = plan.grid.coordinate(2, slabs[other].begin);
-      break;
-    }
-  }
-  return [low, high](const Atom& atom) { return atom.center.z >= low && atom.center.z < high; };
-}
-
-// Sends the atoms that this process has read, and makes its slab from the received atoms.
-Slab exchange_atoms(const AtomPart& part, const GridPlan& plan, const Outputs& outputs,
-                    std::span<const PlaneRange> slabs, int threads, const Processes& processes) {
-  SentAtoms sent = send_atoms(part, plan, outputs, slabs, processes);
   Slab slab;
+  std::vector<SentAtom> sent = processes.exchange(std::move(to));
+  slab.groups = processes.exchange(std::move(groups_to));
   const auto rank = static_cast<std::size_t>(processes.rank());
   slab.planes = slabs[rank];
   processes.all_or_throw([&] {
     std::vector<Atom> atoms;
-    atoms.reserve(sent.atoms.size());
-    slab.atoms_in_file.reserve(sent.atoms.size());
-    slab.lines.reserve(sent.atoms.size());
-    for (const auto& [atom, line, file_index] : sent.atoms) {
+    atoms.reserve(sent.size());
+    slab.atoms_in_file.reserve(sent.size());
+    slab.lines.reserve(sent.size());
+    for (const auto& [atom, line, file_index] : sent) {
       atoms.push_back(atom);
       slab.atoms_in_file.push_back(file_index);
       slab.lines.push_back(line);
     }
-    slab.groups = std::move(sent.groups);
-    std::vector<SentAtom>().swap(sent.atoms);
+    std::vector<SentAtom>().swap(sent);
     slab.molecule = Molecule::part(std::move(atoms), ownership(plan, slabs, rank), threads);
   });
   return slab;
@@ -234,39 +219,30 @@ FileDiagnostics take_diagnostics(Slab& slab, std::uint64_t atoms, const Processe
   return all;
 }
 
-// Returns the planes of the grid that are outside the region or finished.
-std::vector<PlaneRange> planes_left_out(const GridPlan& plan,
+// Returns the planes of `all` that are outside the region or finished.
+std::vector<PlaneRange> planes_left_out(const PlaneRange& all, const Plan& plan,
                                         std::span<const PlaneRange> finished) {
   const PlaneRange within = region_planes(plan);
   std::vector<PlaneRange> left_out;
-  if (within.begin > 0) left_out.push_back({0, within.begin});
+  if (within.begin > all.begin) left_out.push_back({all.begin, within.begin});
   left_out.insert(left_out.end(), finished.begin(), finished.end());
-  if (within.end < plan.grid.size[2]) left_out.push_back({within.end, plan.grid.size[2]});
+  if (within.end < all.end) left_out.push_back({within.end, all.end});
   return left_out;
 }
 
 // Cuts the planes into one slab for each process. All processes must call its functions.
 class SlabCutter {
  public:
-  SlabCutter(const AtomPart& part, const GridPlan& plan, const Outputs& outputs,
+  SlabCutter(const AtomPart& part, const Plan& plan, const Outputs& outputs,
              const Processes& processes)
       : plan_(plan),
         outputs_(outputs),
         processes_(processes),
-        bins_(plan.grid, {0, plan.grid.size[2]}),
+        bins_(plan.grid, planes_of_atoms(plan)),
         atoms_(bins_.count()) {
-    const PlaneRange all_planes = planes_of_atoms(plan);
-    const Bins all(plan.grid, all_planes);
-    std::vector<double> all_atoms(all.count());
-    for (const Atom& atom : part.atoms) {
-      const double z = atom.center.z;
-      ++all_atoms[all.bin_of(z)];
-      if (z >= plan.grid.origin.z && z <= plan.grid.upper().z) ++atoms_[bins_.bin_of(z)];
-    }
+    for (const Atom& atom : part.atoms) ++atoms_[bins_.bin_of(atom.center.z)];
     processes_.add(atoms_);
-    processes_.add(all_atoms);
-    by_atoms_ = cut_into_slabs(all, all_atoms, {}, processes_.count());
-    are_all_in_grid_ = all_planes == PlaneRange{0, plan.grid.size[2]};
+    by_atoms_ = cut_into_slabs(bins_, atoms_, {}, processes_.count());
   }
 
   // Slabs with equal numbers of atoms. They include all atoms, also those beyond the grid.
@@ -276,11 +252,12 @@ class SlabCutter {
   // which is its slab by atoms. Returns the slabs by atoms if other slabs would not save the time
   // for sending and preparing atoms again.
   std::vector<PlaneRange> by_costs(const Slab& slab, std::span<const PlaneRange> finished) const {
-    const std::vector<PlaneRange> left_out = planes_left_out(plan_, finished);
+    const std::vector<PlaneRange> left_out =
+        planes_left_out(bins_.planes(0, bins_.count()), plan_, finished);
     std::vector<double> costs = estimate_costs(slab);
     subtract_finished(bins_, left_out, costs);
     std::vector<PlaneRange> slabs = cut_into_slabs(bins_, costs, left_out, processes_.count());
-    if (!left_out.empty() || !are_all_in_grid_) return slabs;
+    if (!left_out.empty()) return slabs;
     const double gain = max_cost(bins_, costs, by_atoms_) - max_cost(bins_, costs, slabs);
     const double loss = seconds_per_prepared_atom * max_cost(bins_, atoms_, slabs);
     return gain > loss ? slabs : by_atoms_;
@@ -306,7 +283,7 @@ class SlabCutter {
       const double crossing = seconds_per_crossing +
                               (outputs_.edges ? seconds_per_crossing_text : 0) +
                               (outputs_.mesh ? seconds_per_crossing_of_mesh : 0);
-      const GridIndex size = plan_.region.size();
+      const GridIndex size = plan_.tiling.region.size();
       for (std::size_t b = 0; b < costs.size(); ++b) {
         const PlaneRange planes = bins_.planes(b, b + 1);
         if (planes.begin < slab.planes.begin || planes.begin >= slab.planes.end) continue;
@@ -323,13 +300,12 @@ class SlabCutter {
     return costs;
   }
 
-  const GridPlan& plan_;
+  const Plan& plan_;
   const Outputs& outputs_;
   const Processes& processes_;
-  Bins bins_;                  // of the planes of the grid
-  std::vector<double> atoms_;  // atoms at the heights of the grid, by bin
+  Bins bins_;                  // of the planes of the grid and of atoms beyond it
+  std::vector<double> atoms_;  // by bin
   std::vector<PlaneRange> by_atoms_;
-  bool are_all_in_grid_ = true;  // whether no slab of `by_atoms_` has planes beyond the grid
 };
 
 }  // namespace
@@ -349,12 +325,17 @@ std::vector<std::size_t> cut_evenly(std::span<const double> costs, int parts) {
   return begins;
 }
 
-PlaneRange region_planes(const GridPlan& plan) {
-  return {plan.region.begin[2], plan.region.end[2]};
+std::int64_t plane_count(std::span<const PlaneRange> ranges) {
+  return std::accumulate(
+      ranges.begin(), ranges.end(), std::int64_t{0},
+      [](std::int64_t sum, const PlaneRange& planes) { return sum + planes.count(); });
 }
 
-std::pair<Slab, FileDiagnostics> make_slab(AtomPart part, const GridPlan& plan,
-                                           const Outputs& outputs,
+PlaneRange region_planes(const Plan& plan) {
+  return {plan.tiling.region.begin[2], plan.tiling.region.end[2]};
+}
+
+std::pair<Slab, FileDiagnostics> make_slab(AtomPart part, const Plan& plan, const Outputs& outputs,
                                            std::span<const PlaneRange> finished, int threads,
                                            const Processes& processes) {
   const std::uint64_t atoms = part.total;
@@ -380,8 +361,8 @@ std::pair<Slab, FileDiagnostics> make_slab(AtomPart part, const GridPlan& plan,
   return {std::move(slab), std::move(diagnostics)};
 }
 
-Box slab_box(const GridPlan& plan, const PlaneRange& planes) {
-  const GridRegion& region = plan.region;
+Box slab_box(const Plan& plan, const PlaneRange& planes) {
+  const GridRegion& region = plan.tiling.region;
   const std::int64_t begin = std::max(planes.begin - 1, region.begin[2]);
   return region_box(plan.grid, with_planes(region, {begin, planes.end}));
 }

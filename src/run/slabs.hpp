@@ -50,16 +50,18 @@ struct Slab {
 /// `part` is the part of the file that this process has read. All processes must call it. Costs are
 /// estimated from a sample of the atoms' patches. The planes in `finished` (ascending, disjoint)
 /// cost nothing. `threads` is the number of threads of this process.
-std::pair<Slab, FileDiagnostics> make_slab(AtomPart part, const GridPlan& plan,
-                                           const Outputs& outputs,
+std::pair<Slab, FileDiagnostics> make_slab(AtomPart part, const Plan& plan, const Outputs& outputs,
                                            std::span<const PlaneRange> finished, int threads,
                                            const Processes& processes);
 
+/// Returns the number of planes in ranges that do not overlap.
+std::int64_t plane_count(std::span<const PlaneRange> ranges);
+
 /// Returns the planes of the region of `plan`.
-PlaneRange region_planes(const GridPlan& plan);
+PlaneRange region_planes(const Plan& plan);
 
 /// Returns the box of the points of these planes, of the edges that start there, and of the plane
 /// of the region below them.
-Box slab_box(const GridPlan& plan, const PlaneRange& planes);
+Box slab_box(const Plan& plan, const PlaneRange& planes);
 
 }  // namespace eses::detail

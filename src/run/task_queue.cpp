@@ -22,21 +22,6 @@ std::optional<Task> TaskQueue::take() {
   }
 }
 
-std::optional<Task> TaskQueue::take_step(double up_to) {
-  std::unique_lock lock(mutex_);
-  for (;;) {
-    if (is_stopped_ || patches_.is_ready(up_to)) return std::nullopt;
-    if (const auto task = try_take_step(up_to)) return task;
-    if (!patches_.is_ready(up_to)) changed_.wait(lock);
-  }
-}
-
-std::optional<Task> TaskQueue::try_take_step(double up_to) {
-  const std::optional<BuildStep> step = patches_.take(up_to);
-  if (!step) return std::nullopt;
-  return Task{Task::Kind::build, 0, 0, *step};
-}
-
 std::optional<Task> TaskQueue::try_take() {
   if (is_solved(first_unwritten_)) {
     Progress& writing = progress_[static_cast<std::size_t>(first_unwritten_)];
@@ -51,7 +36,7 @@ std::optional<Task> TaskQueue::try_take() {
     return std::nullopt;
   const double top = layers_[static_cast<std::size_t>(first_unsolved_)].top;
   if (!patches_.is_ready(top)) {
-    if (const auto step = try_take_step(top)) return step;
+    if (const auto step = patches_.take(top)) return Task{Task::Kind::build, 0, 0, *step};
     if (!patches_.is_ready(top)) return std::nullopt;
   }
   const Task task{Task::Kind::solve, first_unsolved_, solving.blocks_taken++, {}};

@@ -40,10 +40,6 @@ class TaskQueue {
   /// finished or `stop` was called.
   std::optional<Task> take();
 
-  /// Returns the next step that is required to solve points up to a height, and waits for it if
-  /// necessary. Returns nothing when all these steps are finished or `stop` was called.
-  std::optional<Task> take_step(double up_to);
-
   /// Reports a task as finished. `batches` is the number of batches of the task's layer. Calls
   /// `on_written(layer)`, from one thread at a time, when the last batch of a layer is finished.
   template <class OnWritten>
@@ -53,7 +49,7 @@ class TaskQueue {
     changed_.notify_all();
   }
 
-  /// Ends all calls of `take` and `take_step` after a failure.
+  /// Ends all calls of `take` after a failure.
   void stop();
 
  private:
@@ -67,7 +63,6 @@ class TaskQueue {
   bool count_finished(const Task& task, std::int64_t batches);
   void pass_solved_layers();
   std::optional<Task> try_take();
-  std::optional<Task> try_take_step(double up_to);
 
   PatchSchedule& patches_;
   std::vector<LayerHeights> layers_;

@@ -52,6 +52,19 @@ std::int64_t owner_of(const BlockTiling& tiling, const GridIndex& point) {
   return (block[2] * tiling.blocks[1] + block[1]) * tiling.blocks[0] + block[0];
 }
 
+// Chooses the crossings to verify from a sample in random order: the first ones, and among the
+// others the crossings nearest to another patch.
+std::vector<Crossing> choose_edges(const Plan& plan, const std::vector<Crossing>& edges,
+                                   std::span<const double> distances) {
+  std::vector<std::size_t> order(edges.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_sort(order.begin() + static_cast<std::ptrdiff_t>(any_edges(plan)), order.end(),
+                   [&](std::size_t a, std::size_t b) { return distances[a] < distances[b]; });
+  std::vector<Crossing> chosen;
+  for (std::size_t c = 0; c < wanted(plan); ++c) chosen.push_back(edges[order[c]]);
+  return chosen;
+}
+
 std::function<bool(Vec3)> in_filled_cavities(const CavityMap* cavities) {
   if (cavities == nullptr) return {};
   return [cavities](Vec3 center) {
@@ -91,49 +104,29 @@ void Verifier::take(const BlockResult& result, std::size_t thread) {
                     [&](const Crossing& crossing) { samples_[thread].add(plan_.grid, crossing); });
 }
 
-/// The progress of the checks.
-struct Verifier::Checks {
-  const ProgressCallback& progress;
-  std::int64_t all = 0;
-  std::atomic<std::int64_t> finished = 0;
-};
-
-template <class Action>
-void Verifier::for_each_in_parallel(std::size_t count, Checks& checks, Action&& action) {
-  parallel_for(
-      static_cast<std::int64_t>(count), plan_.threads, [&](std::int64_t index, int thread) {
-        if (checks.progress && thread == 0) checks.progress(checks.finished, checks.all);
-        action(static_cast<std::size_t>(index), searches_[static_cast<std::size_t>(thread)]);
-        ++checks.finished;
-      });
-}
-
-// Chooses the crossings to verify from the sample, which is in random order: the first ones, and
-// among the others the crossings nearest to another patch.
-std::vector<Crossing> Verifier::choose(const std::vector<Crossing>& edges, Checks& checks) {
-  const std::size_t any = any_edges(plan_);
-  std::vector<double> distances(edges.size());
-  for_each_in_parallel(edges.size() - any, checks, [&](std::size_t i, CentreSearch& search) {
-    distances[any + i] = distance_to_seam(search, edges[any + i]);
-  });
-  std::vector<std::size_t> order(edges.size());
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  std::stable_sort(order.begin() + static_cast<std::ptrdiff_t>(any), order.end(),
-                   [&](std::size_t a, std::size_t b) { return distances[a] < distances[b]; });
-  std::vector<Crossing> chosen;
-  for (std::size_t c = 0; c < wanted(plan_); ++c) chosen.push_back(edges[order[c]]);
-  return chosen;
-}
-
 Verification Verifier::check(const ProgressCallback& progress) {
   for (std::size_t s = 1; s < samples_.size(); ++s) samples_[0].merge(samples_[s]);
   std::vector<Crossing> edges = samples_[0].crossings();
   const bool is_choice = edges.size() > wanted(plan_);
-  Checks checks{progress};
-  checks.all = static_cast<std::int64_t>(
-      points_.size() +
-      (is_choice ? edges.size() - any_edges(plan_) + wanted(plan_) : edges.size()));
-  if (is_choice) edges = choose(edges, checks);
+  const std::size_t any = any_edges(plan_);
+  const auto all = static_cast<std::int64_t>(points_.size() + edges.size() +
+                                             (is_choice ? wanted(plan_) - any : 0));
+  std::atomic<std::int64_t> finished = 0;
+  const auto for_each_in_parallel = [&](std::size_t count, auto&& action) {
+    parallel_for(
+        static_cast<std::int64_t>(count), plan_.threads, [&](std::int64_t index, int thread) {
+          if (progress && thread == 0) progress(finished, all);
+          action(static_cast<std::size_t>(index), searches_[static_cast<std::size_t>(thread)]);
+          ++finished;
+        });
+  };
+  if (is_choice) {
+    std::vector<double> distances(edges.size());
+    for_each_in_parallel(edges.size() - any, [&](std::size_t i, CentreSearch& search) {
+      distances[any + i] = distance_to_seam(search, edges[any + i]);
+    });
+    edges = choose_edges(plan_, edges, distances);
+  }
 
   std::vector<std::pair<CanonicalKey, std::string>> faults;
   std::mutex mutex;
@@ -142,12 +135,12 @@ Verification Verifier::check(const ProgressCallback& progress) {
     const std::lock_guard lock(mutex);
     faults.emplace_back(key, std::move(fault));
   };
-  for_each_in_parallel(points_.size(), checks, [&](std::size_t i, CentreSearch& search) {
+  for_each_in_parallel(points_.size(), [&](std::size_t i, CentreSearch& search) {
     const auto& [block, index, is_inside] = points_[i];
     report(key_of(index, 0), is_inside ? fault_of_point(search, plan_.grid, index, *is_inside)
                                        : fault_of_missing(index));
   });
-  for_each_in_parallel(edges.size(), checks, [&](std::size_t i, CentreSearch& search) {
+  for_each_in_parallel(edges.size(), [&](std::size_t i, CentreSearch& search) {
     report(key_of(edges[i].lower, 1 + edges[i].axis), fault_of_edge(search, plan_.grid, edges[i]));
   });
   // Sorting makes the order of faults independent of the threads.

@@ -46,12 +46,6 @@ class Verifier {
     std::optional<bool> is_inside;  // empty until the block is solved
   };
 
-  struct Checks;
-
-  template <class Action>
-  void for_each_in_parallel(std::size_t count, Checks& checks, Action&& action);
-  std::vector<Crossing> choose(const std::vector<Crossing>& edges, Checks& checks);
-
   const Plan& plan_;
   verify::Definition definition_;
   std::vector<SampledPoint> points_;             // by block

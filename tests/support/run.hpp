@@ -22,8 +22,7 @@ inline const GridOptions& grid_options(const Parameters& parameters) {
 /// Returns the plan of a run.
 inline Plan make_plan(const Molecule& molecule, const Parameters& parameters,
                       const Outputs& outputs) {
-  return plan_run({.atoms = molecule, .parameters = parameters, .outputs = outputs}, Processes())
-      .whole_plan;
+  return plan_run({.atoms = molecule, .parameters = parameters, .outputs = outputs}, Processes());
 }
 
 /// Performs a run that writes its files into `directory`.
@@ -34,9 +33,7 @@ inline Summary run(const Molecule& molecule, const Parameters& parameters, const
                      .outputs = outputs,
                      .output_directory = directory};
   const Processes alone;
-  eses::detail::RunResult result = execute(task, plan_run(task, alone), {}, callbacks, alone);
-  result.summary.atom_areas = std::move(result.atom_areas).value();
-  return std::move(result.summary);
+  return execute(task, plan_run(task, alone), callbacks, alone).summary;
 }
 
 /// Performs a run without files.
