@@ -1,18 +1,11 @@
 #pragma once
-/// Calls to the caller's check while gemmi parses a text.
+/// Calls to the caller's check in long loops.
 
 #include <cstdint>
-#include <exception>
 
 #include "eses/check.hpp"
 
 namespace eses::detail {
-
-/// Carries an exception of the caller's check through gemmi. Handlers that convert exceptions to
-/// Error do not catch it.
-struct Interruption {
-  std::exception_ptr cause;
-};
 
 /// Calls the caller's check at every 4096th call of count().
 class Checker {
@@ -25,12 +18,7 @@ class Checker {
   }
 
   void check() const {
-    if (!check_) return;
-    try {
-      check_();
-    } catch (...) {
-      throw Interruption{std::current_exception()};
-    }
+    if (check_) check_();
   }
 
  private:

@@ -11,13 +11,12 @@
 #include <gemmi/numb.hpp>
 #include <gemmi/resinfo.hpp>
 #include <initializer_list>
-#include <map>
 #include <stdexcept>
 #include <string>
-#include <tuple>
 #include <unordered_map>
 #include <utility>
 
+#include "input/chain_builder.hpp"
 #include "input/mmcif_text.hpp"
 #include "input/text_fields.hpp"
 
@@ -118,7 +117,7 @@ class ModelBuilder {
         atom_name_(table, {"auth_atom_id", "label_atom_id"}),
         altloc_(table, {"label_alt_id"}),
         residue_name_(table, {"auth_comp_id", "label_comp_id"}),
-        chain_(table, {"auth_asym_id", "label_asym_id"}),
+        chain_name_(table, {"auth_asym_id", "label_asym_id"}),
         subchain_(table, {"label_asym_id", "auth_asym_id"}),
         entity_(table, {"label_entity_id"}),
         number_(table, {"auth_seq_id", "label_seq_id"}),
@@ -143,16 +142,14 @@ class ModelBuilder {
   void choose_chain(const Row& row) {
     const std::string number = model_number_.text(row);
     const std::string model = number.empty() ? std::string("1") : number;
-    const std::string chain = chain_.text(row);
-    if (!models_.empty() && model == models_[model_].name) {
-      if (chain == models_[model_].chains.back().name) return;
-    } else {
+    const std::string chain = chain_name_.text(row);
+    if (models_.empty() || model != models_[model_].name) {
       const auto [found, is_new] = model_indices_.emplace(model, models_.size());
       if (is_new) models_.emplace_back(model);
       model_ = found->second;
+      chain_.end();
     }
-    models_[model_].chains.emplace_back(chain);
-    residue_indices_.clear();
+    if (!chain_.is_in(chain)) chain_.begin(models_[model_], chain);
   }
 
   // Finds or adds the residue of a row in the current chain.
@@ -162,20 +159,14 @@ class ModelBuilder {
     const gemmi::Residue::OptionalNum label_seq =
         label_number.empty() ? gemmi::Residue::OptionalNum()
                              : label_number_.residue_number(row, label_number);
-    std::vector<gemmi::Residue>& residues = models_[model_].chains.back().residues;
-    if (!residues.empty() && residues[residue_].matches(id)) return residues[residue_];
-    // The map ignores the case of insertion codes, as gemmi does.
-    const auto [found, is_new] = residue_indices_.emplace(
-        std::tuple(id.seqid.num.value, lower_case(id.seqid.icode), id.name), residues.size());
-    residue_ = found->second;
-    if (is_new) {
-      gemmi::Residue& residue = residues.emplace_back(id);
+    gemmi::Residue& residue = chain_.residue(id);
+    if (residue.atoms.empty()) {
       residue.label_seq = label_seq;
       residue.subchain = subchain_.text(row);
       residue.entity_id = entity_.text(row);
       residue.het_flag = is_hetatm(row, id.name) ? 'H' : 'A';
     }
-    return residues[residue_];
+    return residue;
   }
 
   gemmi::SeqId sequence_id_of(const Row& row) const {
@@ -211,14 +202,12 @@ class ModelBuilder {
     return atom;
   }
 
-  Column group_, element_, atom_name_, altloc_, residue_name_, chain_, subchain_, entity_, number_,
-      label_number_, insertion_code_, x_, y_, z_, occupancy_, b_factor_, model_number_;
+  Column group_, element_, atom_name_, altloc_, residue_name_, chain_name_, subchain_, entity_,
+      number_, label_number_, insertion_code_, x_, y_, z_, occupancy_, b_factor_, model_number_;
   std::vector<gemmi::Model> models_;
   std::unordered_map<std::string, std::size_t> model_indices_;
   std::size_t model_ = 0;  // index of the current model
-  // Indices of the residues of the current chain by number, insertion code and name.
-  std::map<std::tuple<int, char, std::string>, std::size_t> residue_indices_;
-  std::size_t residue_ = 0;  // index of the current residue
+  ChainBuilder chain_;
 };
 
 }  // namespace

@@ -9,14 +9,13 @@
 #include <gemmi/mmcif.hpp>
 #include <initializer_list>
 #include <map>
-#include <new>
 #include <set>
 #include <utility>
 #include <vector>
 
+#include "input/chain_builder.hpp"
 #include "input/mmcif_assemblies.hpp"
 #include "input/mmcif_atoms.hpp"
-#include "input/split_residues.hpp"
 #include "input/text_fields.hpp"
 
 namespace eses::detail {
@@ -102,9 +101,9 @@ std::string syntax_message(std::string_view rest) {
          "global_, save_ or stop_";
 }
 
-void parse_document(std::string_view text, const std::string& name, StructureDocument& document) {
+void parse_document(std::string_view text, StructureDocument& document) {
   try {
-    pegtl::memory_input<> in(text.data(), text.size(), name);
+    pegtl::memory_input<> in(text.data(), text.size(), "");
     pegtl::parse<rules::file, StructureAction, gemmi::cif::Errors>(in, document);
   } catch (const pegtl::parse_error& error) {
     const pegtl::position& at = error.positions().front();
@@ -217,13 +216,6 @@ Loop& atom_loop(Block& block, StructureDocument& document) {
   return loop->loop;
 }
 
-/// Removes all tables except the tables of entities. gemmi would read many of them, and fail at
-/// faults in tables that do not matter here.
-void keep_entity_tables(Block& block) {
-  for (Item& item : block.items)
-    if (!is_entity_table(item)) item.erase();
-}
-
 /// Lists the subchains of the entities by their atoms, where the file lacks _struct_asym.
 void add_subchains(gemmi::Structure& structure) {
   if (structure.models.empty()) return;
@@ -238,13 +230,21 @@ void add_subchains(gemmi::Structure& structure) {
 
 /// Gives residues the types of their entities. gemmi finds the entity by the subchain. If the file
 /// lacks _struct_asym, a subchain may have residues of several entities.
-void set_entity_types(gemmi::Structure& structure, bool has_subchains) {
-  gemmi::impl::fill_residue_entity_type(structure);
-  if (has_subchains) return;
+void set_entity_types(Block& block, gemmi::Structure& structure) {
   std::map<std::string, gemmi::EntityType> types;
-  for (const gemmi::Entity& entity : structure.entities)
+  for (const gemmi::cif::Table::Row row : block.find("_entity.", {"id", "type"})) {
+    gemmi::Entity& entity = structure.entities.emplace_back(row.str(0));
+    entity.entity_type = gemmi::entity_type_from_string(row.str(1));
     if (entity.entity_type != gemmi::EntityType::Unknown)
       types.emplace(entity.name, entity.entity_type);
+  }
+  gemmi::cif::Table subchains = block.find("_struct_asym.", {"id", "entity_id"});
+  for (const gemmi::cif::Table::Row row : subchains)
+    if (gemmi::Entity* const entity = structure.get_entity(row.str(1)))
+      entity->subchains.push_back(row.str(0));
+  if (!subchains.ok()) add_subchains(structure);
+  gemmi::impl::fill_residue_entity_type(structure);
+  if (subchains.ok()) return;
   for (gemmi::Model& model : structure.models)
     for (gemmi::Chain& chain : model.chains)
       for (gemmi::Residue& residue : chain.residues)
@@ -254,11 +254,11 @@ void set_entity_types(gemmi::Structure& structure, bool has_subchains) {
 
 }  // namespace
 
-gemmi::Structure parse_mmcif_text(std::string_view text, const std::string& name,
+gemmi::Structure parse_mmcif_text(std::string_view text, std::string_view name,
                                   const std::string& assembly, Checker& checker) {
   try {
     StructureDocument document(checker);
-    parse_document(text, name, document);
+    parse_document(text, document);
     Block& block = find_atom_block(document);
     check_tables(block, is_needed_table);
     checker.check();
@@ -266,19 +266,15 @@ gemmi::Structure parse_mmcif_text(std::string_view text, const std::string& name
     std::vector<gemmi::Model> models =
         read_models(atom_loop(block, document), document.atom_lines, checker);
     checker.check();
-    keep_entity_tables(block);
-    gemmi::Structure structure = gemmi::make_structure_from_block(block);
+    gemmi::Structure structure;
+    structure.input_format = gemmi::CoorFormat::Mmcif;
     structure.assemblies = std::move(assemblies);
     structure.models = std::move(models);
     split_residues(structure);
-    const bool has_subchains = block.find("_struct_asym.", {"id", "entity_id"}).ok();
-    if (!has_subchains) add_subchains(structure);
-    set_entity_types(structure, has_subchains);
+    set_entity_types(block, structure);
     return structure;
-  } catch (const std::bad_alloc&) {
-    throw;
-  } catch (const std::exception& error) {
-    throw MmcifError{0, error.what()};
+  } catch (const MmcifError& error) {
+    fail_at_line(name, error.line, error.message);
   }
 }
 

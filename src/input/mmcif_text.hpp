@@ -10,7 +10,7 @@
 
 namespace eses::detail {
 
-/// An error in an mmCIF text. The message may come from gemmi.
+/// An error in an mmCIF text, before the name of the file is known.
 struct MmcifError {
   std::uint64_t line = 0;  ///< line number, from 1; 0 if it is unknown
   std::string message;
@@ -18,9 +18,8 @@ struct MmcifError {
 
 /// Parses an mmCIF text. The serial numbers of the atoms are their line numbers, from 1. If
 /// `assembly` is not empty, only this assembly has generators; otherwise faults of the assemblies
-/// do not matter. Calls `checker` repeatedly. Throws MmcifError, std::bad_alloc, and the exceptions
-/// of `checker`.
-gemmi::Structure parse_mmcif_text(std::string_view text, const std::string& name,
+/// do not matter. Calls `checker` repeatedly. Throws Error with `name` and the line.
+gemmi::Structure parse_mmcif_text(std::string_view text, std::string_view name,
                                   const std::string& assembly, Checker& checker);
 
 }  // namespace eses::detail

@@ -5,16 +5,13 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <exception>
 #include <gemmi/elem.hpp>
 #include <gemmi/model.hpp>
-#include <system_error>
 
 #include "eses/error.hpp"
 #include "input/atom_list.hpp"
 #include "input/build_assembly.hpp"
 #include "input/checker.hpp"
-#include "input/messages.hpp"
 #include "input/mmcif_text.hpp"
 #include "input/pdb_text.hpp"
 #include "input/select_atoms.hpp"
@@ -23,16 +20,6 @@
 
 namespace eses::detail {
 namespace {
-
-gemmi::Structure parse_mmcif(const StructureText& input, const std::string& assembly,
-                             Checker& checker) {
-  try {
-    return parse_mmcif_text(input.text, std::string(input.name), assembly, checker);
-  } catch (const MmcifError& error) {
-    if (error.line > 0) fail_at_line(input.name, error.line, reworded(error.message));
-    throw Error(formatted("{}: {}", input.name, reworded(error.message)));
-  }
-}
 
 void sort_by_line(std::vector<StructureAtom>& atoms) {
   const auto is_before = [](const StructureAtom& a, const StructureAtom& b) {
@@ -53,14 +40,16 @@ void refuse_copies(const gemmi::Structure& structure, std::string_view name) {
                 name, structure.models.size()));
 }
 
-SelectedStructure parse(const StructureText& text, const StructureOptions& options,
-                        bool with_hydrogens,
-                        const std::function<void(std::uint64_t bytes)>& require_memory) {
+}  // namespace
+
+SelectedStructure parse_structure(const StructureText& text, const StructureOptions& options,
+                                  bool with_hydrogens,
+                                  const std::function<void(std::uint64_t bytes)>& require_memory) {
   Checker checker(text.check);
   gemmi::Structure structure =
       text.format == AtomFormat::pdb
           ? parse_pdb_text(text.text, text.name, !options.assembly.empty(), checker)
-          : parse_mmcif(text, options.assembly, checker);
+          : parse_mmcif_text(text.text, text.name, options.assembly, checker);
   checker.check();
   if (text.is_assembly_file && options.model == 0) refuse_copies(structure, text.name);
   require_memory(0);
@@ -83,18 +72,6 @@ SelectedStructure parse(const StructureText& text, const StructureOptions& optio
     sort_by_line(result.atoms);
   }
   return result;
-}
-
-}  // namespace
-
-SelectedStructure parse_structure(const StructureText& text, const StructureOptions& options,
-                                  bool with_hydrogens,
-                                  const std::function<void(std::uint64_t bytes)>& require_memory) {
-  try {
-    return parse(text, options, with_hydrogens, require_memory);
-  } catch (const Interruption& interruption) {
-    std::rethrow_exception(interruption.cause);
-  }
 }
 
 std::string_view element_symbol(std::uint8_t atomic_number) {

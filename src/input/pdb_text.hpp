@@ -10,8 +10,7 @@ namespace eses::detail {
 
 /// Parses a PDB text. The serial numbers of the atoms are their line numbers, from 1. The
 /// operators of assemblies may be invalid unless `needs_assemblies` is true. Calls `checker`
-/// repeatedly. Throws Error with `name` and the line, std::bad_alloc, and the exceptions of
-/// `checker`.
+/// repeatedly. Throws Error with `name` and the line.
 gemmi::Structure parse_pdb_text(std::string_view text, std::string_view name, bool needs_assemblies,
                                 Checker& checker);
 

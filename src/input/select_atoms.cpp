@@ -20,7 +20,6 @@
 #include <vector>
 
 #include "eses/error.hpp"
-#include "input/messages.hpp"
 #include "input/pdb_elements.hpp"
 #include "input/text_fields.hpp"
 #include "system/formatted.hpp"
@@ -107,6 +106,16 @@ std::uint64_t keep_chains(gemmi::Model& model, const std::vector<std::string>& n
   return drop(model.chains, [&](const gemmi::Chain& chain) {
     return std::find(names.begin(), names.end(), chain.name) == names.end();
   });
+}
+
+/// Returns gemmi's message in the style of this program: one line that starts in lower case.
+std::string reworded(std::string_view text) {
+  while (text.ends_with('.') || text.ends_with(':') || text.ends_with(' ') || text.ends_with('\n'))
+    text.remove_suffix(1);
+  std::string message(text);
+  std::replace(message.begin(), message.end(), '\n', ' ');
+  if (!message.empty()) message[0] = lower_case(message[0]);
+  return printable(message);
 }
 
 gemmi::Selection parse_selection(const std::string& text) {

@@ -92,7 +92,8 @@ std::errc parse_number(std::string_view text, double& value) {
 }
 
 void fail_at_line(std::string_view file, std::uint64_t line, std::string_view what) {
-  throw Error(formatted("{}:{}: {}", file, line, what));
+  throw Error(line == 0 ? formatted("{}: {}", file, what)
+                        : formatted("{}:{}: {}", file, line, what));
 }
 
 std::string printable(std::string_view text) {

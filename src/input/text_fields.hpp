@@ -1,5 +1,6 @@
 #pragma once
-/// Fields of a line of text, separated by blanks and tabs, and their numbers.
+/// Fields of a line of text, separated by blanks and tabs, and their numbers. This header is valid
+/// C++17, for the reason given in mmcif_text.cpp.
 
 #include <algorithm>
 #include <cstddef>
@@ -34,7 +35,7 @@ inline std::string_view take_line(std::string_view& rest) {
   const std::size_t end = std::min(rest.find('\n'), rest.size());
   std::string_view line = rest.substr(0, end);
   rest.remove_prefix(std::min(end + 1, rest.size()));
-  while (line.ends_with('\r')) line.remove_suffix(1);
+  while (!line.empty() && line.back() == '\r') line.remove_suffix(1);
   return line;
 }
 
@@ -52,7 +53,7 @@ std::string_view take_last(std::string_view& rest);
 /// precision is exceeded.
 std::errc parse_number(std::string_view text, double& value);
 
-/// Throws Error with file, line and what is wrong.
+/// Throws Error with file, line and what is wrong. The line is from 1; 0 if it is unknown.
 [[noreturn]] void fail_at_line(std::string_view file, std::uint64_t line, std::string_view what);
 
 /// Returns printable ASCII for messages; other bytes become `\xNN`.
