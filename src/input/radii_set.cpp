@@ -1,6 +1,7 @@
 #include "input/radii_set.hpp"
 
 #include <cstdint>
+#include <filesystem>
 #include <span>
 #include <system_error>
 #include <unordered_map>
@@ -10,6 +11,8 @@
 #include "input/element_radii.hpp"
 #include "input/radius_groups.hpp"
 #include "input/text_fields.hpp"
+#include "input/text_source.hpp"
+#include "system/file_descriptor.hpp"
 #include "system/formatted.hpp"
 
 namespace eses::detail {
@@ -175,6 +178,22 @@ std::optional<RadiiSet> named_radii_set(std::string_view name) {
   if (word == "bondi") return bondi_set();
   if (word == "msms") return msms_set();
   return std::nullopt;
+}
+
+RadiiSet find_radii_set(const std::string& name_or_file) {
+  if (std::optional<RadiiSet> named = named_radii_set(name_or_file)) return *std::move(named);
+  constexpr std::uint64_t max_bytes = std::uint64_t{4} << 20;  // valid files have a few kilobytes
+  try {
+    const FileDescriptor file(open_for_reading(name_or_file, name_or_file));
+    TextSource source(file.value(), name_or_file);
+    const std::string text = read_text(source, name_or_file, ReadingLimit(0), {}, max_bytes);
+    return parse_radii_set(text, name_or_file);
+  } catch (const Error& error) {
+    std::error_code ignored;  // such as a name that is too long
+    if (std::filesystem::exists(name_or_file, ignored)) throw;
+    throw Error(formatted("radii: expected {}, or a file in FreeSASA's configuration format: {}",
+                          named_radii, error.what()));
+  }
 }
 
 RadiiSet parse_radii_set(std::string_view text, std::string_view file) {

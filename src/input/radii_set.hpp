@@ -40,6 +40,9 @@ inline constexpr std::string_view named_radii = "protor, bondi or msms";
 /// Returns a built-in set, or nothing for other names.
 std::optional<RadiiSet> named_radii_set(std::string_view name);
 
+/// Returns a built-in set, or reads a file in FreeSASA's configuration format.
+RadiiSet find_radii_set(const std::string& name_or_file);
+
 /// Parses a set of radii in FreeSASA's configuration format. The section `types:` has lines `TYPE
 /// RADIUS polar|apolar`, and the section `atoms:` has lines `RESIDUE ATOM TYPE`, with ANY for all
 /// residues. The line `name:` gives the name of the set. Atoms that are not listed get FreeSASA's

@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "eses/error.hpp"
+#include "system/bytes_text.hpp"
 #include "system/formatted.hpp"
 #include "system/gzip.hpp"
 
@@ -171,6 +172,26 @@ std::size_t TextSource::inflate_part(std::span<char> text) {
 void TextSource::fail_as_damaged() const {
   throw Error(formatted("{}: the compressed data is damaged near byte {}", name_,
                         bytes_read_ - input_.size()));
+}
+
+std::string read_text(TextSource& source, const std::string& name, const ReadingLimit& limit,
+                      const CheckCallback& check, std::uint64_t max_bytes) {
+  constexpr std::size_t piece_bytes = std::size_t{1} << 20;
+  std::string text;
+  for (std::size_t used = 0;; used = text.size()) {
+    if (check) check();
+    if (used + piece_bytes > text.capacity()) {
+      // Both copies of the text are in memory while reserve() copies it.
+      limit.require(used + 2 * (used + piece_bytes), reading_of(name));
+      text.reserve(2 * used + piece_bytes);
+    }
+    text.resize(used + piece_bytes);
+    const std::size_t count = source.read(std::span(text).subspan(used));
+    text.resize(used + count);
+    if (count == 0) return text;
+    if (text.size() > max_bytes)
+      throw Error(formatted("{}: expected a file of at most {}", name, bytes_text(max_bytes)));
+  }
 }
 
 }  // namespace eses::detail

@@ -4,11 +4,15 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <limits>
 #include <memory>
 #include <span>
 #include <string>
 #include <string_view>
 #include <vector>
+
+#include "eses/check.hpp"
+#include "input/reading_limit.hpp"
 
 namespace eses::detail {
 
@@ -53,5 +57,11 @@ class TextSource {
   bool has_begun_ = false, is_in_member_ = false, is_padded_ = false;
   std::unique_ptr<Inflation> inflation_;  // null if the text is plain
 };
+
+/// Reads a whole text. Calls `check` for each MiB. Throws Error if the text has more than
+/// `max_bytes`, or if its memory exceeds the limit.
+std::string read_text(TextSource& source, const std::string& name, const ReadingLimit& limit,
+                      const CheckCallback& check,
+                      std::uint64_t max_bytes = std::numeric_limits<std::uint64_t>::max());
 
 }  // namespace eses::detail
