@@ -12,7 +12,6 @@
 #include "input/radius_groups.hpp"
 #include "input/text_fields.hpp"
 #include "input/text_source.hpp"
-#include "system/file_descriptor.hpp"
 #include "system/formatted.hpp"
 
 namespace eses::detail {
@@ -184,10 +183,8 @@ RadiiSet find_radii_set(const std::string& name_or_file) {
   if (std::optional<RadiiSet> named = named_radii_set(name_or_file)) return *std::move(named);
   constexpr std::uint64_t max_bytes = std::uint64_t{4} << 20;  // valid files have a few kilobytes
   try {
-    const FileDescriptor file(open_for_reading(name_or_file, name_or_file));
-    TextSource source(file.value(), name_or_file);
-    const std::string text = read_text(source, name_or_file, ReadingLimit(0), {}, max_bytes);
-    return parse_radii_set(text, name_or_file);
+    TextSource source{std::filesystem::path(name_or_file)};
+    return parse_radii_set(read_text(source, ReadingLimit(0), {}, max_bytes), name_or_file);
   } catch (const Error& error) {
     std::error_code ignored;  // such as a name that is too long
     if (std::filesystem::exists(name_or_file, ignored)) throw;

@@ -1,7 +1,5 @@
 #include "input/read_input.hpp"
 
-#include <unistd.h>
-
 #include <new>
 #include <span>
 #include <stdexcept>
@@ -12,39 +10,14 @@
 #include "eses/surface.hpp"
 #include "input/atom_reader.hpp"
 #include "input/other_formats.hpp"
-#include "input/pdb_elements.hpp"
 #include "input/read_structure.hpp"
 #include "input/reading_limit.hpp"
 #include "input/text_fields.hpp"
 #include "input/text_source.hpp"
-#include "system/file_descriptor.hpp"
 #include "system/formatted.hpp"
 
 namespace eses::detail {
 namespace {
-
-/// Reads the atoms of an open file, whose format is known.
-AtomFile read_source(TextSource& source, const std::filesystem::path& path, const std::string& name,
-                     const ReadOptions& options,
-                     const std::function<void(AtomFile& atoms)>& after_part) {
-  if (is_structure(options.format)) {
-    const ReadingLimit limit(options.max_memory);
-    const std::string text = read_text(source, name, limit, options.check);
-    return read_structure({text, name, options.format, is_assembly_file(path), options, limit},
-                          after_part);
-  }
-  const AtomLines lines{options, name};
-  AtomFile file;
-  const LinesRead read = read_atom_lines(
-      [&source](std::span<char> buffer) { return source.read(buffer); }, lines, file,
-      [&] {
-        if (options.check) options.check();
-        if (after_part) after_part(file);
-      });
-  require_atoms(lines, file.atoms.size(), read);
-  complete_elements(file.labels);
-  return file;
-}
 
 [[noreturn]] void fail_for_memory(std::string_view name) {
   throw MemoryLimitError(formatted("cannot read {}: out of memory", name));
@@ -52,17 +25,20 @@ AtomFile read_source(TextSource& source, const std::filesystem::path& path, cons
 
 }  // namespace
 
-AtomFile read_input(const std::filesystem::path& path, const ReadOptions& options,
+AtomFile read_input(const std::filesystem::path& path, ReadOptions options,
                     const std::function<void(AtomFile& atoms)>& after_part) {
   if (options.format == AtomFormat::automatic) refuse_other_suffix(path);
-  ReadOptions known = options;
-  known.format = format_of(path, options.format);
-  const bool is_standard_input = path == "-";
-  const std::string name = input_name(path);
-  const FileDescriptor file(is_standard_input ? -1 : open_for_reading(path, name));
+  options.format = format_of(path, options.format);
+  TextSource source = TextSource::open_input(path);
+  const std::string& name = source.name();
   try {
-    TextSource source(is_standard_input ? STDIN_FILENO : file.value(), name);
-    return read_source(source, path, name, known, after_part);
+    if (!is_structure(options.format))
+      return read_all_atoms([&](std::span<char> buffer) { return source.read(buffer); },
+                            {options, name}, after_part);
+    const ReadingLimit limit(options.max_memory);
+    const std::string text = read_text(source, limit, options.check);
+    return read_structure({text, name, options.format, is_assembly_file(path), options, limit},
+                          after_part);
   } catch (const std::bad_alloc&) {
     fail_for_memory(name);
   } catch (const std::length_error&) {
@@ -102,12 +78,7 @@ AtomFile parse_atoms(std::string_view text, AtomFormat format, std::string_view 
   if (is_structure(format))
     return detail::read_structure(
         {text, name, format, false, options, detail::ReadingLimit(options.max_memory)}, {});
-  const detail::AtomLines lines{options, name};
-  AtomFile file;
-  const detail::LinesRead read = detail::parse_atom_lines(text, lines, file);
-  detail::require_atoms(lines, file.atoms.size(), read);
-  detail::complete_elements(file.labels);
-  return file;
+  return detail::read_all_atoms(detail::text_in_memory(text), {options, name});
 }
 
 }  // namespace eses

@@ -78,6 +78,12 @@ std::string_view take_last(std::string_view& rest) {
   return field;
 }
 
+std::size_t count_fields(std::string_view text) {
+  std::size_t count = 0;
+  while (!take_first(text).empty()) ++count;
+  return count;
+}
+
 std::errc parse_number(std::string_view text, double& value) {
   if (text.starts_with('+')) {
     text.remove_prefix(1);

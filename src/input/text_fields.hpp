@@ -47,6 +47,9 @@ std::string_view column_text(std::string_view line, std::size_t first, std::size
 std::string_view take_first(std::string_view& rest);
 std::string_view take_last(std::string_view& rest);
 
+/// Returns the number of fields.
+std::size_t count_fields(std::string_view text);
+
 /// Parses a number that is the whole of `text`. Accepts all formats that C and Fortran print: with
 /// a leading `+`, with the exponent letter D, and `inf` or `nan`. Returns
 /// std::errc::invalid_argument for other text, and std::errc::result_out_of_range if double
