@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <limits>
 #include <system_error>
 #include <utility>
@@ -92,8 +91,7 @@ int model_number(std::string_view line, std::string_view name, std::size_t numbe
   take_first(rest);
   const std::string_view field = take_first(rest);
   int model = 0;
-  const auto [end, error] = std::from_chars(field.data(), field.data() + field.size(), model);
-  if (error != std::errc{} || end != field.data() + field.size())
+  if (!parse_integer(field, model))
     fail_at_line(name, number,
                  formatted("expected the number of the model, found {}", quoted(field)));
   return model;

@@ -28,16 +28,6 @@ namespace {
 
 // --------------------------------------------------------------------- description of assemblies
 
-/// Returns whether a list such as `1, 2` has the identifier `id`.
-bool has_identifier(std::string_view list, std::string_view id) {
-  while (true) {
-    const std::size_t comma = std::min(list.find(','), list.size());
-    if (trimmed(list.substr(0, comma)) == id) return true;
-    if (comma == list.size()) return false;
-    list.remove_prefix(comma + 1);
-  }
-}
-
 const gemmi::Assembly& find_assembly(const gemmi::Structure& structure, const std::string& id,
                                      const StructureText& text) {
   const std::vector<gemmi::Assembly>& assemblies = structure.assemblies;
@@ -45,9 +35,10 @@ const gemmi::Assembly& find_assembly(const gemmi::Structure& structure, const st
                             [&](const gemmi::Assembly& assembly) { return assembly.name == id; });
   // The name is a list if a PDB file describes several assemblies at once.
   if (found == assemblies.end() && text.format == AtomFormat::pdb)
-    found = std::find_if(
-        assemblies.begin(), assemblies.end(),
-        [&](const gemmi::Assembly& assembly) { return has_identifier(assembly.name, id); });
+    found =
+        std::find_if(assemblies.begin(), assemblies.end(), [&](const gemmi::Assembly& assembly) {
+          return gemmi::in_vector(id, gemmi::split_str_multi(assembly.name, ", 	"));
+        });
   if (found != assemblies.end()) return *found;
   std::vector<std::string> names;
   for (const gemmi::Assembly& assembly : assemblies) names.push_back(printable(assembly.name));

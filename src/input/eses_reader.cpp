@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <cstdlib>
 #include <string>
@@ -35,10 +34,8 @@ class Fields {
   /// Returns a whole number from 0 to `largest`.
   std::int64_t index(std::string_view name, std::int64_t largest) {
     const std::string_view field = take_first(rest_);
-    const char* const end = field.data() + field.size();
     std::uint64_t value = 0;
-    const auto [stop, error] = std::from_chars(field.data(), end, value);
-    if (error != std::errc{} || stop != end || value > static_cast<std::uint64_t>(largest))
+    if (!parse_integer(field, value) || value > static_cast<std::uint64_t>(largest))
       refuse(field, name, formatted("a whole number from 0 to {}", largest));
     return static_cast<std::int64_t>(value);
   }

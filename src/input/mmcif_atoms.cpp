@@ -3,8 +3,6 @@
 // gemmi 0.5 also converts this table. It needs quadratic time for long chains, accepts coordinates
 // that are not numbers, and reports other faults without a line.
 
-#include "input/mmcif_atoms.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -17,7 +15,8 @@
 #include <utility>
 
 #include "input/chain_builder.hpp"
-#include "input/mmcif_text.hpp"
+#include "input/check_at.hpp"
+#include "input/mmcif_tables.hpp"
 #include "input/text_fields.hpp"
 
 namespace eses::detail {
@@ -111,24 +110,7 @@ bool is_standard_monomer(const std::string& residue_name) {
 /// Builds models from the rows of a table.
 class ModelBuilder {
  public:
-  explicit ModelBuilder(const Loop& table)
-      : group_(table, {"group_PDB"}),
-        element_(table, {"type_symbol"}),
-        atom_name_(table, {"auth_atom_id", "label_atom_id"}),
-        altloc_(table, {"label_alt_id"}),
-        residue_name_(table, {"auth_comp_id", "label_comp_id"}),
-        chain_name_(table, {"auth_asym_id", "label_asym_id"}),
-        subchain_(table, {"label_asym_id", "auth_asym_id"}),
-        entity_(table, {"label_entity_id"}),
-        number_(table, {"auth_seq_id", "label_seq_id"}),
-        label_number_(table, {"label_seq_id"}),
-        insertion_code_(table, {"pdbx_PDB_ins_code"}),
-        x_(table, {"Cartn_x"}),
-        y_(table, {"Cartn_y"}),
-        z_(table, {"Cartn_z"}),
-        occupancy_(table, {"occupancy"}),
-        b_factor_(table, {"B_iso_or_equiv"}),
-        model_number_(table, {"pdbx_PDB_model_num"}) {}
+  explicit ModelBuilder(const Loop& table) : table_(table) {}
 
   void add(const Row& row) {
     choose_chain(row);
@@ -202,8 +184,24 @@ class ModelBuilder {
     return atom;
   }
 
-  Column group_, element_, atom_name_, altloc_, residue_name_, chain_name_, subchain_, entity_,
-      number_, label_number_, insertion_code_, x_, y_, z_, occupancy_, b_factor_, model_number_;
+  const Loop& table_;
+  Column group_{table_, {"group_PDB"}};
+  Column element_{table_, {"type_symbol"}};
+  Column atom_name_{table_, {"auth_atom_id", "label_atom_id"}};
+  Column altloc_{table_, {"label_alt_id"}};
+  Column residue_name_{table_, {"auth_comp_id", "label_comp_id"}};
+  Column chain_name_{table_, {"auth_asym_id", "label_asym_id"}};
+  Column subchain_{table_, {"label_asym_id", "auth_asym_id"}};
+  Column entity_{table_, {"label_entity_id"}};
+  Column number_{table_, {"auth_seq_id", "label_seq_id"}};
+  Column label_number_{table_, {"label_seq_id"}};
+  Column insertion_code_{table_, {"pdbx_PDB_ins_code"}};
+  Column x_{table_, {"Cartn_x"}};
+  Column y_{table_, {"Cartn_y"}};
+  Column z_{table_, {"Cartn_z"}};
+  Column occupancy_{table_, {"occupancy"}};
+  Column b_factor_{table_, {"B_iso_or_equiv"}};
+  Column model_number_{table_, {"pdbx_PDB_model_num"}};
   std::vector<gemmi::Model> models_;
   std::unordered_map<std::string, std::size_t> model_indices_;
   std::size_t model_ = 0;  // index of the current model
@@ -213,11 +211,12 @@ class ModelBuilder {
 }  // namespace
 
 std::vector<gemmi::Model> read_models(const gemmi::cif::Loop& table,
-                                      const std::vector<std::uint64_t>& lines, Checker& checker) {
+                                      const std::vector<std::uint64_t>& lines,
+                                      const CheckCallback& check) {
   require_columns(table);
   ModelBuilder builder(table);
   for (std::size_t row = 0; row < table.length(); ++row) {
-    checker.count();
+    check_at(row, check);
     builder.add({&table.values[row * table.width()], lines.at(row)});
   }
   return builder.take_models();

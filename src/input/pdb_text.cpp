@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -20,6 +19,7 @@
 #include "eses/error.hpp"
 #include "input/atom_reader.hpp"
 #include "input/chain_builder.hpp"
+#include "input/check_at.hpp"
 #include "input/pdb_elements.hpp"
 #include "input/pqr_records.hpp"
 #include "input/text_fields.hpp"
@@ -108,17 +108,16 @@ std::string_view long_residue_of(std::string_view record) {
 /// The lines of a PDB text, with their numbers.
 class PdbLines {
  public:
-  PdbLines(std::string_view text, std::string_view name, Checker& checker)
+  PdbLines(std::string_view text, std::string_view name, const CheckCallback& check)
       : rest_(text),
         name_(name),
-        checker_(checker),
+        check_(check),
         padding_size_(text.size() - (text.find_last_not_of(padding) + 1)) {}
 
   /// Returns the next line without its end, or nothing at the end of the text.
   std::optional<std::string_view> next() {
     if (rest_.empty()) return std::nullopt;
-    checker_.count();
-    ++number_;
+    check_at(++number_, check_);
     std::string_view line = take_line(rest_);
     // NUL characters are accepted as padding at the end of the text.
     if (rest_.size() <= padding_size_)
@@ -135,7 +134,7 @@ class PdbLines {
   static constexpr std::string_view padding{"\0\r\n ", 4};
 
   std::string_view rest_, name_;
-  Checker& checker_;
+  const CheckCallback& check_;
   std::size_t padding_size_;  // number of characters of padding at the end of the text
   std::uint64_t number_ = 0;
 };
@@ -343,12 +342,8 @@ class PdbReader {
     if (models.size() == max_models)
       lines_.fail(formatted("more than {} models; split the file", max_models));
     int number = static_cast<int>(models.size()) + 1;
-    if (!field.empty()) {
-      const char* const end = field.data() + field.size();
-      const auto [rest, fault] = std::from_chars(field.data(), end, number);
-      if (fault != std::errc{} || rest != end)
-        lines_.fail(formatted("expected the number of the model, found {}", quoted(field)));
-    }
+    if (!field.empty() && !parse_integer(field, number))
+      lines_.fail(formatted("expected the number of the model, found {}", quoted(field)));
     if (structure_.find_model(std::to_string(number)) != nullptr)
       lines_.fail(formatted("there are two models {}; give them different numbers", number));
     models.emplace_back(std::to_string(number));
@@ -448,8 +443,8 @@ class PdbReader {
 }  // namespace
 
 gemmi::Structure parse_pdb_text(std::string_view text, std::string_view name, bool needs_assemblies,
-                                Checker& checker) {
-  return PdbReader(PdbLines(text, name, checker), needs_assemblies).read();
+                                const CheckCallback& check) {
+  return PdbReader(PdbLines(text, name, check), needs_assemblies).read();
 }
 
 }  // namespace eses::detail

@@ -19,7 +19,6 @@
 #include "eses/surface.hpp"
 #include "input/assign_radii.hpp"
 #include "input/build_assembly.hpp"
-#include "input/checker.hpp"
 #include "input/mmcif_text.hpp"
 #include "input/other_formats.hpp"
 #include "input/pdb_elements.hpp"
@@ -67,11 +66,10 @@ void refuse_copies(const gemmi::Structure& structure, std::string_view name) {
 
 gemmi::Structure parse(const StructureText& text) {
   const StructureOptions& options = text.options.structure;
-  Checker checker(text.options.check);
   gemmi::Structure structure =
       text.format == AtomFormat::pdb
-          ? parse_pdb_text(text.text, text.name, !options.assembly.empty(), checker)
-          : parse_mmcif_text(text.text, text.name, options.assembly, checker);
+          ? parse_pdb_text(text.text, text.name, !options.assembly.empty(), text.options.check)
+          : parse_mmcif_text(text.text, text.name, options.assembly, text.options.check);
   text.check();
   if (text.is_assembly_file && options.model == 0) refuse_copies(structure, text.name);
   text.require_memory(0);

@@ -164,19 +164,14 @@ using ResidueGroup = std::vector<gemmi::Residue*>;
 
 bool has_altloc(const gemmi::Atom& atom) { return atom.altloc != '\0'; }
 
-/// Returns the groups in the order of the model. The residues of a group need not be neighbours:
+/// Returns the groups by chain, segment and number. The residues of a group need not be neighbours:
 /// a modified residue may come after the end of its chain.
-std::vector<ResidueGroup> residue_groups(gemmi::Model& model) {
-  std::vector<ResidueGroup> groups;
-  std::map<std::tuple<std::string, std::string, std::string>, std::size_t> indices;
+auto residue_groups(gemmi::Model& model) {
+  std::map<std::tuple<std::string, std::string, std::string>, ResidueGroup> groups;
   for (gemmi::Chain& chain : model.chains)
-    for (gemmi::Residue& residue : chain.residues) {
-      if (std::none_of(residue.atoms.begin(), residue.atoms.end(), has_altloc)) continue;
-      const auto [at, is_new] = indices.emplace(
-          std::tuple(chain.name, residue.segment, residue.seqid.str()), groups.size());
-      if (is_new) groups.emplace_back();
-      groups[at->second].push_back(&residue);
-    }
+    for (gemmi::Residue& residue : chain.residues)
+      if (std::any_of(residue.atoms.begin(), residue.atoms.end(), has_altloc))
+        groups[{chain.name, residue.segment, residue.seqid.str()}].push_back(&residue);
   return groups;
 }
 
@@ -259,7 +254,7 @@ bool is_other_residue(const ResidueGroup& group, const gemmi::Residue& residue, 
 void keep_altlocs(gemmi::Model& model, const std::string& wanted, std::string_view file) {
   const char altloc = wanted.empty() ? '\0' : wanted.front();
   bool is_known = wanted.empty();
-  for (const ResidueGroup& group : residue_groups(model)) {
+  for (const auto& [id, group] : residue_groups(model)) {
     const Locations occupancies = mean_occupancies(group);
     const bool has_wanted = occupancies.contains(altloc);
     is_known = is_known || has_wanted;

@@ -1,7 +1,6 @@
 #include "input/text_fields.hpp"
 
 #include <algorithm>
-#include <charconv>
 
 #include "eses/error.hpp"
 #include "system/formatted.hpp"

@@ -3,6 +3,7 @@
 /// C++17, for the reason given in mmcif_text.cpp.
 
 #include <algorithm>
+#include <charconv>
 #include <cstddef>
 #include <cstdint>
 #include <string>
@@ -55,6 +56,14 @@ std::size_t count_fields(std::string_view text);
 /// std::errc::invalid_argument for other text, and std::errc::result_out_of_range if double
 /// precision is exceeded.
 std::errc parse_number(std::string_view text, double& value);
+
+/// Parses a whole number that is the whole of `text`. Returns whether it is one.
+template <class Integer>
+bool parse_integer(std::string_view text, Integer& value) {
+  const char* const end = text.data() + text.size();
+  const auto [stop, error] = std::from_chars(text.data(), end, value);
+  return error == std::errc{} && stop == end;
+}
 
 /// Throws Error with file, line and what is wrong. The line is from 1; 0 if it is unknown.
 [[noreturn]] void fail_at_line(std::string_view file, std::uint64_t line, std::string_view what);
