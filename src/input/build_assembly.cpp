@@ -18,7 +18,7 @@
 #include <vector>
 
 #include "eses/error.hpp"
-#include "input/operator_limit.hpp"
+#include "input/parse_structure.hpp"
 #include "input/select_atoms.hpp"
 #include "input/text_fields.hpp"
 #include "system/formatted.hpp"
@@ -85,7 +85,7 @@ void check_description(const gemmi::Assembly& assembly, const std::string& id,
 // --------------------------------------------------------------------------------------- copies
 
 /// The different operators of an assembly. Operators with equal transformations count once.
-class Operators {
+class DistinctOperators {
  public:
   /// Returns the index of an operator, which may be new.
   std::size_t index_of(const gemmi::Transform& transform) {
@@ -233,7 +233,7 @@ class AssemblyBuilder {
   const gemmi::Model& model_;
   const StructureText& text_;
   std::vector<StructureAtom> atoms_;
-  Operators operators_;
+  DistinctOperators operators_;
   CopyNames names_;
   CoincidentImages images_;
   std::uint64_t dropped_images_ = 0;
@@ -243,7 +243,7 @@ class AssemblyBuilder {
 /// Returns the numbers of different operators and of atoms of an assembly, without its identifier.
 OtherAssembly measure(const gemmi::Assembly& assembly, const gemmi::Model& model) {
   OtherAssembly result;
-  Operators operators;
+  DistinctOperators operators;
   std::unordered_set<const gemmi::Residue*> contained;
   for (const gemmi::Assembly::Gen& generator : assembly.generators) {
     const std::vector<ChainPart> parts = parts_of(generator, model);

@@ -16,7 +16,7 @@
 #include <string_view>
 
 #include "input/mmcif_tables.hpp"
-#include "input/operator_limit.hpp"
+#include "input/parse_structure.hpp"
 #include "input/text_fields.hpp"
 
 namespace eses::detail {

@@ -33,13 +33,16 @@ struct Row {
 /// A column of the table of atoms. All values of a missing column are unknown.
 class Column {
  public:
-  /// Finds the first of these columns that the table has.
-  Column(const Loop& table, std::initializer_list<const char*> names) {
+  /// Finds the first of these columns that the table has. If it has none, throws MmcifError with
+  /// the name `required`, unless this is empty.
+  Column(const Loop& table, std::initializer_list<const char*> names,
+         const std::string& required = "") {
     for (const char* const name : names) {
       tag_ = std::string(atom_category) + name;
       index_ = table.find_tag(tag_);
       if (exists()) return;
     }
+    if (!required.empty()) throw MmcifError{0, "the _atom_site table lacks the column " + required};
   }
 
   bool exists() const { return index_ >= 0; }
@@ -87,19 +90,6 @@ class Column {
   std::string tag_;
   int index_ = -1;
 };
-
-/// Throws MmcifError if the table lacks a column without a default.
-void require_columns(const Loop& table) {
-  const auto require = [&](const char* name, const char* other) {
-    if (!Column(table, {name, other}).exists())
-      throw MmcifError{0, std::string("the _atom_site table lacks the column ") + name};
-  };
-  require("type_symbol", "type_symbol");
-  require("label_atom_id", "auth_atom_id");
-  require("label_comp_id", "auth_comp_id");
-  for (const char* const name : {"Cartn_x", "Cartn_y", "Cartn_z"}) require(name, name);
-  require("auth_seq_id", "label_seq_id");
-}
 
 /// Returns whether the residue is a standard amino acid or nucleotide, as in ATOM records.
 bool is_standard_monomer(const std::string& residue_name) {
@@ -185,20 +175,21 @@ class ModelBuilder {
   }
 
   const Loop& table_;
+  // The required columns come first, in the order in which they are reported.
+  Column element_{table_, {"type_symbol"}, "type_symbol"};
+  Column atom_name_{table_, {"auth_atom_id", "label_atom_id"}, "label_atom_id"};
+  Column residue_name_{table_, {"auth_comp_id", "label_comp_id"}, "label_comp_id"};
+  Column x_{table_, {"Cartn_x"}, "Cartn_x"};
+  Column y_{table_, {"Cartn_y"}, "Cartn_y"};
+  Column z_{table_, {"Cartn_z"}, "Cartn_z"};
+  Column number_{table_, {"auth_seq_id", "label_seq_id"}, "auth_seq_id"};
   Column group_{table_, {"group_PDB"}};
-  Column element_{table_, {"type_symbol"}};
-  Column atom_name_{table_, {"auth_atom_id", "label_atom_id"}};
   Column altloc_{table_, {"label_alt_id"}};
-  Column residue_name_{table_, {"auth_comp_id", "label_comp_id"}};
   Column chain_name_{table_, {"auth_asym_id", "label_asym_id"}};
   Column subchain_{table_, {"label_asym_id", "auth_asym_id"}};
   Column entity_{table_, {"label_entity_id"}};
-  Column number_{table_, {"auth_seq_id", "label_seq_id"}};
   Column label_number_{table_, {"label_seq_id"}};
   Column insertion_code_{table_, {"pdbx_PDB_ins_code"}};
-  Column x_{table_, {"Cartn_x"}};
-  Column y_{table_, {"Cartn_y"}};
-  Column z_{table_, {"Cartn_z"}};
   Column occupancy_{table_, {"occupancy"}};
   Column b_factor_{table_, {"B_iso_or_equiv"}};
   Column model_number_{table_, {"pdbx_PDB_model_num"}};
@@ -213,7 +204,6 @@ class ModelBuilder {
 std::vector<gemmi::Model> read_models(const gemmi::cif::Loop& table,
                                       const std::vector<std::uint64_t>& lines,
                                       const CheckCallback& check) {
-  require_columns(table);
   ModelBuilder builder(table);
   for (std::size_t row = 0; row < table.length(); ++row) {
     check_at(row, check);

@@ -1,13 +1,10 @@
 // This file is valid C++17. Clang 14 cannot compile it as C++20, because the CIF documents of gemmi
 // 0.5 have vectors of an incomplete type.
 
-#include "input/mmcif_text.hpp"
-
 #include <algorithm>
 #include <cstddef>
 #include <gemmi/cif.hpp>
 #include <gemmi/mmcif.hpp>
-#include <map>
 #include <set>
 #include <utility>
 #include <vector>
@@ -15,6 +12,7 @@
 #include "input/chain_builder.hpp"
 #include "input/check_at.hpp"
 #include "input/mmcif_tables.hpp"
+#include "input/parse_structure.hpp"
 #include "input/text_fields.hpp"
 
 namespace eses::detail {
@@ -190,13 +188,9 @@ void add_subchains(gemmi::Structure& structure) {
 /// Gives residues the types of their entities. gemmi finds the entity by the subchain. If the file
 /// lacks _struct_asym, a subchain may have residues of several entities.
 void set_entity_types(Block& block, gemmi::Structure& structure) {
-  std::map<std::string, gemmi::EntityType> types;
-  for (const gemmi::cif::Table::Row row : block.find("_entity.", {"id", "type"})) {
-    gemmi::Entity& entity = structure.entities.emplace_back(row.str(0));
-    entity.entity_type = gemmi::entity_type_from_string(row.str(1));
-    if (entity.entity_type != gemmi::EntityType::Unknown)
-      types.emplace(entity.name, entity.entity_type);
-  }
+  for (const gemmi::cif::Table::Row row : block.find("_entity.", {"id", "type"}))
+    structure.entities.emplace_back(row.str(0)).entity_type =
+        gemmi::entity_type_from_string(row.str(1));
   gemmi::cif::Table subchains = block.find("_struct_asym.", {"id", "entity_id"});
   for (const gemmi::cif::Table::Row row : subchains)
     if (gemmi::Entity* const entity = structure.get_entity(row.str(1)))
@@ -206,9 +200,11 @@ void set_entity_types(Block& block, gemmi::Structure& structure) {
   if (subchains.ok()) return;
   for (gemmi::Model& model : structure.models)
     for (gemmi::Chain& chain : model.chains)
-      for (gemmi::Residue& residue : chain.residues)
-        if (const auto type = types.find(residue.entity_id); type != types.end())
-          residue.entity_type = type->second;
+      for (gemmi::Residue& residue : chain.residues) {
+        const gemmi::Entity* const entity = structure.get_entity(residue.entity_id);
+        if (entity != nullptr && entity->entity_type != gemmi::EntityType::Unknown)
+          residue.entity_type = entity->entity_type;
+      }
 }
 
 }  // namespace

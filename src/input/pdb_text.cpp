@@ -1,8 +1,6 @@
 // Avoids the dependence of gemmi on stb_sprintf, which is another package in Debian.
 #define USE_STD_SNPRINTF
 
-#include "input/pdb_text.hpp"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -20,6 +18,7 @@
 #include "input/atom_reader.hpp"
 #include "input/chain_builder.hpp"
 #include "input/check_at.hpp"
+#include "input/parse_structure.hpp"
 #include "input/pdb_elements.hpp"
 #include "input/pqr_records.hpp"
 #include "input/text_fields.hpp"
@@ -40,7 +39,7 @@ constexpr Columns name_columns{12, 4}, residue_columns{17, 3}, chain_columns{20,
 constexpr std::array<Columns, 3> coordinate_columns{{{30, 8}, {38, 8}, {46, 8}}};
 constexpr Columns occupancy_columns{54, 6}, b_factor_columns{60, 6}, segment_columns{72, 4};
 constexpr Columns element_columns{76, 2};
-constexpr std::size_t altloc_column = 16, number_column = 22, end_of_coordinates = 54;
+constexpr std::size_t altloc_column = 16, number_column = 22;
 // The charges in the last two columns are not used: old files have line numbers there.
 constexpr std::size_t end_of_fields = 78, record_width = 80;
 
@@ -263,7 +262,7 @@ class PdbReader {
 
   void add_atom(std::string_view line) {
     check_columns(line);
-    if (line.size() < end_of_coordinates)
+    if (line.size() < occupancy_columns.first)
       lines_.fail("the record ends before its coordinates; the file seems to be damaged");
     gemmi::Atom atom;
     atom.pos = {number_in(line, coordinate_columns[0], "x"),

@@ -143,9 +143,7 @@ std::string_view coordinate_column(std::string_view line, std::size_t axis) {
 /// Returns whether a column holds a number. A decimal point and a digit at the end are required, so
 /// that columns never split one number of the free format into two.
 bool is_column_number(std::string_view text) {
-  double value = 0;
-  return !text.empty() && is_digit(text.back()) && text.find('.') != std::string_view::npos &&
-         parse_number(text, value) == std::errc{};
+  return !text.empty() && is_digit(text.back()) && is_decimal(text);
 }
 
 bool has_coordinate_columns(std::string_view line) {
