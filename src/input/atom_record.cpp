@@ -8,20 +8,25 @@
 
 namespace eses::detail {
 
+namespace {
+
+/// Returns the pattern of the message for a value that is refused.
+std::string_view fault_of(double value, std::errc error, const AtomQuantity& quantity) {
+  if (error == std::errc::result_out_of_range) return "{} is out of the range of double precision";
+  if (error != std::errc{}) return not_a_number;
+  if (!std::isfinite(value)) return "expected a finite number, found {}";
+  if (quantity.lowest == 0 && value < 0) return "must not be negative, found {}";
+  return "{} is beyond the limit of {:.0f} angstrom";
+}
+
+}  // namespace
+
 Problem read_value(std::string_view text, const AtomQuantity& quantity, double& value) {
-  const auto problem = [&](std::string_view pattern) {
-    return Problem{pattern, quantity.name, text};
-  };
-  if (text.empty()) return problem("missing");
+  if (text.empty()) return {"missing", quantity.name, text};
   const std::errc error = parse_number(text, value);
-  if (error == std::errc::result_out_of_range)
-    return problem("{} is out of the range of double precision");
-  if (error != std::errc{}) return problem(not_a_number);
-  if (!std::isfinite(value)) return problem("expected a finite number, found {}");
-  if (quantity.lowest == 0 && value < 0) return problem("must not be negative, found {}");
-  if (value < quantity.lowest || value > quantity.highest)
-    return problem("{} is beyond the limit of {:.0f} angstrom");
-  return {};
+  // Comparisons with NaN are false.
+  if (error == std::errc{} && value >= quantity.lowest && value <= quantity.highest) return {};
+  return {fault_of(value, error, quantity), quantity.name, text};
 }
 
 std::string describe(const Problem& problem, std::string_view line) {
