@@ -95,6 +95,7 @@ void assign_radii(const std::vector<StructureAtom>& atoms, const RadiiSet& radii
   const std::optional<double> unknown_radius = text.options.structure.unknown_radius;
   result.atoms.reserve(atoms.size());
   result.lines.reserve(atoms.size());
+  if (text.options.with_labels && !after_part) result.labels.reserve(atoms.size());
   const auto end_part = [&] {
     text.check();
     if (after_part) after_part(result);

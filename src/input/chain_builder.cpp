@@ -38,6 +38,8 @@ void split_residues(gemmi::Structure& structure) {
           parts.back().atoms.push_back(std::move(atom));
         }
       }
+      // The atoms stay in memory until the result is complete.
+      for (gemmi::Residue& part : parts) part.atoms.shrink_to_fit();
       chain.residues = std::move(parts);
     }
 }

@@ -10,6 +10,7 @@
 #include <cmath>
 #include <cstddef>
 #include <gemmi/model.hpp>
+#include <gemmi/select.hpp>
 #include <set>
 #include <string>
 #include <utility>
@@ -77,6 +78,7 @@ gemmi::Structure parse(const StructureText& text) {
 
 std::vector<StructureAtom> atoms_of(const gemmi::Model& model) {
   std::vector<StructureAtom> atoms;
+  atoms.reserve(gemmi::count_atom_sites(model));
   for (const gemmi::Chain& chain : model.chains)
     for (const gemmi::Residue& residue : chain.residues)
       for (const gemmi::Atom& atom : residue.atoms)
