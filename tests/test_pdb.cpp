@@ -11,6 +11,14 @@
 
 namespace eses::detail::test {
 
+TEST_CASE("PDB: coordinates may have the exponent letters of C and Fortran", "[structure]") {
+  for (const std::string x : {"  1.5E+1", "  1.5D+1", " +15.000"}) {
+    std::string text = line_of({});
+    text.replace(30, x.size(), x);
+    CHECK(read_pdb(text).atoms.at(0).center == Vec3{15, 0, 0});
+  }
+}
+
 TEST_CASE("PDB: atoms have their labels and lines", "[structure]") {
   const std::string text =
       "REMARK nothing\n" + line_of({.number = "  52A", .x = 1.5}) + "TER\n" +

@@ -241,13 +241,13 @@ TEST_CASE("lines of a part of a file have their numbers in the whole file", "[pr
   AtomFile atoms;
   const ReadOptions options{.format = AtomFormat::xyzr};
   AtomLines part{options, "file", 100};
-  CHECK(parse_atom_lines("1 2 3 1\n# no atom\n4 5 6 2\n", part, atoms).lines == 3);
+  CHECK(read_atom_lines(text_in_memory("1 2 3 1\n# no atom\n4 5 6 2\n"), part, atoms).lines == 3);
   CHECK(atoms.lines == std::vector<std::uint64_t>{100, 102});
   part.first_line = 103;
-  CHECK(parse_atom_lines("", part, atoms).lines == 0);
+  CHECK(read_atom_lines(text_in_memory(""), part, atoms).lines == 0);
   std::string message;
   try {
-    parse_atom_lines("1 2 3 1\n1 2 x 1\n", part, atoms);
+    read_atom_lines(text_in_memory("1 2 3 1\n1 2 x 1\n"), part, atoms);
   } catch (const Error& error) {
     message = error.what();
   }

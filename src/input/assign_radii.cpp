@@ -1,14 +1,16 @@
+// Avoids the dependence of gemmi on stb_sprintf, which is another package in Debian.
+#define USE_STD_SNPRINTF
+
 #include "input/assign_radii.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cstddef>
+#include <optional>
 #include <string>
-#include <tuple>
+#include <string_view>
 #include <unordered_map>
-#include <utility>
-#include <vector>
 
 #include "eses/error.hpp"
 #include "input/text_fields.hpp"
@@ -19,111 +21,104 @@ namespace {
 
 /// Atoms with the same names and element, which have the same radius.
 struct AtomKind {
-  std::optional<FoundRadius> found;
   RadiusSource source;
-  std::uint64_t first_line = 0;
+  bool is_known, is_by_element;
+  std::uint64_t first_line;
 };
 
-/// Cache of radii, with one entry for each combination of residue name, atom name and element.
+/// The kinds of atoms in the order of their first atoms.
 class AtomKinds {
  public:
-  AtomKinds(const SelectedStructure& structure, const RadiiSet& radii)
-      : structure_(structure), radii_(radii) {}
+  AtomKinds(const RadiiSet& radii, double unknown_radius)
+      : radii_(radii), unknown_radius_(unknown_radius) {}
 
-  const std::optional<FoundRadius>& find(const StructureAtom& atom) {
-    const std::string& residue = structure_.residues[atom.residue].name;
-    const std::string& name = structure_.atom_names[atom.name];
-    key_.assign(residue).append(1, '\0').append(name).append(1, static_cast<char>(atom.element));
+  /// Counts an atom and returns its radius.
+  double add(const StructureAtom& atom) {
+    const std::string &residue = atom.residue->name, &name = atom.atom->name;
+    const std::string_view element = symbol_of(atom.atom->element);
+    key_.assign(residue).append(1, '\0').append(name).append(1, '\0').append(element);
     const auto [at, is_new] = indices_.emplace(key_, kinds_.size());
     if (is_new) {
-      const std::string_view element = element_symbol(atom.element);
-      kinds_.push_back({radii_.find({residue, name, element, atom.is_hydrogen}),
-                        {residue, name, std::string(element)},
-                        atom.line});
+      const auto found = radii_.find({residue, name, element, atom.atom->is_hydrogen()});
+      const double radius = found ? found->radius : unknown_radius_;
+      kinds_.push_back({{residue, name, std::string(element), radius},
+                        found.has_value(),
+                        found && found->by_element,
+                        atom.line()});
     }
-    AtomKind& kind = kinds_[at->second];
-    ++kind.source.count;
-    return kind.found;
-  }
-
-  /// Returns the kinds of atoms for which `is_taken` is true, with their radii.
-  std::vector<RadiusSource> sources(double unknown_radius, const auto& is_taken) const {
-    std::vector<RadiusSource> taken;
-    for (const AtomKind& kind : kinds_)
-      if (is_taken(kind)) {
-        taken.push_back(kind.source);
-        taken.back().radius = kind.found ? kind.found->radius : unknown_radius;
-      }
-    return taken;
+    RadiusSource& source = kinds_[at->second].source;
+    ++source.count;
+    return source.radius;
   }
 
   const std::vector<AtomKind>& all() const { return kinds_; }
 
  private:
-  const SelectedStructure& structure_;
   const RadiiSet& radii_;
+  double unknown_radius_;
   std::string key_;
   std::unordered_map<std::string, std::size_t> indices_;
   std::vector<AtomKind> kinds_;
 };
 
-bool is_unknown(const AtomKind& kind) { return !kind.found; }
-bool is_by_element(const AtomKind& kind) { return kind.found && kind.found->by_element; }
-
-[[noreturn]] void fail_for_unknown(const AtomKinds& kinds, std::string_view radii,
-                                   std::string_view file) {
+[[noreturn]] void fail_for_unknown(const std::vector<RadiusSource>& unknown, std::uint64_t line,
+                                   std::string_view radii, std::string_view file) {
   constexpr std::size_t max_names = 10;
   std::vector<std::string> names;
-  std::uint64_t atoms = 0, line = 0;
-  std::size_t others = 0;
-  for (const AtomKind& kind : kinds.all()) {
-    if (!is_unknown(kind)) continue;
-    if (atoms == 0) line = kind.first_line;
-    atoms += kind.source.count;
+  std::uint64_t atoms = 0;
+  for (const RadiusSource& source : unknown) {
+    atoms += source.count;
     if (names.size() < max_names)
-      names.push_back(printable(formatted("{} {}", kind.source.residue, kind.source.atom_name)));
-    else
-      ++others;
+      names.push_back(printable(formatted("{} {}", source.residue, source.atom_name)));
   }
-  throw Error(formatted(
-      "{}:{}: {} without a radius in the set {}: {}{}; use --unknown-radius, or a file with their "
-      "radii for --radii",
-      file, line, atoms == 1 ? "1 atom is" : formatted("{} atoms are", atoms), printable(radii),
-      fmt::join(names, ", "), others > 0 ? formatted(" and {} more names", others) : ""));
+  const std::size_t others = unknown.size() - names.size();
+  fail_at_line(
+      file, line,
+      formatted("{} without a radius in the set {}: {}{}; use --unknown-radius, or a file "
+                "with their radii for --radii",
+                atoms == 1 ? "1 atom is" : formatted("{} atoms are", atoms), printable(radii),
+                fmt::join(names, ", "), others > 0 ? formatted(" and {} more names", others) : ""));
 }
 
-AtomLabel label_of(const SelectedStructure& structure, const StructureAtom& atom) {
-  const StructureResidue& residue = structure.residues[atom.residue];
-  const std::string_view element = atom.element == 0 ? "" : element_symbol(atom.element);
-  return {residue.chain, residue.name, residue.number, structure.atom_names[atom.name],
-          std::string(element)};
+AtomLabel label_of(const StructureAtom& atom) {
+  const gemmi::Element element = atom.atom->element;
+  return {*atom.chain, atom.residue->name, atom.residue->seqid.str(), atom.atom->name,
+          element == gemmi::El::X ? "" : symbol_of(element)};
 }
 
 }  // namespace
 
-AtomFile assign_radii(SelectedStructure structure, const RadiiSet& radii,
-                      std::optional<double> unknown_radius, bool with_labels, std::string_view file,
-                      const std::function<void(AtomFile& atoms)>& after_part) {
+void assign_radii(const std::vector<StructureAtom>& atoms, const RadiiSet& radii,
+                  const StructureText& text, AtomFile& result,
+                  const std::function<void(AtomFile& atoms)>& after_part) {
   constexpr std::size_t part_atoms = std::size_t{1} << 14;
-  AtomFile result;
-  result.atoms.reserve(structure.atoms.size());
-  result.lines.reserve(structure.atoms.size());
-  AtomKinds kinds(structure, radii);
-  for (const StructureAtom& atom : structure.atoms) {
-    const std::optional<FoundRadius>& found = kinds.find(atom);
-    result.atoms.push_back({atom.center, found ? found->radius : unknown_radius.value_or(0)});
-    result.lines.push_back(atom.line);
-    if (with_labels) result.labels.push_back(label_of(structure, atom));
-    if (after_part && result.atoms.size() % part_atoms == 0) after_part(result);
+  const std::optional<double> unknown_radius = text.options.structure.unknown_radius;
+  result.atoms.reserve(atoms.size());
+  result.lines.reserve(atoms.size());
+  if (text.options.with_labels && !after_part) result.labels.reserve(atoms.size());
+  const auto end_part = [&] {
+    text.check();
+    if (after_part) after_part(result);
+  };
+  AtomKinds kinds(radii, unknown_radius.value_or(0));
+  for (const StructureAtom& atom : atoms) {
+    result.atoms.push_back({atom.center, kinds.add(atom)});
+    result.lines.push_back(atom.line());
+    if (text.options.with_labels) result.labels.push_back(label_of(atom));
+    if (result.atoms.size() % part_atoms == 0) end_part();
   }
-  StructureReport& report = structure.report;
+  StructureReport& report = *result.structure;
   report.radii = radii.name;
-  report.by_element = kinds.sources(0, is_by_element);
-  report.unknown = kinds.sources(unknown_radius.value_or(0), is_unknown);
-  if (!report.unknown.empty() && !unknown_radius) fail_for_unknown(kinds, radii.name, file);
-  result.structure = std::move(structure.report);
-  if (after_part) after_part(result);
-  return result;
+  std::uint64_t unknown_line = 0;
+  for (const AtomKind& kind : kinds.all()) {
+    if (kind.is_by_element) report.by_element.push_back(kind.source);
+    if (kind.is_known) continue;
+    if (report.unknown.empty()) unknown_line = kind.first_line;
+    report.unknown.push_back(kind.source);
+  }
+  if (!report.unknown.empty() && !unknown_radius)
+    fail_for_unknown(report.unknown, unknown_line, radii.name, text.name);
+  end_part();
 }
 
 }  // namespace eses::detail

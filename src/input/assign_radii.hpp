@@ -2,19 +2,19 @@
 /// Assignment of radii to the atoms of a structure.
 
 #include <functional>
-#include <optional>
-#include <string_view>
+#include <vector>
 
-#include "input/parse_structure.hpp"
 #include "input/radii_set.hpp"
+#include "input/read_structure.hpp"
+#include "input/structure_atoms.hpp"
 
 namespace eses::detail {
 
-/// Returns the atoms with their radii. An atom that is not in the set gets `unknown_radius`. Labels
-/// are empty unless `with_labels` is true. Calls `after_part` after each part with the atoms so
-/// far. Throws Error with `file` and the names of atoms without a radius.
-AtomFile assign_radii(SelectedStructure structure, const RadiiSet& radii,
-                      std::optional<double> unknown_radius, bool with_labels, std::string_view file,
-                      const std::function<void(AtomFile& atoms)>& after_part);
+/// Adds the atoms with their radii, their lines and, if the options request them, their labels to
+/// `result`, and completes its report. Calls the check and `after_part` after each part. Throws
+/// Error with the names of atoms without a radius.
+void assign_radii(const std::vector<StructureAtom>& atoms, const RadiiSet& radii,
+                  const StructureText& text, AtomFile& result,
+                  const std::function<void(AtomFile& atoms)>& after_part);
 
 }  // namespace eses::detail

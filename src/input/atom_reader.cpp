@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <limits>
 #include <system_error>
 #include <utility>
@@ -10,6 +9,7 @@
 
 #include "eses/error.hpp"
 #include "input/other_formats.hpp"
+#include "input/pdb_elements.hpp"
 #include "input/reading_limit.hpp"
 #include "input/text_fields.hpp"
 #include "system/formatted.hpp"
@@ -50,9 +50,9 @@ Problem parse_xyzr(std::string_view line, Record& record) {
 
 /// Describes the fault of a line. `rest` is the text from this line on.
 std::string describe_xyzr(const Problem& problem, std::string_view line, std::string_view rest) {
-  std::string text = describe_field(problem, line);
+  std::string text = describe(problem, line);
   const bool is_first_field = problem.quantity == quantity_x.name;
-  if (problem.fault != Fault::not_a_number || !is_first_field) return text;
+  if (problem.pattern != not_a_number || !is_first_field) return text;
   const AtomFormat format = format_of_records(rest);
   if (format == AtomFormat::pdb)
     text += "; this looks like a PDB file; read it with --format pdb";
@@ -91,8 +91,7 @@ int model_number(std::string_view line, std::string_view name, std::size_t numbe
   take_first(rest);
   const std::string_view field = take_first(rest);
   int model = 0;
-  const auto [end, error] = std::from_chars(field.data(), field.data() + field.size(), model);
-  if (error != std::errc{} || end != field.data() + field.size())
+  if (!parse_integer(field, model))
     fail_at_line(name, number,
                  formatted("expected the number of the model, found {}", quoted(field)));
   return model;
@@ -190,52 +189,32 @@ void for_whole_lines(const ReadText& read, const std::function<void(std::string_
   }
 }
 
-template <class Value>
-void grow(std::size_t added, std::vector<Value>& list) {
-  const std::size_t wanted = list.size() + added;
-  if (wanted > list.capacity()) list.reserve(std::max(wanted, 2 * list.capacity()));
-}
-
-/// Returns an upper bound of the number of atoms, for the capacity of the vector. Blank lines are
-/// not counted.
+/// Returns an upper bound of the number of atoms. Blank lines are not counted.
 std::size_t estimate_atoms(std::string_view text) {
   const auto lines = static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n')) + 1;
   return std::min(lines, text.size() / min_atom_line_length + 1);
 }
 
-/// Reserves memory for the atoms of a text that begins at `line`. Throws Error if it exceeds the
-/// limit.
-void make_room(std::string_view text, const AtomLines& lines, const ReadingLimit& limit,
-               std::uint64_t line, AtomFile& result) {
+/// Throws Error if the atoms of a text that begins at `line` exceed the memory limit.
+void require_room(std::string_view text, const AtomLines& lines, const ReadingLimit& limit,
+                  std::uint64_t line, const std::vector<Atom>& atoms) {
   const bool has_labels = lines.options.with_labels && lines.options.format == AtomFormat::pqr;
   const std::uint64_t atom_bytes =
       sizeof(Atom) + sizeof(std::uint64_t) + (has_labels ? sizeof(AtomLabel) + sizeof(double) : 0);
-  const std::size_t added = estimate_atoms(text), atoms = result.atoms.size();
-  const bool is_copied = atoms + added > result.atoms.capacity();
-  limit.require(atom_bytes * (is_copied ? atoms + added : added),
-                formatted("{}:{}: reading more than {} atoms", lines.name, line, atoms));
-  grow(added, result.atoms);
-  grow(added, result.lines);
-  if (!has_labels) return;
-  grow(added, result.labels);
-  grow(added, result.charges);
+  const std::size_t added = estimate_atoms(text);
+  const bool is_copied = atoms.size() + added > atoms.capacity();
+  limit.require(atom_bytes * (is_copied ? atoms.size() + added : added),
+                formatted("{}:{}: reading more than {} atoms", lines.name, line, atoms.size()));
 }
 
 }  // namespace
-
-LinesRead parse_atom_lines(std::string_view text, const AtomLines& lines, AtomFile& result) {
-  LinesRead read;
-  make_room(text, lines, ReadingLimit(lines.options.max_memory), lines.first_line, result);
-  parse_lines(text, lines, read, result);
-  return read;
-}
 
 LinesRead read_atom_lines(const ReadText& read, const AtomLines& lines, AtomFile& result,
                           const std::function<void()>& after_part) {
   const ReadingLimit limit(lines.options.max_memory);
   LinesRead counts;
   for_whole_lines(read, [&](std::string_view text) {
-    make_room(text, lines, limit, lines.first_line + counts.lines, result);
+    require_room(text, lines, limit, lines.first_line + counts.lines, result.atoms);
     parse_lines(text, lines, counts, result);
     if (after_part) after_part();
   });
@@ -251,6 +230,26 @@ void require_atoms(const AtomLines& lines, std::uint64_t atoms, const LinesRead&
         formatted("{}: {} models, whose atoms lie on top of each other; choose one with --model N",
                   lines.name, read.models));
   refuse_pdb_records(lines.name, atoms, read.likeness);
+}
+
+AtomFile read_all_atoms(const ReadText& read, const AtomLines& lines,
+                        const std::function<void(AtomFile& atoms)>& after_part) {
+  AtomFile file;
+  const LinesRead counts = read_atom_lines(read, lines, file, [&] {
+    if (lines.options.check) lines.options.check();
+    if (after_part) after_part(file);
+  });
+  require_atoms(lines, file.atoms.size(), counts);
+  complete_elements(file.labels);
+  return file;
+}
+
+ReadText text_in_memory(std::string_view text) {
+  return [text](std::span<char> buffer) mutable {
+    const std::size_t count = text.copy(buffer.data(), buffer.size());
+    text.remove_prefix(count);
+    return count;
+  };
 }
 
 std::string no_atoms_message(std::string_view name, AtomFormat format, std::uint64_t lines,

@@ -38,12 +38,17 @@ using ReadText = std::function<std::size_t(std::span<char> buffer)>;
 LinesRead read_atom_lines(const ReadText& read, const AtomLines& lines, AtomFile& result,
                           const std::function<void()>& after_part = {});
 
-/// Does the same for a text in memory, which must consist of whole lines.
-LinesRead parse_atom_lines(std::string_view text, const AtomLines& lines, AtomFile& result);
-
 /// Throws Error if a file, all of which was read, has no atoms, has several models of which none
 /// was chosen, or is a PDB file.
 void require_atoms(const AtomLines& lines, std::uint64_t atoms, const LinesRead& read);
+
+/// Reads a whole file, with the checks of require_atoms. Calls the check of the options and
+/// `after_part` after each part.
+AtomFile read_all_atoms(const ReadText& read, const AtomLines& lines,
+                        const std::function<void(AtomFile& atoms)>& after_part = {});
+
+/// Reads a text in memory, which must outlive the result.
+ReadText text_in_memory(std::string_view text);
 
 /// Returns the message for a file of this number of lines without atoms, or without atoms in the
 /// chosen model.

@@ -18,28 +18,18 @@ struct Record {
   AtomLabel label;
 };
 
-enum class Fault {
-  none,
-  missing,
-  not_a_number,
-  not_finite,
-  out_of_range,
-  negative,
-  too_large,
-  too_few_fields,
-  extra_number,
-  residue_number,
-};
-
 /// The fault of a line. Its message is made only when the line is rejected, because the PQR reader
 /// tries two layouts.
 struct Problem {
-  Fault fault = Fault::none;
-  std::string_view quantity;  ///< name of the quantity
+  /// What is wrong, with {} for the field; empty if nothing is.
+  std::string_view pattern;
+  std::string_view quantity;  ///< name of the quantity; empty if the whole line is wrong
   std::string_view text;      ///< the field, a view of the line even if empty
 
-  explicit operator bool() const { return fault != Fault::none; }
+  explicit operator bool() const { return !pattern.empty(); }
 };
+
+inline constexpr std::string_view not_a_number = "expected a number, found {}";
 
 /// A quantity of an atom and its bounds. A coordinate or radius beyond them comes from misread
 /// columns or a wrong unit, and would give a grid that exceeds any memory.
@@ -59,9 +49,8 @@ inline constexpr AtomQuantity quantity_radius{"radius", 0, max_coordinate};
 /// Parses a field and checks its value.
 Problem read_value(std::string_view text, const AtomQuantity& quantity, double& value);
 
-std::size_t count_fields(std::string_view text);
-
-/// Returns what is wrong with a field of `line`: its position, its quantity and the cause.
-std::string describe_field(const Problem& problem, std::string_view line);
+/// Returns what is wrong with a field of `line`, with its position and its quantity, or with the
+/// whole line.
+std::string describe(const Problem& problem, std::string_view line);
 
 }  // namespace eses::detail

@@ -18,8 +18,7 @@
 #include <vector>
 
 #include "eses/error.hpp"
-#include "input/atom_list.hpp"
-#include "input/operator_limit.hpp"
+#include "input/parse_structure.hpp"
 #include "input/select_atoms.hpp"
 #include "input/text_fields.hpp"
 #include "system/formatted.hpp"
@@ -29,55 +28,20 @@ namespace {
 
 // --------------------------------------------------------------------- description of assemblies
 
-/// Returns the texts after BIOMOLECULE in REMARK 350 of a PDB file, an identifier or a list such as
-/// `1, 2`. gemmi reads only the first characters of a list.
-/// https://www.wwpdb.org/documentation/file-format-content/format33/remarks1.html#REMARK%20350
-std::vector<std::string> biomolecules(std::string_view text) {
-  constexpr std::string_view record = "remark 350", key = "BIOMOLECULE:";
-  constexpr std::size_t key_column = 11;
-  std::vector<std::string> lists;
-  while (!text.empty()) {
-    const std::string_view line = take_line(text);
-    if (!starts_with_ignoring_case(line, record) || line.size() < key_column ||
-        !line.substr(key_column).starts_with(key))
-      continue;
-    lists.emplace_back(trimmed(line.substr(key_column + key.size())));
-  }
-  return lists;
-}
-
-/// Returns whether a list such as `1, 2` has the identifier `id`.
-bool has_identifier(std::string_view list, std::string_view id) {
-  while (true) {
-    const std::size_t comma = std::min(list.find(','), list.size());
-    if (trimmed(list.substr(0, comma)) == id) return true;
-    if (comma == list.size()) return false;
-    list.remove_prefix(comma + 1);
-  }
-}
-
-/// Returns the identifiers of the assemblies, or the list of several that are described at once.
-std::vector<std::string> assembly_names(const gemmi::Structure& structure,
-                                        const StructureText& text) {
-  std::vector<std::string> names;
-  names.reserve(structure.assemblies.size());
-  for (const gemmi::Assembly& assembly : structure.assemblies) names.push_back(assembly.name);
-  if (text.format == AtomFormat::pdb && !names.empty())
-    if (std::vector<std::string> lists = biomolecules(text.text); lists.size() == names.size())
-      names = std::move(lists);
-  return names;
-}
-
 const gemmi::Assembly& find_assembly(const gemmi::Structure& structure, const std::string& id,
                                      const StructureText& text) {
   const std::vector<gemmi::Assembly>& assemblies = structure.assemblies;
-  std::vector<std::string> names = assembly_names(structure, text);
-  auto found = std::find(names.begin(), names.end(), id);
-  if (found == names.end() && text.format == AtomFormat::pdb)
-    found = std::find_if(names.begin(), names.end(),
-                         [&](const std::string& list) { return has_identifier(list, id); });
-  if (found != names.end()) return assemblies[static_cast<std::size_t>(found - names.begin())];
-  for (std::string& name : names) name = printable(name);
+  auto found = std::find_if(assemblies.begin(), assemblies.end(),
+                            [&](const gemmi::Assembly& assembly) { return assembly.name == id; });
+  // The name is a list if a PDB file describes several assemblies at once.
+  if (found == assemblies.end() && text.format == AtomFormat::pdb)
+    found =
+        std::find_if(assemblies.begin(), assemblies.end(), [&](const gemmi::Assembly& assembly) {
+          return gemmi::in_vector(id, gemmi::split_str_multi(assembly.name, ", 	"));
+        });
+  if (found != assemblies.end()) return *found;
+  std::vector<std::string> names;
+  for (const gemmi::Assembly& assembly : assemblies) names.push_back(printable(assembly.name));
   throw Error(
       formatted("{}: there is no assembly {} (--assembly); {}", text.name, detail::quoted(id),
                 names.empty() ? "the file describes none"
@@ -92,17 +56,22 @@ bool has_chains(const gemmi::Assembly::Gen& generator) {
   return has_name(generator.chains) || has_name(generator.subchains);
 }
 
+std::size_t count_operators(const gemmi::Assembly& assembly) {
+  std::size_t count = 0;
+  for (const gemmi::Assembly::Gen& generator : assembly.generators)
+    count += generator.operators.size();
+  return count;
+}
+
 /// Throws Error if the assembly `id` has no operators that apply to chains, or too many operators.
 void check_description(const gemmi::Assembly& assembly, const std::string& id,
                        const StructureText& text) {
-  std::size_t operator_count = 0;
   bool has_any_chains = false, is_usable = false;
   for (const gemmi::Assembly::Gen& generator : assembly.generators) {
-    operator_count += generator.operators.size();
     has_any_chains = has_any_chains || has_chains(generator);
     is_usable = is_usable || (has_chains(generator) && !generator.operators.empty());
   }
-  if (operator_count > max_operators)
+  if (count_operators(assembly) > max_operators)
     throw Error(formatted("{}: {}", text.name, too_many_operators()));
   if (is_usable) return;
   const bool is_pdb = text.format == AtomFormat::pdb;
@@ -115,43 +84,48 @@ void check_description(const gemmi::Assembly& assembly, const std::string& id,
 
 // --------------------------------------------------------------------------------------- copies
 
-/// Names of the copies of a chain: A, A-2, A-3 and so on, as in the assembly files of the PDB.
-/// Operators with equal transformations give the same name.
-class CopyNames {
+/// The different operators of an assembly. Operators with equal transformations count once.
+class DistinctOperators {
  public:
-  explicit CopyNames(const gemmi::Model& model) {
-    for (const gemmi::Chain& chain : model.chains) used_.insert(chain.name);
-  }
-
-  void begin_operator(const gemmi::Transform& transform) {
+  /// Returns the index of an operator, which may be new.
+  std::size_t index_of(const gemmi::Transform& transform) {
     constexpr double equal_transforms = 1e-6;
     const auto found = std::find_if(
         transforms_.begin(), transforms_.end(),
         [&](const gemmi::Transform& other) { return other.approx(transform, equal_transforms); });
-    operator_ = static_cast<std::size_t>(found - transforms_.begin());
+    const auto index = static_cast<std::size_t>(found - transforms_.begin());
     if (found == transforms_.end()) transforms_.push_back(transform);
+    return index;
   }
 
-  /// Returns the name of the copy of a chain by the current operator.
-  const std::string& name_of(const std::string& chain) {
-    std::map<std::size_t, std::string>& copies = names_[chain];
-    const auto [found, is_new] = copies.emplace(operator_, chain);
-    if (is_new && copies.size() > 1) {
-      for (std::size_t n = copies.size(); used_.contains(found->second); ++n)
-        found->second = formatted("{}-{}", chain, n);
-      used_.insert(found->second);
-    }
-    return found->second;
-  }
-
-  /// Returns the number of different operators.
-  std::size_t operator_count() const { return transforms_.size(); }
+  std::size_t count() const { return transforms_.size(); }
 
  private:
-  std::set<std::string> used_;
   std::vector<gemmi::Transform> transforms_;
-  std::size_t operator_ = 0;
-  std::map<std::string, std::map<std::size_t, std::string>> names_;
+};
+
+/// Names of the copies of a chain: A, A-2, A-3 and so on, as in the assembly files of the PDB.
+class CopyNames {
+ public:
+  /// Adds the names to `names`, which must outlive the pointers to them.
+  CopyNames(const gemmi::Model& model, std::set<std::string>& names) : names_(names) {
+    for (const gemmi::Chain& chain : model.chains) names_.insert(chain.name);
+  }
+
+  /// Returns the name of the copy of a chain by an operator. The first copy has the chain's name.
+  const std::string* name_of(const std::string& chain, std::size_t operator_index) {
+    std::map<std::size_t, const std::string*>& copies = copies_[chain];
+    const std::string*& name = copies[operator_index];
+    if (name == nullptr && copies.size() == 1) name = &*names_.find(chain);
+    for (std::size_t n = copies.size(); name == nullptr; ++n)
+      if (const auto [at, is_new] = names_.insert(formatted("{}-{}", chain, n)); is_new)
+        name = &*at;
+    return name;
+  }
+
+ private:
+  std::set<std::string>& names_;
+  std::map<std::string, std::map<std::size_t, const std::string*>> copies_;
 };
 
 /// Detects images of an atom that coincide with an earlier image. Ligands, ions and waters on an
@@ -203,16 +177,9 @@ std::vector<ChainPart> parts_of(const gemmi::Assembly::Gen& generator, const gem
 /// Builds an assembly from the selected atoms of a model.
 class AssemblyBuilder {
  public:
-  AssemblyBuilder(const gemmi::Model& model, const StructureText& text, Checker& checker,
-                  const std::function<void(std::uint64_t bytes)>& require_memory,
-                  SelectedStructure& result)
-      : model_(model),
-        text_(text),
-        checker_(checker),
-        require_memory_(require_memory),
-        result_(result),
-        list_(result, text.name),
-        names_(model) {}
+  AssemblyBuilder(const gemmi::Model& model, const StructureText& text,
+                  std::set<std::string>& names)
+      : model_(model), text_(text), names_(model, names) {}
 
   void add(const gemmi::Assembly::Gen& generator) {
     const std::vector<ChainPart> parts = parts_of(generator, model_);
@@ -223,112 +190,104 @@ class AssemblyBuilder {
         if (!generator.operators.empty()) contained_.insert(residue);
       }
     for (const gemmi::Assembly::Operator& op : generator.operators) {
-      checker_.check();
-      names_.begin_operator(op.transform);
-      reserve(atom_count);
-      for (const ChainPart& part : parts) add_copy(part, op.transform);
+      text_.check();
+      require_room(atom_count);
+      const std::size_t index = operators_.index_of(op.transform);
+      for (const ChainPart& part : parts)
+        add_copy(part, op.transform, names_.name_of(part.chain->name, index));
     }
   }
 
-  /// Completes the report.
-  void finish() {
-    result_.report.operators = names_.operator_count();
+  /// Returns the atoms and completes the report.
+  std::vector<StructureAtom> finish(StructureReport& report) {
+    report.operators = operators_.count();
+    report.dropped_images = dropped_images_;
     for (const gemmi::Chain& chain : model_.chains)
       for (const gemmi::Residue& residue : chain.residues)
-        if (!contained_.contains(&residue)) drop(residue);
+        if (!contained_.contains(&residue)) {
+          record_count(report, residue) -= residue.atoms.size();
+          report.dropped_assembly += residue.atoms.size();
+        }
+    return std::move(atoms_);
   }
 
  private:
-  void reserve(std::uint64_t added) const {
+  void require_room(std::uint64_t added) const {
     constexpr std::uint64_t max_atoms = std::numeric_limits<AtomIndex>::max();
-    if (result_.atoms.size() + added >= max_atoms)
+    if (atoms_.size() + added >= max_atoms)
       throw Error(formatted("{}: the assembly has more than {} atoms", text_.name, max_atoms));
-    require_memory_(added * 2 * sizeof(StructureAtom));
+    text_.require_memory(added * 2 * sizeof(StructureAtom));
   }
 
-  void add_copy(const ChainPart& part, const gemmi::Transform& transform) {
-    const std::string& name = names_.name_of(part.chain->name);
-    for (const gemmi::Residue* const residue : part.residues) {
-      list_.add_residue(name, *residue);
+  void add_copy(const ChainPart& part, const gemmi::Transform& transform, const std::string* name) {
+    for (const gemmi::Residue* const residue : part.residues)
       for (const gemmi::Atom& atom : residue->atoms) {
         const gemmi::Position at(transform.apply(atom.pos));
         if (images_.add_if_new(*residue, atom, at))
-          list_.add_atom(atom, at);
+          atoms_.push_back({&atom, residue, name, {at.x, at.y, at.z}});
         else
-          ++result_.report.dropped_images;
+          ++dropped_images_;
       }
-    }
-  }
-
-  // Moves the atoms of a residue from the atoms that were read to those that were left out.
-  void drop(const gemmi::Residue& residue) {
-    record_count(result_.report, residue) -= residue.atoms.size();
-    result_.report.dropped_assembly += residue.atoms.size();
   }
 
   const gemmi::Model& model_;
   const StructureText& text_;
-  Checker& checker_;
-  const std::function<void(std::uint64_t bytes)>& require_memory_;
-  SelectedStructure& result_;
-  AtomList list_;
+  std::vector<StructureAtom> atoms_;
+  DistinctOperators operators_;
   CopyNames names_;
   CoincidentImages images_;
+  std::uint64_t dropped_images_ = 0;
   std::unordered_set<const gemmi::Residue*> contained_;
 };
 
 /// Returns the numbers of different operators and of atoms of an assembly, without its identifier.
 OtherAssembly measure(const gemmi::Assembly& assembly, const gemmi::Model& model) {
   OtherAssembly result;
-  CopyNames copies(model);
+  DistinctOperators operators;
   std::unordered_set<const gemmi::Residue*> contained;
   for (const gemmi::Assembly::Gen& generator : assembly.generators) {
     const std::vector<ChainPart> parts = parts_of(generator, model);
     if (parts.empty()) continue;
     for (const gemmi::Assembly::Operator& op : generator.operators)
-      copies.begin_operator(op.transform);
+      operators.index_of(op.transform);
     for (const ChainPart& part : parts)
       for (const gemmi::Residue* const residue : part.residues)
         if (!generator.operators.empty() && contained.insert(residue).second)
           result.atoms += residue->atoms.size();
   }
-  result.operators = copies.operator_count();
+  result.operators = operators.count();
   return result;
 }
 
 }  // namespace
 
 std::vector<OtherAssembly> find_other_assemblies(const gemmi::Structure& structure,
-                                                 const gemmi::Model& model,
-                                                 const StructureText& text) {
+                                                 const gemmi::Model& model) {
   const std::uint64_t atoms = gemmi::count_atom_sites(model);
-  const std::vector<std::string> names = assembly_names(structure, text);
   std::vector<OtherAssembly> others;
   std::size_t operator_count = 0;
-  for (std::size_t i = 0; i < names.size(); ++i) {
-    const gemmi::Assembly& assembly = structure.assemblies[i];
-    for (const gemmi::Assembly::Gen& generator : assembly.generators)
-      operator_count += generator.operators.size();
+  for (const gemmi::Assembly& assembly : structure.assemblies) {
+    operator_count += count_operators(assembly);
     if (operator_count > max_operators) break;
     OtherAssembly other = measure(assembly, model);
     if (other.atoms == 0 || (other.operators == 1 && other.atoms == atoms)) continue;
-    const std::string_view list = names[i];
-    other.id = without_trailing_blanks(list.substr(0, list.find(',')));
+    // A list of assemblies that are described at once is known by the first one.
+    other.id = without_trailing_blanks(assembly.name.substr(0, assembly.name.find(',')));
     others.push_back(std::move(other));
   }
   return others;
 }
 
-void build_assembly(const gemmi::Structure& structure, const std::string& id,
-                    const gemmi::Model& model, const StructureText& text, Checker& checker,
-                    const std::function<void(std::uint64_t bytes)>& require_memory,
-                    SelectedStructure& result) {
+std::vector<StructureAtom> build_assembly(const gemmi::Structure& structure,
+                                          const gemmi::Model& model, const StructureText& text,
+                                          std::set<std::string>& names, StructureReport& report) {
+  const std::string& id = text.options.structure.assembly;
   const gemmi::Assembly& assembly = find_assembly(structure, id, text);
   check_description(assembly, id, text);
-  result.report.assembly = id;
-  AssemblyBuilder builder(model, text, checker, require_memory, result);
+  report.assembly = id;
+  AssemblyBuilder builder(model, text, names);
   for (const gemmi::Assembly::Gen& generator : assembly.generators) builder.add(generator);
-  builder.finish();
+  return builder.finish(report);
 }
 
 }  // namespace eses::detail

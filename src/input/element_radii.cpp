@@ -1,7 +1,6 @@
-#include "input/element_radii.hpp"
-
 #include <array>
-#include <cstddef>
+
+#include "input/radii_tables.hpp"
 
 namespace eses::detail {
 namespace {
@@ -49,32 +48,21 @@ constexpr std::array<ElementRadii, 103> radii_by_element{{
     {"Md", 0.00, 1.60}, {"No", 0.00, 1.59}, {"Lr", 0.00, 1.58},
 }};
 
-constexpr std::size_t no_element = radii_by_element.size();
-
-std::size_t index_of(std::string_view symbol) {
-  for (std::size_t i = 0; i < radii_by_element.size(); ++i)
-    if (radii_by_element[i].symbol == symbol) return i;
-  return no_element;
-}
-
-// Returns the atomic number of an element symbol. Deuterium has the number of hydrogen.
-std::size_t index_of_element(std::string_view symbol) {
-  return index_of(symbol == "D" ? "H" : symbol);
-}
-
-std::optional<double> radius_at(std::size_t index, double ElementRadii::*column) {
-  if (index == no_element || radii_by_element[index].*column == 0) return std::nullopt;
-  return radii_by_element[index].*column;
+std::optional<double> radius_in(double ElementRadii::*column, std::string_view symbol) {
+  if (symbol == "D") symbol = "H";
+  for (const ElementRadii& element : radii_by_element)
+    if (element.symbol == symbol && element.*column > 0) return element.*column;
+  return std::nullopt;
 }
 
 }  // namespace
 
 std::optional<double> bondi_radius(std::string_view element) {
-  return radius_at(index_of_element(element), &ElementRadii::bondi);
+  return radius_in(&ElementRadii::bondi, element);
 }
 
 std::optional<double> freesasa_element_radius(std::string_view element) {
-  return radius_at(index_of_element(element), &ElementRadii::freesasa);
+  return radius_in(&ElementRadii::freesasa, element);
 }
 
 }  // namespace eses::detail

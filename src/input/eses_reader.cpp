@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <cstdlib>
 #include <string>
@@ -25,46 +24,37 @@ constexpr std::int64_t max_atom = std::int64_t{std::numeric_limits<AtomIndex>::m
 class Fields {
  public:
   Fields(const LineReader& lines, std::string_view line)
-      : lines_(lines), begin_(line.data()), at_(begin_), end_(begin_ + line.size()) {}
+      : lines_(lines), line_(line), rest_(line) {}
 
   bool more() {
-    while (at_ != end_ && is_blank(*at_)) ++at_;
-    return at_ != end_;
+    rest_ = without_leading_blanks(rest_);
+    return !rest_.empty();
   }
 
   /// Returns a whole number from 0 to `largest`.
   std::int64_t index(std::string_view name, std::int64_t largest) {
-    more();
-    const char* const start = at_;
-    std::int64_t value = 0;
-    while (at_ != end_ && is_digit(*at_) && value <= largest) value = 10 * value + (*at_++ - '0');
-    if (at_ == start || !is_field_end(at_) || value > largest) {
-      refuse(start, name, formatted("a whole number from 0 to {}", largest));
-    }
-    return value;
+    const std::string_view field = take_first(rest_);
+    std::uint64_t value = 0;
+    if (!parse_integer(field, value) || value > static_cast<std::uint64_t>(largest))
+      refuse(field, name, formatted("a whole number from 0 to {}", largest));
+    return static_cast<std::int64_t>(value);
   }
 
   double number(std::string_view name) {
-    more();
-    const char* const start = at_;
+    const std::string_view field = take_first(rest_);
     double value = 0;
-    // std::from_chars reads everything that C prints. Other spellings are parsed again below.
-    const auto [stop, error] = std::from_chars(at_, end_, value);
-    at_ = stop;
-    if (error != std::errc{} || !is_field_end(stop)) value = number_in_other_spelling(start, name);
-    if (!std::isfinite(value)) refuse(start, name, "a finite number");
+    const std::errc error = parse_number(field, value);
+    if (error == std::errc::invalid_argument) refuse(field, name, "a number");
+    if (error != std::errc{}) refuse(field, name, "a number that double precision can hold");
+    if (!std::isfinite(value)) refuse(field, name, "a finite number");
     return value;
   }
 
   /// Returns whether a point is inside.
   bool sign(std::string_view name) {
-    more();
-    const char* const start = at_;
-    const bool inside = at_ == end_ || *at_ != '-';
-    if (!inside) ++at_;
-    const bool is_one = at_ != end_ && *at_++ == '1' && is_field_end(at_);
-    if (!is_one) refuse(start, name, "1 (inside) or -1 (outside)");
-    return inside;
+    const std::string_view field = take_first(rest_);
+    if (field != "1" && field != "-1") refuse(field, name, "1 (inside) or -1 (outside)");
+    return field == "1";
   }
 
   GridIndex indices(const std::array<std::string_view, 3>& names, std::int64_t largest) {
@@ -80,43 +70,22 @@ class Fields {
   }
 
   void expect_end() {
-    if (more()) refuse(at_, "", "the end of the line");
+    if (more()) refuse(take_first(rest_), "", "the end of the line");
   }
 
  private:
-  bool is_field_end(const char* at) const { return at == end_ || is_blank(*at); }
-
-  std::string_view rest_from(const char* start) const {
-    return {start, static_cast<std::size_t>(end_ - start)};
-  }
-
-  double number_in_other_spelling(const char* start, std::string_view name) {
-    std::string_view rest = rest_from(start);
-    double value = 0;
-    const std::errc error = parse_number(take_first(rest), value);
-    if (error == std::errc::invalid_argument) refuse(start, name, "a number");
-    if (error != std::errc{}) refuse(start, name, "a number that double precision can hold");
-    at_ = rest.data();
-    return value;
-  }
-
-  [[noreturn]] void refuse(const char* start, std::string_view name,
+  // `field` is a view of the line, even if it is empty.
+  [[noreturn]] void refuse(std::string_view field, std::string_view name,
                            std::string_view expected) const {
-    std::size_t number = 1;
-    for (std::string_view before(begin_, static_cast<std::size_t>(start - begin_));
-         !take_first(before).empty();)
-      ++number;
-    std::string_view rest = rest_from(start);
-    const std::string_view field = take_first(rest);
-    lines_.fail(formatted("field {}{}: expected {}, found {}", number,
+    const auto start = static_cast<std::size_t>(field.data() - line_.data());
+    lines_.fail(formatted("field {}{}: expected {}, found {}",
+                          count_fields(line_.substr(0, start)) + 1,
                           name.empty() ? "" : formatted(" ({})", name), expected,
                           field.empty() ? "the end of the line" : quoted(field)));
   }
 
   const LineReader& lines_;
-  const char* begin_;
-  const char* at_;
-  const char* end_;
+  std::string_view line_, rest_;
 };
 
 void check_is_in_grid(const LineReader& lines, const GridIndex& point, const GridIndex& size) {

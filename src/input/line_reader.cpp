@@ -15,10 +15,7 @@ static_assert(max_line_length < line_buffer_bytes);
 }  // namespace
 
 LineReader::LineReader(const std::filesystem::path& path)
-    : name_(path.string()),
-      file_(open_for_reading(path, name_)),
-      source_(file_.value(), name_),
-      buffer_(line_buffer_bytes) {}
+    : source_(path), buffer_(line_buffer_bytes) {}
 
 bool LineReader::next(std::string_view& line) {
   const auto find_end = [this] {
@@ -59,7 +56,7 @@ void LineReader::refill() {
 void LineReader::fail(std::string_view what) const { fail_at(line_, what); }
 
 void LineReader::fail_at(std::uint64_t line, std::string_view what) const {
-  fail_at_line(name_, line, what);
+  fail_at_line(source_.name(), line, what);
 }
 
 }  // namespace eses::detail

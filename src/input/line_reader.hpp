@@ -3,12 +3,10 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <string>
 #include <string_view>
 #include <vector>
 
 #include "input/text_source.hpp"
-#include "system/file_descriptor.hpp"
 
 namespace eses::detail {
 
@@ -34,8 +32,6 @@ class LineReader {
   void refill();
   [[noreturn]] void fail_at(std::uint64_t line, std::string_view what) const;
 
-  std::string name_;
-  FileDescriptor file_;
   TextSource source_;
   std::vector<char> buffer_;
   std::size_t begin_ = 0, end_ = 0;  // the unread part of the buffer

@@ -5,11 +5,8 @@
 // operator expressions are expanded here:
 // https://mmcif.wwpdb.org/dictionaries/mmcif_pdbx_v50.dic/Items/_pdbx_struct_assembly_gen.oper_expression.html
 
-#include "input/mmcif_assemblies.hpp"
-
 #include <algorithm>
 #include <cctype>
-#include <charconv>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -17,10 +14,9 @@
 #include <gemmi/mmcif.hpp>
 #include <map>
 #include <string_view>
-#include <system_error>
 
-#include "input/mmcif_text.hpp"
-#include "input/operator_limit.hpp"
+#include "input/mmcif_tables.hpp"
+#include "input/parse_structure.hpp"
 #include "input/text_fields.hpp"
 
 namespace eses::detail {
@@ -110,11 +106,9 @@ class OperatorTable {
   }
 
   static bool parse_range(std::string_view item, std::uint32_t& first, std::uint32_t& last) {
-    const char* const end = item.data() + item.size();
-    const auto [middle, first_fault] = std::from_chars(item.data(), end, first);
-    if (first_fault != std::errc{} || middle == end || *middle != '-') return false;
-    const auto [rest, last_fault] = std::from_chars(middle + 1, end, last);
-    return last_fault == std::errc{} && rest == end;
+    const std::size_t minus = item.find('-');
+    return minus != item.npos && parse_integer(item.substr(0, minus), first) &&
+           parse_integer(item.substr(minus + 1), last);
   }
 
   gemmi::Assembly::Operator find(const std::string& name, std::string_view expression) const {
@@ -168,10 +162,16 @@ void add_assemblies(gemmi::cif::Block& block, const std::string& chosen,
 
 }  // namespace
 
+bool is_assembly_table(const gemmi::cif::Item& item) {
+  return item.has_prefix("_pdbx_struct_assembly_gen.") ||
+         item.has_prefix("_pdbx_struct_oper_list.");
+}
+
 std::vector<gemmi::Assembly> read_assemblies(gemmi::cif::Block& block, const std::string& chosen) {
   std::vector<gemmi::Assembly> assemblies;
   std::string read;
   try {
+    check_tables(block, is_assembly_table);
     add_assemblies(block, chosen, assemblies, read);
   } catch (const MmcifError&) {
     if (!chosen.empty()) throw;

@@ -3,22 +3,20 @@
 // gemmi 0.5 also converts this table. It needs quadratic time for long chains, accepts coordinates
 // that are not numbers, and reports other faults without a line.
 
-#include "input/mmcif_atoms.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <gemmi/numb.hpp>
 #include <gemmi/resinfo.hpp>
 #include <initializer_list>
-#include <map>
 #include <stdexcept>
 #include <string>
-#include <tuple>
 #include <unordered_map>
 #include <utility>
 
-#include "input/mmcif_text.hpp"
+#include "input/chain_builder.hpp"
+#include "input/check_at.hpp"
+#include "input/mmcif_tables.hpp"
 #include "input/text_fields.hpp"
 
 namespace eses::detail {
@@ -35,13 +33,16 @@ struct Row {
 /// A column of the table of atoms. All values of a missing column are unknown.
 class Column {
  public:
-  /// Finds the first of these columns that the table has.
-  Column(const Loop& table, std::initializer_list<const char*> names) {
+  /// Finds the first of these columns that the table has. If it has none, throws MmcifError with
+  /// the name `required`, unless this is empty.
+  Column(const Loop& table, std::initializer_list<const char*> names,
+         const std::string& required = "") {
     for (const char* const name : names) {
       tag_ = std::string(atom_category) + name;
       index_ = table.find_tag(tag_);
       if (exists()) return;
     }
+    if (!required.empty()) throw MmcifError{0, "the _atom_site table lacks the column " + required};
   }
 
   bool exists() const { return index_ >= 0; }
@@ -90,19 +91,6 @@ class Column {
   int index_ = -1;
 };
 
-/// Throws MmcifError if the table lacks a column without a default.
-void require_columns(const Loop& table) {
-  const auto require = [&](const char* name, const char* other) {
-    if (!Column(table, {name, other}).exists())
-      throw MmcifError{0, std::string("the _atom_site table lacks the column ") + name};
-  };
-  require("type_symbol", "type_symbol");
-  require("label_atom_id", "auth_atom_id");
-  require("label_comp_id", "auth_comp_id");
-  for (const char* const name : {"Cartn_x", "Cartn_y", "Cartn_z"}) require(name, name);
-  require("auth_seq_id", "label_seq_id");
-}
-
 /// Returns whether the residue is a standard amino acid or nucleotide, as in ATOM records.
 bool is_standard_monomer(const std::string& residue_name) {
   const gemmi::ResidueInfo info = gemmi::find_tabulated_residue(residue_name);
@@ -112,24 +100,7 @@ bool is_standard_monomer(const std::string& residue_name) {
 /// Builds models from the rows of a table.
 class ModelBuilder {
  public:
-  explicit ModelBuilder(const Loop& table)
-      : group_(table, {"group_PDB"}),
-        element_(table, {"type_symbol"}),
-        atom_name_(table, {"auth_atom_id", "label_atom_id"}),
-        altloc_(table, {"label_alt_id"}),
-        residue_name_(table, {"auth_comp_id", "label_comp_id"}),
-        chain_(table, {"auth_asym_id", "label_asym_id"}),
-        subchain_(table, {"label_asym_id", "auth_asym_id"}),
-        entity_(table, {"label_entity_id"}),
-        number_(table, {"auth_seq_id", "label_seq_id"}),
-        label_number_(table, {"label_seq_id"}),
-        insertion_code_(table, {"pdbx_PDB_ins_code"}),
-        x_(table, {"Cartn_x"}),
-        y_(table, {"Cartn_y"}),
-        z_(table, {"Cartn_z"}),
-        occupancy_(table, {"occupancy"}),
-        b_factor_(table, {"B_iso_or_equiv"}),
-        model_number_(table, {"pdbx_PDB_model_num"}) {}
+  explicit ModelBuilder(const Loop& table) : table_(table) {}
 
   void add(const Row& row) {
     choose_chain(row);
@@ -143,16 +114,14 @@ class ModelBuilder {
   void choose_chain(const Row& row) {
     const std::string number = model_number_.text(row);
     const std::string model = number.empty() ? std::string("1") : number;
-    const std::string chain = chain_.text(row);
-    if (!models_.empty() && model == models_[model_].name) {
-      if (chain == models_[model_].chains.back().name) return;
-    } else {
+    const std::string chain = chain_name_.text(row);
+    if (models_.empty() || model != models_[model_].name) {
       const auto [found, is_new] = model_indices_.emplace(model, models_.size());
       if (is_new) models_.emplace_back(model);
       model_ = found->second;
+      chain_.end();
     }
-    models_[model_].chains.emplace_back(chain);
-    residue_indices_.clear();
+    if (!chain_.is_in(chain)) chain_.begin(models_[model_], chain);
   }
 
   // Finds or adds the residue of a row in the current chain.
@@ -162,20 +131,14 @@ class ModelBuilder {
     const gemmi::Residue::OptionalNum label_seq =
         label_number.empty() ? gemmi::Residue::OptionalNum()
                              : label_number_.residue_number(row, label_number);
-    std::vector<gemmi::Residue>& residues = models_[model_].chains.back().residues;
-    if (!residues.empty() && residues[residue_].matches(id)) return residues[residue_];
-    // The map ignores the case of insertion codes, as gemmi does.
-    const auto [found, is_new] = residue_indices_.emplace(
-        std::tuple(id.seqid.num.value, lower_case(id.seqid.icode), id.name), residues.size());
-    residue_ = found->second;
-    if (is_new) {
-      gemmi::Residue& residue = residues.emplace_back(id);
+    gemmi::Residue& residue = chain_.residue(id);
+    if (residue.atoms.empty()) {
       residue.label_seq = label_seq;
       residue.subchain = subchain_.text(row);
       residue.entity_id = entity_.text(row);
       residue.het_flag = is_hetatm(row, id.name) ? 'H' : 'A';
     }
-    return residues[residue_];
+    return residue;
   }
 
   gemmi::SeqId sequence_id_of(const Row& row) const {
@@ -211,24 +174,39 @@ class ModelBuilder {
     return atom;
   }
 
-  Column group_, element_, atom_name_, altloc_, residue_name_, chain_, subchain_, entity_, number_,
-      label_number_, insertion_code_, x_, y_, z_, occupancy_, b_factor_, model_number_;
+  const Loop& table_;
+  // The required columns come first, in the order in which they are reported.
+  Column element_{table_, {"type_symbol"}, "type_symbol"};
+  Column atom_name_{table_, {"auth_atom_id", "label_atom_id"}, "label_atom_id"};
+  Column residue_name_{table_, {"auth_comp_id", "label_comp_id"}, "label_comp_id"};
+  Column x_{table_, {"Cartn_x"}, "Cartn_x"};
+  Column y_{table_, {"Cartn_y"}, "Cartn_y"};
+  Column z_{table_, {"Cartn_z"}, "Cartn_z"};
+  Column number_{table_, {"auth_seq_id", "label_seq_id"}, "auth_seq_id"};
+  Column group_{table_, {"group_PDB"}};
+  Column altloc_{table_, {"label_alt_id"}};
+  Column chain_name_{table_, {"auth_asym_id", "label_asym_id"}};
+  Column subchain_{table_, {"label_asym_id", "auth_asym_id"}};
+  Column entity_{table_, {"label_entity_id"}};
+  Column label_number_{table_, {"label_seq_id"}};
+  Column insertion_code_{table_, {"pdbx_PDB_ins_code"}};
+  Column occupancy_{table_, {"occupancy"}};
+  Column b_factor_{table_, {"B_iso_or_equiv"}};
+  Column model_number_{table_, {"pdbx_PDB_model_num"}};
   std::vector<gemmi::Model> models_;
   std::unordered_map<std::string, std::size_t> model_indices_;
   std::size_t model_ = 0;  // index of the current model
-  // Indices of the residues of the current chain by number, insertion code and name.
-  std::map<std::tuple<int, char, std::string>, std::size_t> residue_indices_;
-  std::size_t residue_ = 0;  // index of the current residue
+  ChainBuilder chain_;
 };
 
 }  // namespace
 
 std::vector<gemmi::Model> read_models(const gemmi::cif::Loop& table,
-                                      const std::vector<std::uint64_t>& lines, Checker& checker) {
-  require_columns(table);
+                                      const std::vector<std::uint64_t>& lines,
+                                      const CheckCallback& check) {
   ModelBuilder builder(table);
   for (std::size_t row = 0; row < table.length(); ++row) {
-    checker.count();
+    check_at(row, check);
     builder.add({&table.values[row * table.width()], lines.at(row)});
   }
   return builder.take_models();

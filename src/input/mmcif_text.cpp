@@ -1,22 +1,18 @@
 // This file is valid C++17. Clang 14 cannot compile it as C++20, because the CIF documents of gemmi
 // 0.5 have vectors of an incomplete type.
 
-#include "input/mmcif_text.hpp"
-
 #include <algorithm>
 #include <cstddef>
 #include <gemmi/cif.hpp>
 #include <gemmi/mmcif.hpp>
-#include <initializer_list>
-#include <map>
-#include <new>
 #include <set>
 #include <utility>
 #include <vector>
 
-#include "input/mmcif_assemblies.hpp"
-#include "input/mmcif_atoms.hpp"
-#include "input/split_residues.hpp"
+#include "input/chain_builder.hpp"
+#include "input/check_at.hpp"
+#include "input/mmcif_tables.hpp"
+#include "input/parse_structure.hpp"
 #include "input/text_fields.hpp"
 
 namespace eses::detail {
@@ -29,29 +25,20 @@ using Item = gemmi::cif::Item;
 using ItemType = gemmi::cif::ItemType;
 using Loop = gemmi::cif::Loop;
 
-/// Returns whether a table has one of these categories, which are in lower case.
-bool has_category(const Item& item, std::initializer_list<const char*> categories) {
-  return std::any_of(categories.begin(), categories.end(),
-                     [&](const char* category) { return item.has_prefix(category); });
+bool is_atom_table(const Item& item) { return item.has_prefix(atom_category); }
+
+/// Returns whether a table has atoms or the types of entities. Prefixes are in lower case.
+bool is_needed_table(const Item& item) {
+  return is_atom_table(item) || item.has_prefix("_entity.") || item.has_prefix("_entity_poly.") ||
+         item.has_prefix("_struct_asym.");
 }
-
-bool is_atom_table(const Item& item) { return has_category(item, {atom_category}); }
-
-bool is_entity_table(const Item& item) {
-  return has_category(item, {"_entity.", "_entity_poly.", "_struct_asym."});
-}
-
-bool is_assembly_table(const Item& item) {
-  return has_category(item, {"_pdbx_struct_assembly_gen.", "_pdbx_struct_oper_list."});
-}
-
-bool is_needed_table(const Item& item) { return is_atom_table(item) || is_entity_table(item); }
 
 /// A document that has only the tags of loops that this program does not use.
 struct StructureDocument : gemmi::cif::Document {
-  explicit StructureDocument(Checker& its_checker) : checker(its_checker) {}
+  explicit StructureDocument(const CheckCallback& its_check) : check(its_check) {}
 
-  Checker& checker;
+  const CheckCallback& check;
+  std::uint64_t value_count = 0;          ///< number of values of loops
   bool keeps_values = false;              ///< whether the values of the current loop are kept
   std::vector<std::uint64_t> atom_lines;  ///< line numbers of the rows of the table of atoms
 };
@@ -75,7 +62,7 @@ template <>
 struct StructureAction<rules::loop_value> {
   template <class Input>
   static void apply(const Input& in, StructureDocument& document) {
-    document.checker.count();
+    check_at(++document.value_count, document.check);
     if (!document.keeps_values) return;
     const Item& table = document.items_->back();
     if (table.loop.values.size() % table.loop.tags.size() == 0 && is_atom_table(table))
@@ -102,9 +89,9 @@ std::string syntax_message(std::string_view rest) {
          "global_, save_ or stop_";
 }
 
-void parse_document(std::string_view text, const std::string& name, StructureDocument& document) {
+void parse_document(std::string_view text, StructureDocument& document) {
   try {
-    pegtl::memory_input<> in(text.data(), text.size(), name);
+    pegtl::memory_input<> in(text.data(), text.size(), "");
     pegtl::parse<rules::file, StructureAction, gemmi::cif::Errors>(in, document);
   } catch (const pegtl::parse_error& error) {
     const pegtl::position& at = error.positions().front();
@@ -156,37 +143,6 @@ Block& find_atom_block(StructureDocument& document) {
   return *found;
 }
 
-/// Throws MmcifError if a table that `is_used` accepts lacks values or has the same tag twice.
-void check_tables(const Block& block, bool (*is_used)(const Item& item)) {
-  std::set<std::string> tags;
-  for (const Item& item : block.items) {
-    if (!is_used(item)) continue;
-    const auto add_tag = [&](const std::string& tag) {
-      if (!tags.insert(gemmi::to_lower(tag)).second)
-        throw MmcifError{line_of(item), "duplicate tag " + tag};
-    };
-    if (item.type == ItemType::Pair) {
-      add_tag(item.pair[0]);
-      if (item.pair[1].empty()) throw MmcifError{line_of(item), item.pair[0] + " has no value"};
-    } else {
-      for (const std::string& tag : item.loop.tags) add_tag(tag);
-      if (item.loop.values.size() % item.loop.tags.size() != 0)
-        throw MmcifError{line_of(item), "wrong number of values in the loop"};
-    }
-  }
-}
-
-/// Returns the assemblies. Faults of their tables matter only if one is chosen.
-std::vector<gemmi::Assembly> find_assemblies(Block& block, const std::string& chosen) {
-  try {
-    check_tables(block, is_assembly_table);
-    return read_assemblies(block, chosen);
-  } catch (const MmcifError&) {
-    if (!chosen.empty()) throw;
-    return {};
-  }
-}
-
 /// Converts a table of one atom that is not a loop to a loop. Returns the line of its atom.
 std::uint64_t make_atom_loop(Block& block) {
   Item table{gemmi::cif::LoopArg{}};
@@ -217,13 +173,6 @@ Loop& atom_loop(Block& block, StructureDocument& document) {
   return loop->loop;
 }
 
-/// Removes all tables except the tables of entities. gemmi would read many of them, and fail at
-/// faults in tables that do not matter here.
-void keep_entity_tables(Block& block) {
-  for (Item& item : block.items)
-    if (!is_entity_table(item)) item.erase();
-}
-
 /// Lists the subchains of the entities by their atoms, where the file lacks _struct_asym.
 void add_subchains(gemmi::Structure& structure) {
   if (structure.models.empty()) return;
@@ -238,47 +187,63 @@ void add_subchains(gemmi::Structure& structure) {
 
 /// Gives residues the types of their entities. gemmi finds the entity by the subchain. If the file
 /// lacks _struct_asym, a subchain may have residues of several entities.
-void set_entity_types(gemmi::Structure& structure, bool has_subchains) {
+void set_entity_types(Block& block, gemmi::Structure& structure) {
+  for (const gemmi::cif::Table::Row row : block.find("_entity.", {"id", "type"}))
+    structure.entities.emplace_back(row.str(0)).entity_type =
+        gemmi::entity_type_from_string(row.str(1));
+  gemmi::cif::Table subchains = block.find("_struct_asym.", {"id", "entity_id"});
+  for (const gemmi::cif::Table::Row row : subchains)
+    if (gemmi::Entity* const entity = structure.get_entity(row.str(1)))
+      entity->subchains.push_back(row.str(0));
+  if (!subchains.ok()) add_subchains(structure);
   gemmi::impl::fill_residue_entity_type(structure);
-  if (has_subchains) return;
-  std::map<std::string, gemmi::EntityType> types;
-  for (const gemmi::Entity& entity : structure.entities)
-    if (entity.entity_type != gemmi::EntityType::Unknown)
-      types.emplace(entity.name, entity.entity_type);
+  if (subchains.ok()) return;
   for (gemmi::Model& model : structure.models)
     for (gemmi::Chain& chain : model.chains)
-      for (gemmi::Residue& residue : chain.residues)
-        if (const auto type = types.find(residue.entity_id); type != types.end())
-          residue.entity_type = type->second;
+      for (gemmi::Residue& residue : chain.residues) {
+        const gemmi::Entity* const entity = structure.get_entity(residue.entity_id);
+        if (entity != nullptr && entity->entity_type != gemmi::EntityType::Unknown)
+          residue.entity_type = entity->entity_type;
+      }
 }
 
 }  // namespace
 
-gemmi::Structure parse_mmcif_text(std::string_view text, const std::string& name,
-                                  const std::string& assembly, Checker& checker) {
+void check_tables(const Block& block, bool (*is_used)(const Item& item)) {
+  std::set<std::string> tags;
+  for (const Item& item : block.items) {
+    if (!is_used(item)) continue;
+    const auto add_tag = [&](const std::string& tag) {
+      if (!tags.insert(gemmi::to_lower(tag)).second)
+        throw MmcifError{line_of(item), "duplicate tag " + tag};
+    };
+    if (item.type == ItemType::Pair) {
+      add_tag(item.pair[0]);
+      if (item.pair[1].empty()) throw MmcifError{line_of(item), item.pair[0] + " has no value"};
+    } else {
+      for (const std::string& tag : item.loop.tags) add_tag(tag);
+      if (item.loop.values.size() % item.loop.tags.size() != 0)
+        throw MmcifError{line_of(item), "wrong number of values in the loop"};
+    }
+  }
+}
+
+gemmi::Structure parse_mmcif_text(std::string_view text, std::string_view name,
+                                  const std::string& assembly, const CheckCallback& check) {
   try {
-    StructureDocument document(checker);
-    parse_document(text, name, document);
+    StructureDocument document(check);
+    parse_document(text, document);
     Block& block = find_atom_block(document);
     check_tables(block, is_needed_table);
-    checker.check();
-    std::vector<gemmi::Assembly> assemblies = find_assemblies(block, assembly);
-    std::vector<gemmi::Model> models =
-        read_models(atom_loop(block, document), document.atom_lines, checker);
-    checker.check();
-    keep_entity_tables(block);
-    gemmi::Structure structure = gemmi::make_structure_from_block(block);
-    structure.assemblies = std::move(assemblies);
-    structure.models = std::move(models);
+    gemmi::Structure structure;
+    structure.input_format = gemmi::CoorFormat::Mmcif;
+    structure.assemblies = read_assemblies(block, assembly);
+    structure.models = read_models(atom_loop(block, document), document.atom_lines, check);
     split_residues(structure);
-    const bool has_subchains = block.find("_struct_asym.", {"id", "entity_id"}).ok();
-    if (!has_subchains) add_subchains(structure);
-    set_entity_types(structure, has_subchains);
+    set_entity_types(block, structure);
     return structure;
-  } catch (const std::bad_alloc&) {
-    throw;
-  } catch (const std::exception& error) {
-    throw MmcifError{0, error.what()};
+  } catch (const MmcifError& error) {
+    fail_at_line(name, error.line, error.message);
   }
 }
 

@@ -32,54 +32,45 @@ constexpr std::string_view pymol = "convert it with `pymol -cq FILE -d 'save FIL
 constexpr std::string_view trajectory =
     "write one frame with `mdconvert FILE -t TOPOLOGY -i 0 -o FILE.pdb`";
 
-constexpr OtherFormat mol2{"Tripos MOL2", ".mol2", open_babel};
-constexpr OtherFormat sdf{"MDL molfile or SDF", ".sdf .mol .sd", open_babel};
-constexpr OtherFormat prmtop{"Amber topology", ".prmtop .parm7", amber};
-constexpr OtherFormat netcdf{"Amber NetCDF", ".nc .ncrst .ncdf", cpptraj};
-constexpr OtherFormat hdf5{
-    "HDF5", ".h5 .h5md",
-    "write one frame as PDB; for files of MDTraj use `mdconvert FILE -i 0 -o FILE.pdb`"};
-constexpr OtherFormat psf{
-    "CHARMM PSF", ".psf",
-    "it has no coordinates; pass the PDB file that belongs to it, which is read directly"};
-constexpr OtherFormat dcd{"DCD trajectory", ".dcd", trajectory};
-constexpr OtherFormat xtc{"GROMACS trajectory", ".xtc .trr", gromacs_trajectory};
-constexpr OtherFormat mmjson{"mmJSON", ".json", "convert it with `gemmi convert FILE FILE.cif`"};
-constexpr OtherFormat mmtf{"MMTF", ".mmtf",
-                           "convert it with `pymol -cq FILE -d 'save FILE.cif'`, or get the entry "
-                           "as .cif"};
-constexpr OtherFormat bcif{"BinaryCIF", ".bcif",
-                           "get the entry as .cif or .cif.gz, which are read directly"};
-constexpr OtherFormat pdbqt{"AutoDock PDBQT", ".pdbqt", open_babel};
-
 constexpr std::array other_formats{
-    mol2,
-    sdf,
-    prmtop,
-    psf,
-    dcd,
-    xtc,
-    mmjson,
-    mmtf,
-    bcif,
-    pdbqt,
-    netcdf,
-    hdf5,
+    OtherFormat{"Tripos MOL2", ".mol2", open_babel},
+    OtherFormat{"MDL molfile or SDF", ".sdf .mol .sd", open_babel},
+    OtherFormat{"Amber topology", ".prmtop .parm7", amber},
     OtherFormat{"Amber restart", ".inpcrd .rst7 .rst", amber},
+    OtherFormat{"Amber NetCDF", ".nc .ncrst .ncdf", cpptraj},
+    OtherFormat{"HDF5", ".h5 .h5md",
+                "write one frame as PDB; for files of MDTraj use `mdconvert FILE -i 0 -o "
+                "FILE.pdb`"},
+    OtherFormat{"CHARMM PSF", ".psf",
+                "it has no coordinates; pass the PDB file that belongs to it, which is read "
+                "directly"},
+    OtherFormat{"CHARMM coordinate", ".crd .cor", open_babel},
+    OtherFormat{"DCD trajectory", ".dcd", trajectory},
+    OtherFormat{"GROMACS trajectory", ".xtc .trr", gromacs_trajectory},
+    OtherFormat{"GROMACS coordinate", ".gro .g96 .tpr", gromacs},
     OtherFormat{"GROMACS or Amber topology", ".top",
                 "it has no coordinates; with GROMACS use `gmx editconf -f FILE.gro -o FILE.pdb`, "
                 "with Amber `ambpdb -p FILE.top -c FILE.inpcrd -pqr > FILE.pqr`"},
+    OtherFormat{"mmJSON", ".json", "convert it with `gemmi convert FILE FILE.cif`"},
+    OtherFormat{"MMTF", ".mmtf",
+                "convert it with `pymol -cq FILE -d 'save FILE.cif'`, or get the entry as .cif"},
+    OtherFormat{"BinaryCIF", ".bcif", "get the entry as .cif or .cif.gz, which are read directly"},
+    OtherFormat{"AutoDock PDBQT", ".pdbqt", open_babel},
     OtherFormat{"PyMOL session", ".pse", pymol},
     OtherFormat{"ChimeraX session", ".cxs",
                 "convert it with `chimerax --nogui --exit --cmd 'open FILE; save FILE.pdb'`"},
     OtherFormat{"XYZ", ".xyz", open_babel},
-    OtherFormat{"CHARMM coordinate", ".crd .cor", open_babel},
-    OtherFormat{"GROMACS coordinate", ".gro .g96 .tpr", gromacs},
     OtherFormat{"Maestro", ".mae .maegz", pymol},
 };
 
-[[noreturn]] void refuse(std::string_view name, const OtherFormat& format) {
-  throw Error(formatted("{}: {} files are not read; {}", name, format.name, format.advice));
+/// Throws Error if a suffix belongs to one of these formats.
+void refuse_suffix(std::string_view name, std::string_view suffix) {
+  for (const OtherFormat& format : other_formats) {
+    std::string_view suffixes = format.suffixes;
+    while (!suffixes.empty())
+      if (take_first(suffixes) == suffix)
+        throw Error(formatted("{}: {} files are not read; {}", name, format.name, format.advice));
+  }
 }
 
 /// Returns the first line that is neither blank nor a comment.
@@ -98,38 +89,39 @@ bool is_molfile(std::string_view text) {
   return counts.ends_with("V2000") || counts.ends_with("V3000");
 }
 
-/// Magic bytes of a binary format.
+/// First bytes of the files of a format.
 struct Magic {
   std::size_t offset;
   std::string_view bytes;
-  const OtherFormat* format;
+  std::string_view suffix;  ///< a suffix of the format
 };
 
 constexpr std::array magics{
-    Magic{0, {"\0\0\x07\xcb", 4}, &xtc}, Magic{0, {"\0\0\x07\xc9", 4}, &xtc},
-    Magic{4, {"CORD", 4}, &dcd},         Magic{0, {"%VERSION", 8}, &prmtop},
-    Magic{0, {"PSF ", 4}, &psf},         Magic{0, {"CDF\1", 4}, &netcdf},
-    Magic{0, {"CDF\2", 4}, &netcdf},     Magic{0, {"\x89HDF\r\n", 6}, &hdf5},
+    Magic{0, {"\0\0\x07\xcb", 4}, ".xtc"}, Magic{0, {"\0\0\x07\xc9", 4}, ".trr"},
+    Magic{4, {"CORD", 4}, ".dcd"},         Magic{0, {"%VERSION", 8}, ".prmtop"},
+    Magic{0, {"PSF ", 4}, ".psf"},         Magic{0, {"CDF\1", 4}, ".nc"},
+    Magic{0, {"CDF\2", 4}, ".nc"},         Magic{0, {"\x89HDF\r\n", 6}, ".h5"},
 };
 
 // Maximum distance from the start of a MessagePack map at which these formats have their first
 // keys.
 constexpr std::size_t message_pack_head = 512;  // bytes
 
-const OtherFormat* format_by_content(std::string_view text) {
+/// Returns a suffix of the format that the start of a text has; empty if it is none of these.
+std::string_view suffix_by_content(std::string_view text) {
   for (const Magic& magic : magics)
     if (text.size() >= magic.offset && text.substr(magic.offset).starts_with(magic.bytes))
-      return magic.format;
+      return magic.suffix;
   const std::string_view line = first_line(text);
-  if (line.starts_with("@<TRIPOS>")) return &mol2;
-  if (line.starts_with("{")) return &mmjson;
+  if (line.starts_with("@<TRIPOS>")) return ".mol2";
+  if (line.starts_with("{")) return ".json";
   const std::string_view head = text.substr(0, message_pack_head);
   const bool is_map = !text.empty() && static_cast<unsigned char>(text.front()) >= 0x80;
-  if (is_map && head.find("mmtfVersion") != head.npos) return &mmtf;
+  if (is_map && head.find("mmtfVersion") != head.npos) return ".mmtf";
   if (is_map && (head.find("dataBlocks") != head.npos || head.find("encoder") != head.npos))
-    return &bcif;
-  if (is_molfile(text)) return &sdf;
-  return nullptr;
+    return ".bcif";
+  if (is_molfile(text)) return ".sdf";
+  return {};
 }
 
 /// Throws Error if a text starts with the byte order mark of UTF-16 or UTF-32.
@@ -164,20 +156,14 @@ std::string input_suffix(const std::filesystem::path& path) {
 }
 
 void refuse_other_suffix(const std::filesystem::path& path) {
-  const std::string suffix = input_suffix(path);
-  if (suffix.empty()) return;
-  for (const OtherFormat& format : other_formats) {
-    std::string_view suffixes = format.suffixes;
-    for (std::string_view one = take_first(suffixes); !one.empty(); one = take_first(suffixes))
-      if (one == suffix) refuse(path.string(), format);
-  }
+  refuse_suffix(path.string(), input_suffix(path));
 }
 
 std::string_view checked_text(std::string_view text, std::string_view name, AtomFormat format) {
   constexpr std::string_view byte_order_mark = "\xef\xbb\xbf";
   refuse_wide_characters(text, name);
   if (text.starts_with(byte_order_mark)) text.remove_prefix(byte_order_mark.size());
-  if (const OtherFormat* const other = format_by_content(text)) refuse(name, *other);
+  refuse_suffix(name, suffix_by_content(text));
   const AtomFormat found = structure_format_of(text);
   const bool is_kept_header = found == AtomFormat::pdb && format == AtomFormat::pqr;
   if (is_structure(found) && found != format && !is_kept_header)

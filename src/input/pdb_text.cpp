@@ -1,34 +1,26 @@
 // Avoids the dependence of gemmi on stb_sprintf, which is another package in Debian.
 #define USE_STD_SNPRINTF
 
-#include "input/pdb_text.hpp"
-
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <cstdio>
-#include <cstring>
-#include <exception>
 #include <gemmi/pdb.hpp>
 #include <gemmi/resinfo.hpp>
-#include <iterator>
-#include <map>
-#include <new>
 #include <optional>
-#include <span>
 #include <string>
 #include <system_error>
+#include <utility>
 #include <vector>
 
 #include "eses/error.hpp"
 #include "input/atom_reader.hpp"
-#include "input/messages.hpp"
+#include "input/chain_builder.hpp"
+#include "input/check_at.hpp"
+#include "input/parse_structure.hpp"
 #include "input/pdb_elements.hpp"
 #include "input/pqr_records.hpp"
-#include "input/split_residues.hpp"
 #include "input/text_fields.hpp"
 #include "system/formatted.hpp"
 
@@ -43,10 +35,17 @@ struct Columns {
 };
 
 // https://www.wwpdb.org/documentation/file-format-content/format33/sect9.html
-constexpr Columns serial_columns{6, 5}, name_columns{12, 4}, residue_columns{17, 3};
-constexpr Columns chain_columns{20, 2}, occupancy_columns{54, 6}, element_columns{76, 2};
+constexpr Columns name_columns{12, 4}, residue_columns{17, 3}, chain_columns{20, 2};
 constexpr std::array<Columns, 3> coordinate_columns{{{30, 8}, {38, 8}, {46, 8}}};
-constexpr std::size_t charge_column = 78, record_width = 80;
+constexpr Columns occupancy_columns{54, 6}, b_factor_columns{60, 6}, segment_columns{72, 4};
+constexpr Columns element_columns{76, 2};
+constexpr std::size_t altloc_column = 16, number_column = 22;
+// The charges in the last two columns are not used: old files have line numbers there.
+constexpr std::size_t end_of_fields = 78, record_width = 80;
+
+// REMARK 350: https://www.wwpdb.org/documentation/file-format-content/format33/remarks1.html
+constexpr std::size_t remark_column = 11;
+constexpr std::string_view operator_type = "  BIOMT";
 
 /// Returns the text of a field without blanks around it. The record may be too short.
 std::string_view field_of(std::string_view record, const Columns& columns) {
@@ -58,13 +57,14 @@ std::string type_of(std::string_view record) {
   return lower_case(std::string(without_trailing_blanks(record.substr(0, 6))));
 }
 
-/// Looks at four characters, as gemmi does, because records of more than 99999 atoms may have a
+bool is_hetatm_record(std::string_view record) { return starts_with_ignoring_case(record, "heta"); }
+
+/// Looks at four characters, because records of more than 99999 atoms may have a
 /// serial number in the sixth column.
 bool is_atom_record(std::string_view record) {
-  return starts_with_ignoring_case(record, "atom") || starts_with_ignoring_case(record, "heta");
+  return starts_with_ignoring_case(record, "atom") || is_hetatm_record(record);
 }
 
-// https://www.wwpdb.org/documentation/file-format-content/format33/remarks1.html#REMARK%20350
 bool is_assembly_record(std::string_view record) {
   return starts_with_ignoring_case(record, "remark 350");
 }
@@ -107,17 +107,16 @@ std::string_view long_residue_of(std::string_view record) {
 /// The lines of a PDB text, with their numbers.
 class PdbLines {
  public:
-  PdbLines(std::string_view text, std::string_view name, Checker& checker)
+  PdbLines(std::string_view text, std::string_view name, const CheckCallback& check)
       : rest_(text),
         name_(name),
-        checker_(checker),
+        check_(check),
         padding_size_(text.size() - (text.find_last_not_of(padding) + 1)) {}
 
   /// Returns the next line without its end, or nothing at the end of the text.
   std::optional<std::string_view> next() {
     if (rest_.empty()) return std::nullopt;
-    checker_.count();
-    ++number_;
+    check_at(++number_, check_);
     std::string_view line = take_line(rest_);
     // NUL characters are accepted as padding at the end of the text.
     if (rest_.size() <= padding_size_)
@@ -134,7 +133,7 @@ class PdbLines {
   static constexpr std::string_view padding{"\0\r\n ", 4};
 
   std::string_view rest_, name_;
-  Checker& checker_;
+  const CheckCallback& check_;
   std::size_t padding_size_;  // number of characters of padding at the end of the text
   std::uint64_t number_ = 0;
 };
@@ -173,39 +172,82 @@ PdbLayout layout_of(PdbLines lines) {
 
 // ---------------------------------------------------------------------------------------- records
 
-/// An input stream of gemmi with the records of a PDB text that matter here, in the columns and
-/// the order that gemmi expects. Replaces the serial numbers of atoms by their line numbers.
-/// Checks coordinates, because gemmi reads invalid numbers as 0.
-class PdbRecords {
+/// Builds a structure from the records of a PDB text that matter here. gemmi has a reader of PDB
+/// files, too. It reads invalid numbers as 0, takes the fourth letter of a residue name for a part
+/// of the chain name, and knows neither line numbers nor model numbers of more than four digits.
+class PdbReader {
  public:
-  PdbRecords(PdbLines lines, bool needs_assemblies)
+  PdbReader(PdbLines lines, bool needs_assemblies)
       : lines_(lines), all_lines_(lines), needs_assemblies_(needs_assemblies) {}
 
-  const PdbLines& lines() const { return lines_; }
-  bool has_atoms() const { return has_atoms_; }
-
-  // The interface of gemmi's streams; the functions are like the functions of <cstdio>. All records
-  // end with a line feed within the buffer, so there is nothing left for getc().
-  char* gets(char* buffer, int size) {
-    record_ = std::span(buffer, static_cast<std::size_t>(size));
-    if (has_pending_model_) return write_pending_model();
+  gemmi::Structure read() {
+    structure_.input_format = gemmi::CoorFormat::Pdb;
     while (const std::optional<std::string_view> line = lines_.next()) {
-      check_characters(*line);
-      if (is_atom_record(*line)) return write_atom(*line);
-      if (is_assembly_record(*line)) return write_operator(*line);
       const std::string type = type_of(*line);
-      if (is_model_type(type)) return write_model(*line);
-      if (type == "endmdl") is_in_model_ = false;
-      const bool has_other_format = type.starts_with("data_") || type.starts_with('{');
-      if (type == "endmdl" || type == "end" || type == "ter" || has_other_format)
-        return write(*line);
+      add_record(*line, type);
+      if (type == "end") break;
     }
-    return nullptr;
+    require_whole_operator();
+    refuse_further_atoms();
+    if (!has_atoms_) throw Error(no_atoms_message(lines_.name(), AtomFormat::pdb, lines_.number()));
+    split_residues(structure_);
+    return std::move(structure_);
   }
 
-  static int getc() { return EOF; }
+ private:
+  void add_record(std::string_view line, const std::string& type) {
+    check_characters(line);
+    // The fields of gemmi need all columns.
+    record_.assign(line.substr(0, record_width)).resize(record_width, ' ');
+    if (is_atom_record(line)) {
+      add_atom(line);
+    } else if (is_assembly_record(line)) {
+      add_to_assembly(line);
+    } else if (is_model_type(type)) {
+      line.remove_prefix(std::string_view("model").size());
+      begin_model(take_first(line));
+    } else if (type == "endmdl") {
+      is_in_model_ = false;
+    } else if (type == "ter") {
+      end_polymer();
+    } else if (!is_in_model_) {
+      refuse_other_format(line);
+    }
+  }
 
-  /// Reads the lines after the record at which gemmi stops. Throws Error if there are atoms.
+  void check_characters(std::string_view line) const {
+    if (line.find('\0') != line.npos)
+      lines_.fail("the line has a NUL character; the file seems to be damaged");
+    if (line.find('\r') != line.npos)
+      lines_.fail("carriage return inside the line; expected LF or CRLF line ends");
+  }
+
+  // A tab stands for several columns, so that the fields after it are not in theirs.
+  void check_columns(std::string_view line) const {
+    if (const std::size_t tab = without_trailing_blanks(line).substr(0, end_of_fields).find('\t');
+        tab != line.npos)
+      lines_.fail(formatted(
+          "tab in column {}; fields of PDB records have fixed columns; replace the tabs by blanks",
+          tab + 1));
+  }
+
+  double number_in(std::string_view line, const Columns& columns, std::string_view what) const {
+    const std::string_view field = field_of(line, columns);
+    double value = 0;
+    if (parse_number(field, value) != std::errc{} || !std::isfinite(value))
+      lines_.fail(formatted("expected a number for {} in columns {} to {}, found {}", what,
+                            columns.first + 1, columns.first + columns.width, quoted(field)));
+    return value;
+  }
+
+  void refuse_other_format(std::string_view line) const {
+    for (const auto& [start, format] : {std::pair("data_", "cif"), std::pair("{\"data_", "mmJSON")})
+      if (starts_with_ignoring_case(line, start))
+        lines_.fail(formatted("incorrect file format (perhaps it is {} not pdb?): {}", format,
+                              lines_.name()));
+  }
+
+  // Reads the lines after an END record. Throws Error if there are atoms.
   void refuse_further_atoms() {
     const std::uint64_t last_line = lines_.number();
     while (const std::optional<std::string_view> line = lines_.next())
@@ -216,89 +258,52 @@ class PdbRecords {
             "ENDMDL, without END");
   }
 
-  /// Throws Error if the last operator lacks rows.
-  void require_whole_operator() const {
-    if (operator_rows_ != 0)
-      lines_.fail(formatted("expected the record BIOMT{} of an operator", operator_rows_ + 1));
-  }
-
-  /// Gives models and residues the names that gemmi cannot read.
-  void restore_names(gemmi::Structure& structure) const {
-    for (std::size_t i = 0; i < structure.models.size(); ++i) {
-      structure.models[i].name = std::to_string(model_numbers_.at(i));
-      if (residue_names_.empty()) continue;
-      for (gemmi::Chain& chain : structure.models[i].chains)
-        for (gemmi::Residue& residue : chain.residues) restore_name(residue);
-    }
-  }
-
- private:
-  void check_characters(std::string_view line) const {
-    if (line.find('\0') != line.npos)
-      lines_.fail("the line has a NUL character; the file seems to be damaged");
-    if (line.find('\r') != line.npos)
-      lines_.fail("carriage return inside the line; expected LF or CRLF line ends");
-  }
-
-  // A tab stands for several columns, so that the fields after it are not in theirs.
-  void check_columns(std::string_view line) const {
-    if (const std::size_t tab = without_trailing_blanks(line).substr(0, charge_column).find('\t');
-        tab != line.npos)
-      lines_.fail(formatted(
-          "tab in column {}; fields of PDB records have fixed columns; replace the tabs by blanks",
-          tab + 1));
-  }
-
-  // Writes a record with all its columns, as gemmi would otherwise read the rest of an earlier one.
-  char* write(std::string_view record) {
-    std::memset(record_.data(), ' ', record_width);
-    std::memcpy(record_.data(), record.data(), std::min(record.size(), record_width));
-    record_[record_width] = '\n';
-    record_[record_width + 1] = '\0';
-    return record_.data();
-  }
-
-  void write_field(const Columns& columns, std::string_view text) {
-    std::memset(&record_[columns.first], ' ', columns.width);
-    std::memcpy(&record_[columns.first + columns.width - text.size()], text.data(), text.size());
-  }
-
   // ---------------------------------------------------------------------------------------- atoms
 
-  char* write_atom(std::string_view line) {
+  void add_atom(std::string_view line) {
     check_columns(line);
-    constexpr std::size_t end_of_coordinates =
-        coordinate_columns.back().first + coordinate_columns.back().width;
-    if (line.size() < end_of_coordinates)
+    if (line.size() < occupancy_columns.first)
       lines_.fail("the record ends before its coordinates; the file seems to be damaged");
-    for (std::size_t axis = 0; axis < 3; ++axis)
-      check_number(line, coordinate_columns[axis], std::string_view("xyz").substr(axis, 1));
+    gemmi::Atom atom;
+    atom.pos = {number_in(line, coordinate_columns[0], "x"),
+                number_in(line, coordinate_columns[1], "y"),
+                number_in(line, coordinate_columns[2], "z")};
     require_whole_operator();
-    // gemmi begins a model at an atom outside of models, too.
-    if (!is_in_model_) begin_model(std::nullopt);
+    if (!is_in_model_) begin_model({});
     has_atoms_ = true;
-    // The charges are not used: old files have line numbers in these columns.
-    write(line.substr(0, charge_column));
-    write_line_number();
-    if (field_of(line, occupancy_columns).empty()) write_field(occupancy_columns, "1.00");
-    const std::string_view residue = write_residue(line);
-    if (!has_element(line))
-      write_field(element_columns,
-                  element_by_name(line.substr(name_columns.first, name_columns.width), residue,
-                                  layout().is_left_aligned));
-    return record_.data();
+    gemmi::Residue& residue = residue_of(line);
+    atom.serial = static_cast<int>(lines_.number());
+    atom.name = field_of(line, name_columns);
+    atom.altloc = gemmi::pdb_impl::read_altloc(record_[altloc_column]);
+    atom.element = element_of(line, residue.name);
+    if (!field_of(line, occupancy_columns).empty()) atom.occ = float_in(occupancy_columns);
+    atom.b_iso = float_in(b_factor_columns);
+    residue.atoms.push_back(std::move(atom));
   }
 
-  // Removes the fourth letter of a residue name, which gemmi would read as a part of the chain
-  // name. Returns the residue name.
-  std::string_view write_residue(std::string_view line) {
+  float float_in(const Columns& columns) const {
+    return static_cast<float>(
+        gemmi::pdb_impl::read_double(&record_[columns.first], static_cast<int>(columns.width)));
+  }
+
+  gemmi::Residue& residue_of(std::string_view line) {
     const std::string_view long_name = long_residue_of(line);
     const bool is_long = !long_name.empty() && is_long_residue(long_name);
-    if (is_long) record_[chain_columns.first] = ' ';
-    const std::string_view change = is_long ? long_name : std::string_view();
-    if (residue_names_.empty() ? is_long : residue_names_.rbegin()->second != change)
-      residue_names_.emplace_hint(residue_names_.end(), lines_.number(), change);
-    return is_long ? long_name : field_of(line, residue_columns);
+    Columns columns = chain_columns;
+    if (is_long) columns = {columns.first + 1, columns.width - 1};
+    const std::string chain(field_of(line, columns));
+    if (!chain_.is_in(chain)) begin_chain(chain);
+    const std::string_view name = is_long ? long_name : field_of(line, residue_columns);
+    gemmi::Residue& residue =
+        chain_.residue({gemmi::pdb_impl::read_seq_id(&record_[number_column]),
+                        std::string(field_of(line, segment_columns)), std::string(name)});
+    if (residue.atoms.empty()) {
+      residue.het_flag = is_hetatm_record(line) ? 'H' : 'A';
+      if (is_after_polymer_)
+        residue.entity_type =
+            residue.is_water() ? gemmi::EntityType::Water : gemmi::EntityType::NonPolymer;
+    }
+    return residue;
   }
 
   bool is_long_residue(std::string_view name) {
@@ -308,12 +313,17 @@ class PdbRecords {
     return (is_known_long_residue(name) || !is_known) && !layout().has_long_chain_names;
   }
 
-  void restore_name(gemmi::Residue& residue) const {
-    const auto line = static_cast<std::uint64_t>(residue.atoms.front().serial);
-    const auto next = residue_names_.upper_bound(line);
-    if (next == residue_names_.begin()) return;
-    const std::string& name = std::prev(next)->second;
-    if (!name.empty()) residue.name = name;
+  gemmi::Element element_of(std::string_view line, std::string_view residue) {
+    if (has_element(line)) return gemmi::Element(&record_[element_columns.first]);
+    const std::string_view columns = line.substr(name_columns.first, name_columns.width);
+    const std::string symbol = element_by_name(columns, residue, layout().is_left_aligned);
+    if (!symbol.empty()) return gemmi::Element(symbol);
+    // As in gemmi: names of hydrogens may fill all columns, and a digit may stand before or after a
+    // symbol of one letter.
+    if (gemmi::alpha_up(columns[0]) == 'H' && columns[3] != ' ') return gemmi::El::H;
+    for (const std::size_t i : {0, 1})
+      if (is_digit(columns[i])) return gemmi::impl::find_single_letter_element(columns[1 - i]);
+    return gemmi::Element(columns.data());
   }
 
   const PdbLayout& layout() {
@@ -321,124 +331,119 @@ class PdbRecords {
     return *layout_;
   }
 
-  void check_number(std::string_view line, const Columns& columns, std::string_view what) const {
-    const std::string_view field = field_of(line, columns);
-    double value = 0;
-    if (parse_number(field, value) != std::errc{} || !std::isfinite(value))
-      lines_.fail(formatted("expected a number for {} in columns {} to {}, found {}", what,
-                            columns.first + 1, columns.first + columns.width, quoted(field)));
-  }
+  // ----------------------------------------------------------------------------- models and chains
 
-  // Writes the line number as five digits or, from 100000 on, as a hybrid-36 number, which gemmi
-  // can read: http://cci.lbl.gov/hybrid_36
-  void write_line_number() {
-    constexpr std::uint64_t first_hybrid = 100000, hybrid_offset = 16796160, hybrid_end = 60466176;
-    std::uint64_t number = lines_.number();
-    const unsigned base = number < first_hybrid ? 10 : 36;
-    if (number >= first_hybrid) number += hybrid_offset - first_hybrid;
-    if (number >= hybrid_end) lines_.fail("too many lines for a PDB file");
-    for (std::size_t digit = serial_columns.width; digit-- > 0; number /= base)
-      record_[serial_columns.first + digit] = "0123456789ABCDEFGHIJKLMNOPQRSTUVWXYZ"[number % base];
-  }
-
-  // ------------------------------------------------------------------------ models and assemblies
-
-  // Begins a model with the number in the field, or with its ordinal number if there is none.
-  void begin_model(const std::optional<std::string_view>& field) {
+  // Begins a model with the number in the field, or with its ordinal number if there is none. Some
+  // programs do not write the end of the previous model.
+  void begin_model(std::string_view field) {
     constexpr std::size_t max_models = 9999;
-    if (model_numbers_.size() == max_models)
+    std::vector<gemmi::Model>& models = structure_.models;
+    if (models.size() == max_models)
       lines_.fail(formatted("more than {} models; split the file", max_models));
-    int number = static_cast<int>(model_numbers_.size()) + 1;
-    if (field && !field->empty()) {
-      const char* const end = field->data() + field->size();
-      const auto [rest, fault] = std::from_chars(field->data(), end, number);
-      if (fault != std::errc{} || rest != end)
-        lines_.fail(formatted("expected the number of the model, found {}", quoted(*field)));
-    }
-    if (std::find(model_numbers_.begin(), model_numbers_.end(), number) != model_numbers_.end())
+    int number = static_cast<int>(models.size()) + 1;
+    if (!field.empty() && !parse_integer(field, number))
+      lines_.fail(formatted("expected the number of the model, found {}", quoted(field)));
+    if (structure_.find_model(std::to_string(number)) != nullptr)
       lines_.fail(formatted("there are two models {}; give them different numbers", number));
-    model_numbers_.push_back(number);
+    models.emplace_back(std::to_string(number));
     is_in_model_ = true;
+    chain_.end();
   }
 
-  // Ends the previous model, as some programs do not write its end.
-  char* write_model(std::string_view line) {
-    const bool has_open_model = is_in_model_;
-    line.remove_prefix(std::string_view("model").size());
-    begin_model(take_first(line));
-    has_pending_model_ = has_open_model;
-    return has_open_model ? write("ENDMDL") : write_pending_model();
+  // After the polymer of a chain, the chain may have ligands and water.
+  void begin_chain(const std::string& name) {
+    gemmi::Model& model = structure_.models.back();
+    const gemmi::Chain* const earlier = model.find_chain(name);
+    is_after_polymer_ =
+        earlier != nullptr && earlier->residues.front().entity_type == gemmi::EntityType::Polymer;
+    chain_.begin(model, name);
   }
 
-  // Writes the ordinal number, as gemmi reads only four digits.
-  char* write_pending_model() {
-    has_pending_model_ = false;
-    return write(formatted("MODEL     {:4}", model_numbers_.size()));
+  void end_polymer() {
+    if (!is_in_model_ || chain_.chain() == nullptr || is_after_polymer_) return;
+    for (gemmi::Residue& residue : chain_.chain()->residues)
+      residue.entity_type = gemmi::EntityType::Polymer;
+    is_after_polymer_ = true;
   }
 
-  // gemmi would read invalid numbers as 0, and take missing rows from the identity.
-  char* write_operator(std::string_view line) {
+  // ------------------------------------------------------------------------------------ assemblies
+
+  void add_to_assembly(std::string_view line) {
     if (needs_assemblies_) check_operator(line);
-    return write(line);
+    constexpr std::string_view key = "BIOMOLECULE:";
+    constexpr std::size_t chains_column = 41;
+    const std::string_view remark = std::string_view(record_).substr(remark_column);
+    std::vector<gemmi::Assembly>& assemblies = structure_.assemblies;
+    if (remark.starts_with(key)) {
+      assemblies.emplace_back(std::string(trimmed(line.substr(remark_column + key.size()))));
+      return;
+    }
+    if (assemblies.empty()) return;
+    std::vector<gemmi::Assembly::Gen>& generators = assemblies.back().generators;
+    const bool begins_list = remark.starts_with("APPLY THE FOLLOWING TO CHAINS:");
+    if (begins_list) generators.emplace_back();
+    if (generators.empty()) return;
+    if (remark.starts_with(operator_type)) {
+      add_operator_row(generators.back().operators);
+    } else if (begins_list || remark.starts_with("                   AND CHAINS:")) {
+      gemmi::split_str_into_multi(std::string(trimmed(record_.substr(chains_column))), ", ",
+                                  generators.back().chains);
+    }
   }
 
+  void add_operator_row(std::vector<gemmi::Assembly::Operator>& operators) {
+    constexpr std::size_t matrix_column = 13;
+    char* const matrix = &record_[matrix_column];
+    if (gemmi::pdb_impl::read_matrix(transform_, matrix, record_width - matrix_column) != 3) return;
+    operators.emplace_back().transform = transform_;
+    transform_.set_identity();
+  }
+
+  // gemmi reads invalid numbers as 0, and takes missing rows from the identity.
   void check_operator(std::string_view line) {
-    constexpr std::size_t type_column = 11, width = 10;
-    constexpr std::string_view type = "  BIOMT";
-    if (line.size() > type_column && line.substr(type_column).starts_with(type)) {
-      check_columns(line);
-      const std::string_view row = line.substr(type_column + type.size()).substr(0, 1);
-      if (row != std::to_string(operator_rows_ + 1))
-        lines_.fail(formatted("expected the record BIOMT{} of an operator, found BIOMT{}",
-                              operator_rows_ + 1, printable(row)));
-      const std::string_view number = field_of(line, {19, 4});
-      if (operator_rows_ == 0) operator_number_ = number;
-      if (number != operator_number_)
-        lines_.fail(formatted("expected a row of operator {}, found one of operator {}",
-                              printable(operator_number_), printable(number)));
-      for (const std::size_t column : std::array<std::size_t, 4>{23, 33, 43, 58})
-        check_number(line, {column, width}, "the operator");
-      operator_rows_ = (operator_rows_ + 1) % 3;
-    } else {
+    constexpr std::size_t width = 10;
+    if (line.size() <= remark_column || !line.substr(remark_column).starts_with(operator_type)) {
       require_whole_operator();
+      return;
     }
+    check_columns(line);
+    const std::string_view row = line.substr(remark_column + operator_type.size()).substr(0, 1);
+    if (row != std::to_string(operator_rows_ + 1))
+      lines_.fail(formatted("expected the record BIOMT{} of an operator, found BIOMT{}",
+                            operator_rows_ + 1, printable(row)));
+    const std::string_view number = field_of(line, {19, 4});
+    if (operator_rows_ == 0) operator_number_ = number;
+    if (number != operator_number_)
+      lines_.fail(formatted("expected a row of operator {}, found one of operator {}",
+                            printable(operator_number_), printable(number)));
+    for (const std::size_t column : std::array<std::size_t, 4>{23, 33, 43, 58})
+      number_in(line, {column, width}, "the operator");
+    operator_rows_ = (operator_rows_ + 1) % 3;
+  }
+
+  // Throws Error if the last operator lacks rows.
+  void require_whole_operator() const {
+    if (operator_rows_ != 0)
+      lines_.fail(formatted("expected the record BIOMT{} of an operator", operator_rows_ + 1));
   }
 
   PdbLines lines_, all_lines_;
   bool needs_assemblies_;
-  std::span<char> record_;  // gemmi's buffer
-  bool has_atoms_ = false, is_in_model_ = false, has_pending_model_ = false;
-  int operator_rows_ = 0;  // number of rows of an unfinished operator
+  std::string record_;  // the current line with all columns
+  gemmi::Structure structure_;
+  ChainBuilder chain_;
+  bool has_atoms_ = false, is_in_model_ = false, is_after_polymer_ = false;
+  gemmi::Transform transform_;  // the rows of an unfinished operator
+  int operator_rows_ = 0;       // their number
   std::string_view operator_number_;
-  std::vector<int> model_numbers_;
-  // Residue names of four letters by the lines from which on they hold; empty if gemmi reads the
-  // name.
-  std::map<std::uint64_t, std::string> residue_names_;
   std::optional<PdbLayout> layout_;
 };
 
 }  // namespace
 
 gemmi::Structure parse_pdb_text(std::string_view text, std::string_view name, bool needs_assemblies,
-                                Checker& checker) {
-  PdbRecords records(PdbLines(text, name, checker), needs_assemblies);
-  try {
-    gemmi::Structure structure =
-        gemmi::pdb_impl::read_pdb_from_stream(records, std::string(name), gemmi::PdbReadOptions());
-    records.require_whole_operator();
-    records.refuse_further_atoms();
-    if (!records.has_atoms())
-      throw Error(no_atoms_message(name, AtomFormat::pdb, records.lines().number()));
-    split_residues(structure);
-    records.restore_names(structure);
-    return structure;
-  } catch (const Error&) {
-    throw;
-  } catch (const std::bad_alloc&) {
-    throw;
-  } catch (const std::exception& error) {
-    records.lines().fail(reworded(error.what()));
-  }
+                                const CheckCallback& check) {
+  return PdbReader(PdbLines(text, name, check), needs_assemblies).read();
 }
 
 }  // namespace eses::detail

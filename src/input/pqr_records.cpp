@@ -21,6 +21,13 @@ namespace {
 
 constexpr std::array pqr_quantities{quantity_x, quantity_y, quantity_z, quantity_charge,
                                     quantity_radius};
+constexpr std::string_view too_few_fields =
+    "expected at least {} fields, the last five being x y z charge radius, found {}";
+constexpr std::string_view extra_number =
+    "more than five numbers, expected x y z charge radius; remove the fields after the radius";
+constexpr std::string_view residue_number =
+    "{} seems to be the residue number; expected x y z charge radius at the end";
+
 using PqrFields = std::array<std::string_view, pqr_quantities.size()>;
 
 constexpr std::size_t first_coordinate_column = 30;  // 0-based
@@ -117,12 +124,12 @@ Problem parse_pqr_fields(std::string_view line, Record& record) {
   PqrFields fields;
   std::string_view leading = line;
   for (std::size_t i = fields.size(); i-- > 0;) fields[i] = take_last(leading);
-  if (count_fields(leading) < min_leading_fields(line)) return {Fault::too_few_fields, {}, line};
+  if (count_fields(leading) < min_leading_fields(line)) return {too_few_fields, {}, line};
   const Problem problem = read_pqr_values(fields, record);
-  if (!problem && has_extra_number(leading)) return {Fault::extra_number, {}, fields.back()};
+  if (!problem && has_extra_number(leading)) return {extra_number, {}, fields.back()};
   // If two errors apply, the one about text that is not a number is clearer.
-  if (problem.fault != Fault::not_a_number && looks_like_residue_number(fields[0], leading)) {
-    return {Fault::residue_number, quantity_x.name, fields[0]};
+  if (problem.pattern != not_a_number && looks_like_residue_number(fields[0], leading)) {
+    return {residue_number, quantity_x.name, fields[0]};
   }
   if (!problem) record.label = label_of_fields(leading);
   return problem;
@@ -136,9 +143,7 @@ std::string_view coordinate_column(std::string_view line, std::size_t axis) {
 /// Returns whether a column holds a number. A decimal point and a digit at the end are required, so
 /// that columns never split one number of the free format into two.
 bool is_column_number(std::string_view text) {
-  double value = 0;
-  return !text.empty() && is_digit(text.back()) && text.find('.') != std::string_view::npos &&
-         parse_number(text, value) == std::errc{};
+  return !text.empty() && is_digit(text.back()) && is_decimal(text);
 }
 
 bool has_coordinate_columns(std::string_view line) {
@@ -172,7 +177,7 @@ Problem parse_pqr_columns(std::string_view line, Record& record) {
     radius = line.substr(radius_column, radius_width);
   }
   if (charge.empty()) charge = std::exchange(radius, line.substr(line.size()));
-  if (has_extra_number(rest)) return {Fault::extra_number, {}, radius};
+  if (has_extra_number(rest)) return {extra_number, {}, radius};
   record.label = label_of_columns(line);
   return read_pqr_values({coordinate_column(line, 0), coordinate_column(line, 1),
                           coordinate_column(line, 2), charge, radius},
@@ -198,18 +203,6 @@ std::string_view take_element(std::string_view& line) {
   line = rest;
   while (!is_letter(field.back())) field.remove_suffix(1);
   return field;
-}
-
-std::string describe(const Problem& problem, std::string_view line) {
-  if (problem.fault == Fault::too_few_fields) {
-    return formatted(
-        "expected at least {} fields, the last five being x y z charge radius, found {}",
-        min_leading_fields(line) + pqr_quantities.size(), count_fields(line));
-  }
-  if (problem.fault == Fault::extra_number)
-    return "more than five numbers, expected x y z charge radius; remove the fields after the "
-           "radius";
-  return describe_field(problem, line);
 }
 
 // ---------------------------------------------------------------- PDB files that are named .pqr
@@ -299,7 +292,11 @@ Problem parse_pqr(std::string_view line, Record& record) {
 }
 
 std::string describe_pqr(const Problem& problem, std::string_view line) {
-  std::string text = describe(problem, line);
+  std::string text =
+      problem.pattern == too_few_fields
+          ? formatted(too_few_fields, min_leading_fields(line) + pqr_quantities.size(),
+                      count_fields(line))
+          : describe(problem, line);
   PdbLikeness likeness;
   likeness.add(line);
   if (likeness.layout > 0)

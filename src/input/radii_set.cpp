@@ -1,78 +1,36 @@
 #include "input/radii_set.hpp"
 
 #include <cstdint>
-#include <span>
+#include <filesystem>
 #include <system_error>
 #include <unordered_map>
 #include <utility>
 
 #include "eses/error.hpp"
-#include "input/element_radii.hpp"
-#include "input/radius_groups.hpp"
+#include "input/radii_tables.hpp"
 #include "input/text_fields.hpp"
+#include "input/text_source.hpp"
 #include "system/formatted.hpp"
 
 namespace eses::detail {
 namespace {
 
-std::optional<FoundRadius> found_by_element(std::optional<double> radius) {
-  return radius ? std::optional(FoundRadius{*radius, true}) : std::nullopt;
-}
-
-RadiiSet protor_set() {
-  return {"protor", true, [](const AtomIdentity& atom) -> std::optional<FoundRadius> {
-            if (const auto radius = find_radius(protor_groups(), atom.residue, atom.atom))
-              return FoundRadius{*radius};
-            return found_by_element(freesasa_element_radius(atom.element));
-          }};
-}
-
-RadiiSet bondi_set() {
-  return {"bondi", false, [](const AtomIdentity& atom) -> std::optional<FoundRadius> {
-            const std::optional<double> radius = bondi_radius(atom.element);
-            return radius ? std::optional(FoundRadius{*radius}) : std::nullopt;
-          }};
-}
-
 constexpr double msms_hydrogen_radius = 1.20;  // angstrom
-
-RadiiSet msms_set() {
-  return {"msms", true, [](const AtomIdentity& atom) -> std::optional<FoundRadius> {
-            if (atom.is_hydrogen) return FoundRadius{msms_hydrogen_radius};
-            if (const auto radius = find_radius(msms_groups(), atom.residue, atom.atom))
-              return FoundRadius{*radius};
-            return found_by_element(bondi_radius(atom.element));
-          }};
-}
 
 // ------------------------------------------------------------------ FreeSASA configuration files
 
 enum class Section { none, types, atoms };
 
-/// Radii by residue name and atom name. The residue name ANY stands for all residues.
-class NamedRadii {
- public:
-  /// Adds a radius. Returns the radius that the atom had before, or else `radius`.
-  double add(std::string_view residue, std::string_view atom, double radius) {
-    return radii_.emplace(key(residue, atom), radius).first->second;
-  }
+/// Radii by residue name and atom name, separated by a blank. The residue name ANY stands for all
+/// residues.
+using NamedRadii = std::unordered_map<std::string, double>;
 
-  std::optional<double> find(std::string_view residue, std::string_view atom) const {
-    for (const std::string_view name : {residue, std::string_view("ANY")})
-      if (const auto found = radii_.find(key(name, atom)); found != radii_.end())
-        return found->second;
-    return std::nullopt;
-  }
-
-  bool is_empty() const { return radii_.empty(); }
-
- private:
-  static std::string key(std::string_view residue, std::string_view atom) {
-    return formatted("{} {}", residue, atom);
-  }
-
-  std::unordered_map<std::string, double> radii_;
-};
+std::optional<double> find_named(const NamedRadii& radii, const AtomIdentity& atom) {
+  for (const std::string_view residue : {atom.residue, std::string_view("ANY")})
+    if (const auto found = radii.find(formatted("{} {}", residue, atom.atom)); found != radii.end())
+      return found->second;
+  return std::nullopt;
+}
 
 /// Reads a configuration file line by line.
 class ConfigurationReader {
@@ -94,17 +52,15 @@ class ConfigurationReader {
   }
 
   RadiiSet finished() && {
-    if (radii_.is_empty())
+    if (radii_.empty())
       throw Error(
           formatted("{}: no atoms found; expected a set of radii in FreeSASA's "
                     "configuration format, with the sections types: and atoms:",
                     file_));
-    return {name_, !names_hydrogens_,
-            [radii = std::move(radii_)](const AtomIdentity& atom) -> std::optional<FoundRadius> {
-              if (const auto radius = radii.find(atom.residue, atom.atom))
-                return FoundRadius{*radius};
-              return found_by_element(freesasa_element_radius(atom.element));
-            }};
+    return {
+        name_, !names_hydrogens_,
+        [radii = std::move(radii_)](const AtomIdentity& atom) { return find_named(radii, atom); },
+        freesasa_element_radius};
   }
 
  private:
@@ -147,7 +103,8 @@ class ConfigurationReader {
     const auto found = types_.find(std::string(type));
     if (found == types_.end())
       fail(formatted("the type {} has no radius; types: must come before atoms:", quoted(type)));
-    if (const double before = radii_.add(residue, atom, found->second); before != found->second)
+    const auto [entry, is_new] = radii_.emplace(formatted("{} {}", residue, atom), found->second);
+    if (const double before = entry->second; before != found->second)
       fail(formatted("the atom {} of {} has another radius already, {}; remove one of the entries",
                      quoted(atom), quoted(residue), before));
     if (is_hydrogen_name(atom)) names_hydrogens_ = true;
@@ -169,12 +126,44 @@ class ConfigurationReader {
 
 }  // namespace
 
+std::optional<FoundRadius> RadiiSet::find(const AtomIdentity& atom) const {
+  if (const auto radius = find_named(atom)) return FoundRadius{*radius, false};
+  if (const auto radius = find_by_element(atom.element)) return FoundRadius{*radius, true};
+  return std::nullopt;
+}
+
 std::optional<RadiiSet> named_radii_set(std::string_view name) {
   const std::string word = lower_case(std::string(name));  // publications write ProtOr
-  if (word == "protor") return protor_set();
-  if (word == "bondi") return bondi_set();
-  if (word == "msms") return msms_set();
+  if (word == "protor")
+    return RadiiSet{word, true,
+                    [](const AtomIdentity& atom) { return protor_radius(atom.residue, atom.atom); },
+                    freesasa_element_radius};
+  if (word == "bondi")
+    return RadiiSet{word, false,
+                    [](const AtomIdentity& atom) { return bondi_radius(atom.element); },
+                    bondi_radius};
+  if (word == "msms")
+    return RadiiSet{word, true,
+                    [](const AtomIdentity& atom) {
+                      return atom.is_hydrogen ? std::optional(msms_hydrogen_radius)
+                                              : msms_radius(atom.residue, atom.atom);
+                    },
+                    bondi_radius};
   return std::nullopt;
+}
+
+RadiiSet find_radii_set(const std::string& name_or_file) {
+  if (std::optional<RadiiSet> named = named_radii_set(name_or_file)) return *std::move(named);
+  constexpr std::uint64_t max_bytes = std::uint64_t{4} << 20;  // valid files have a few kilobytes
+  try {
+    TextSource source{std::filesystem::path(name_or_file)};
+    return parse_radii_set(read_text(source, ReadingLimit(0), {}, max_bytes), name_or_file);
+  } catch (const Error& error) {
+    std::error_code ignored;  // such as a name that is too long
+    if (std::filesystem::exists(name_or_file, ignored)) throw;
+    throw Error(formatted("radii: expected {}, or a file in FreeSASA's configuration format: {}",
+                          named_radii, error.what()));
+  }
 }
 
 RadiiSet parse_radii_set(std::string_view text, std::string_view file) {

@@ -27,8 +27,13 @@ struct RadiiSet {
   std::string name;
   /// Whether the radii belong to united atoms, which include hydrogens.
   bool is_united = false;
+  /// Returns the radius of an atom that the set names, else nothing.
+  std::function<std::optional<double>(const AtomIdentity& atom)> find_named;
+  /// Returns the radius of the other atoms of an element.
+  std::optional<double> (*find_by_element)(std::string_view element);
+
   /// Returns the radius of an atom, or nothing if there is none.
-  std::function<std::optional<FoundRadius>(const AtomIdentity& atom)> find;
+  std::optional<FoundRadius> find(const AtomIdentity& atom) const;
 };
 
 /// Maximum radius in a file, and of the option for atoms without a radius.
@@ -39,6 +44,9 @@ inline constexpr std::string_view named_radii = "protor, bondi or msms";
 
 /// Returns a built-in set, or nothing for other names.
 std::optional<RadiiSet> named_radii_set(std::string_view name);
+
+/// Returns a built-in set, or reads a file in FreeSASA's configuration format.
+RadiiSet find_radii_set(const std::string& name_or_file);
 
 /// Parses a set of radii in FreeSASA's configuration format. The section `types:` has lines `TYPE
 /// RADIUS polar|apolar`, and the section `atoms:` has lines `RESIDUE ATOM TYPE`, with ANY for all

@@ -1,11 +1,19 @@
-#include "input/radius_groups.hpp"
-
 #include <algorithm>
+#include <span>
 
+#include "input/radii_tables.hpp"
 #include "input/text_fields.hpp"
 
 namespace eses::detail {
 namespace {
+
+/// Atoms that have the same radius.
+struct RadiusGroup {
+  double radius;              ///< in angstrom
+  std::string_view residues;  ///< residue names, separated by blanks; `*` for all
+  /// Atom names, separated by blanks. `X*` stands for all names that begin with X.
+  std::string_view atoms;
+};
 
 constexpr std::string_view amino_acids =
     "ALA ARG ASN ASP CYS GLN GLU GLY HIS ILE LEU LYS MET PHE PRO SER THR TRP TYR VAL ASX GLX PYL "
@@ -190,18 +198,23 @@ bool has_match(std::string_view patterns, std::string_view name) {
   return false;
 }
 
-}  // namespace
-
-std::span<const RadiusGroup> protor_groups() { return protor; }
-
-std::span<const RadiusGroup> msms_groups() { return msms; }
-
+/// Returns the radius of the first group that contains the atom.
 std::optional<double> find_radius(std::span<const RadiusGroup> groups, std::string_view residue,
                                   std::string_view atom) {
   const auto found = std::find_if(groups.begin(), groups.end(), [&](const RadiusGroup& group) {
     return has_match(group.atoms, atom) && has_match(group.residues, residue);
   });
   return found == groups.end() ? std::nullopt : std::optional(found->radius);
+}
+
+}  // namespace
+
+std::optional<double> protor_radius(std::string_view residue, std::string_view atom) {
+  return find_radius(protor, residue, atom);
+}
+
+std::optional<double> msms_radius(std::string_view residue, std::string_view atom) {
+  return find_radius(msms, residue, atom);
 }
 
 }  // namespace eses::detail

@@ -1,7 +1,5 @@
 #include "input/read_spheres.hpp"
 
-#include <unistd.h>
-
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -13,7 +11,6 @@
 #include "input/atom_reader.hpp"
 #include "input/text_fields.hpp"
 #include "input/text_source.hpp"
-#include "system/file_descriptor.hpp"
 #include "system/formatted.hpp"
 
 namespace eses::detail {
@@ -50,10 +47,7 @@ std::vector<std::string> names_on(std::string_view text, std::span<const std::ui
 }  // namespace
 
 SphereFile read_spheres(const std::filesystem::path& path) {
-  const bool is_standard_input = path == "-";
-  const std::string name = input_name(path);
-  const FileDescriptor file(is_standard_input ? -1 : open_for_reading(path, name));
-  TextSource source(is_standard_input ? STDIN_FILENO : file.value(), name);
+  TextSource source = TextSource::open_input(path);
   std::string text;
   const auto read_and_keep = [&](std::span<char> buffer) {
     const std::size_t count = source.read(buffer);
@@ -61,11 +55,8 @@ SphereFile read_spheres(const std::filesystem::path& path) {
     return count;
   };
   const ReadOptions options{.format = AtomFormat::xyzr};
-  const AtomLines lines{.options = options, .name = name};
-  AtomFile atoms;
-  const LinesRead read = read_atom_lines(read_and_keep, lines, atoms);
-  require_atoms(lines, atoms.atoms.size(), read);
-  std::vector<std::string> names = names_on(text, atoms.lines, name);
+  AtomFile atoms = read_all_atoms(read_and_keep, {options, source.name()});
+  std::vector<std::string> names = names_on(text, atoms.lines, source.name());
   return {std::move(atoms.atoms), std::move(names)};
 }
 

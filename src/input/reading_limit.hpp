@@ -37,4 +37,9 @@ class ReadingLimit {
   std::uint64_t max_memory_, max_resident_;
 };
 
+/// Returns the subject of messages about the memory for a whole file.
+inline std::string reading_of(std::string_view file) {
+  return formatted("{}: reading the file", file);
+}
+
 }  // namespace eses::detail

@@ -9,6 +9,7 @@
 #include <array>
 #include <cstddef>
 #include <exception>
+#include <gemmi/modify.hpp>
 #include <gemmi/polyheur.hpp>
 #include <gemmi/select.hpp>
 #include <limits>
@@ -20,8 +21,8 @@
 #include <vector>
 
 #include "eses/error.hpp"
-#include "input/messages.hpp"
 #include "input/pdb_elements.hpp"
+#include "input/structure_atoms.hpp"
 #include "input/text_fields.hpp"
 #include "system/formatted.hpp"
 
@@ -51,33 +52,15 @@ gemmi::Model& find_model(gemmi::Structure& structure, int number, std::string_vi
       printable(structure.models.front().name), printable(structure.models.back().name)));
 }
 
-/// Removes the items for which `is_dropped` is true. Returns the number of their atoms.
-template <class Item, class Predicate>
-std::uint64_t drop(std::vector<Item>& items, const Predicate& is_dropped) {
-  std::uint64_t atoms = 0;
-  gemmi::vector_remove_if(items, [&](const Item& item) {
-    if (!is_dropped(item)) return false;
-    atoms += gemmi::count_atom_sites(item);
-    return true;
-  });
-  return atoms;
+/// Calls `remove` and returns the number of atoms that it has removed from the model.
+std::uint64_t dropped_by(const gemmi::Model& model, const auto& remove) {
+  const std::uint64_t before = gemmi::count_atom_sites(model);
+  remove();
+  return before - gemmi::count_atom_sites(model);
 }
 
-std::uint64_t drop_atoms(gemmi::Model& model, const auto& is_dropped) {
-  std::uint64_t count = 0;
-  for (gemmi::Chain& chain : model.chains)
-    for (gemmi::Residue& residue : chain.residues) {
-      const std::size_t before = residue.atoms.size();
-      gemmi::vector_remove_if(residue.atoms, is_dropped);
-      count += before - residue.atoms.size();
-    }
-  return count;
-}
-
-std::uint64_t drop_residues(gemmi::Model& model, const auto& is_dropped) {
-  std::uint64_t count = 0;
-  for (gemmi::Chain& chain : model.chains) count += drop(chain.residues, is_dropped);
-  return count;
+void remove_residues(gemmi::Model& model, const auto& is_removed) {
+  for (gemmi::Chain& chain : model.chains) gemmi::vector_remove_if(chain.residues, is_removed);
 }
 
 /// Returns a sentence with the names of chains, one of which may be empty.
@@ -97,16 +80,26 @@ std::set<std::string> chain_names(const gemmi::Model& model) {
   return names;
 }
 
-std::uint64_t keep_chains(gemmi::Model& model, const std::vector<std::string>& names,
-                          const std::set<std::string>& known, std::string_view file) {
-  if (names.empty()) return 0;
+void keep_chains(gemmi::Model& model, const std::vector<std::string>& names,
+                 const std::set<std::string>& known, std::string_view file) {
+  if (names.empty()) return;
   for (const std::string& name : names)
     if (!known.contains(name))
       throw Error(formatted("{}: there is no chain {} (--chains); {}", file, detail::quoted(name),
                             chains_text(known)));
-  return drop(model.chains, [&](const gemmi::Chain& chain) {
-    return std::find(names.begin(), names.end(), chain.name) == names.end();
+  gemmi::vector_remove_if(model.chains, [&](const gemmi::Chain& chain) {
+    return !gemmi::in_vector(chain.name, names);
   });
+}
+
+/// Returns gemmi's message in the style of this program: one line that starts in lower case.
+std::string reworded(std::string_view text) {
+  while (text.ends_with('.') || text.ends_with(':') || text.ends_with(' ') || text.ends_with('\n'))
+    text.remove_suffix(1);
+  std::string message(text);
+  std::replace(message.begin(), message.end(), '\n', ' ');
+  if (!message.empty()) message[0] = lower_case(message[0]);
+  return printable(message);
 }
 
 gemmi::Selection parse_selection(const std::string& text) {
@@ -151,22 +144,16 @@ void refuse_words(const gemmi::Selection& selection, const std::string& text,
                 file, detail::quoted(text), chains_text(known)));
 }
 
-std::uint64_t keep_selected(gemmi::Structure& structure, gemmi::Model& model,
-                            const std::string& text, const std::set<std::string>& chains,
-                            std::string_view file) {
-  if (text.empty()) return 0;
+void keep_selected(gemmi::Model& model, gemmi::CoorFormat format, const std::string& text,
+                   const std::set<std::string>& chains, std::string_view file) {
+  if (text.empty()) return;
   const gemmi::Selection selection = parse_selection(text);
   if (!selection.matches(model))
     throw Error(formatted("{}: --select names model {}, but model {} is read; use --model {}", file,
                           selection.mdl, printable(model.name), selection.mdl));
   refuse_words(selection, text, chains, file);
-  if (!selection.entity_types.all) correct_entity_types(model, structure.input_format);
-  std::uint64_t count =
-      drop(model.chains, [&](const gemmi::Chain& chain) { return !selection.matches(chain); });
-  count += drop_residues(
-      model, [&](const gemmi::Residue& residue) { return !selection.matches(residue); });
-  return count +
-         drop_atoms(model, [&](const gemmi::Atom& atom) { return !selection.matches(atom); });
+  if (!selection.entity_types.all) correct_entity_types(model, format);
+  selection.remove_not_selected(model);
 }
 
 // --------------------------------------------------------------------------- alternate locations
@@ -177,19 +164,14 @@ using ResidueGroup = std::vector<gemmi::Residue*>;
 
 bool has_altloc(const gemmi::Atom& atom) { return atom.altloc != '\0'; }
 
-/// Returns the groups in the order of the model. The residues of a group need not be neighbours:
+/// Returns the groups by chain, segment and number. The residues of a group need not be neighbours:
 /// a modified residue may come after the end of its chain.
-std::vector<ResidueGroup> residue_groups(gemmi::Model& model) {
-  std::vector<ResidueGroup> groups;
-  std::map<std::tuple<std::string, std::string, std::string>, std::size_t> indices;
+auto residue_groups(gemmi::Model& model) {
+  std::map<std::tuple<std::string, std::string, std::string>, ResidueGroup> groups;
   for (gemmi::Chain& chain : model.chains)
-    for (gemmi::Residue& residue : chain.residues) {
-      if (std::none_of(residue.atoms.begin(), residue.atoms.end(), has_altloc)) continue;
-      const auto [at, is_new] = indices.emplace(
-          std::tuple(chain.name, residue.segment, residue.seqid.str()), groups.size());
-      if (is_new) groups.emplace_back();
-      groups[at->second].push_back(&residue);
-    }
+    for (gemmi::Residue& residue : chain.residues)
+      if (std::any_of(residue.atoms.begin(), residue.atoms.end(), has_altloc))
+        groups[{chain.name, residue.segment, residue.seqid.str()}].push_back(&residue);
   return groups;
 }
 
@@ -241,8 +223,8 @@ char kept_location(const Locations& locations, char wanted, char best) {
   return locations.contains(best) && !locations.contains('\0') ? best : best_altloc(locations);
 }
 
-/// Keeps one location of each atom. Returns the number of removed atoms.
-std::uint64_t keep_altloc(gemmi::Residue& residue, char wanted, char best) {
+/// Keeps one location of each atom.
+void keep_altloc(gemmi::Residue& residue, char wanted, char best) {
   std::map<std::string, Locations> by_name;
   for (const gemmi::Atom& atom : residue.atoms)
     by_name[atom.name].emplace(atom.altloc, static_cast<double>(atom.occ));
@@ -255,12 +237,10 @@ std::uint64_t keep_altloc(gemmi::Residue& residue, char wanted, char best) {
     }
     kept[name] = kept_location(locations, wanted, best);
   }
-  const std::size_t before = residue.atoms.size();
   gemmi::vector_remove_if(residue.atoms, [&](const gemmi::Atom& atom) {
     if (!has_altloc(atom) && with_two_atoms.contains(atom.name)) return false;
     return atom.altloc != kept[atom.name];
   });
-  return before - residue.atoms.size();
 }
 
 /// Returns whether a residue is one of several alternatives, and not the chosen one.
@@ -271,28 +251,24 @@ bool is_other_residue(const ResidueGroup& group, const gemmi::Residue& residue, 
          });
 }
 
-std::uint64_t keep_altlocs(gemmi::Model& model, const std::string& wanted, std::string_view file) {
+void keep_altlocs(gemmi::Model& model, const std::string& wanted, std::string_view file) {
   const char altloc = wanted.empty() ? '\0' : wanted.front();
-  std::uint64_t dropped = 0;
   bool is_known = wanted.empty();
-  for (const ResidueGroup& group : residue_groups(model)) {
+  for (const auto& [id, group] : residue_groups(model)) {
     const Locations occupancies = mean_occupancies(group);
     const bool has_wanted = occupancies.contains(altloc);
     is_known = is_known || has_wanted;
     const char best = best_altloc(occupancies);
     for (gemmi::Residue* residue : group) {
-      if (is_other_residue(group, *residue, has_wanted ? altloc : best)) {
-        dropped += residue->atoms.size();
+      if (is_other_residue(group, *residue, has_wanted ? altloc : best))
         residue->atoms.clear();
-      } else {
-        dropped += keep_altloc(*residue, altloc, best);
-      }
+      else
+        keep_altloc(*residue, altloc, best);
     }
   }
   if (!is_known)
     throw Error(
         formatted("{}: no atom has the alternate location {} (--altloc)", file, printable(wanted)));
-  return dropped;
 }
 
 // --------------------------------------------------------------------------------------- waters
@@ -326,23 +302,27 @@ std::uint64_t& record_count(StructureReport& report, const gemmi::Residue& resid
   return is_hetatm(residue) ? report.hetatm_records : report.atom_records;
 }
 
-gemmi::Model& select_atoms(gemmi::Structure& structure, const StructureOptions& options,
-                           bool with_hydrogens, std::string_view file, StructureReport& report) {
-  gemmi::Model& model = find_model(structure, options.model, file);
+gemmi::Model select_atoms(gemmi::Structure& structure, const StructureOptions& options,
+                          bool with_hydrogens, std::string_view file, StructureReport& report) {
+  gemmi::Model model = std::move(find_model(structure, options.model, file));
   report.model = model.name;
   report.models = structure.models.size();
   const std::set<std::string> chains = chain_names(model);
-  report.dropped_chains = keep_chains(model, options.chains, chains, file);
-  report.dropped_selection = keep_selected(structure, model, options.select, chains, file);
-  if (!options.with_waters) report.dropped_waters = drop_residues(model, is_water);
+  report.dropped_chains =
+      dropped_by(model, [&] { keep_chains(model, options.chains, chains, file); });
+  report.dropped_selection = dropped_by(
+      model, [&] { keep_selected(model, structure.input_format, options.select, chains, file); });
+  if (!options.with_waters)
+    report.dropped_waters = dropped_by(model, [&] { remove_residues(model, is_water); });
   if (!options.with_hetatm)
-    report.dropped_hetatm = drop_residues(model, [](const gemmi::Residue& residue) {
-      return is_hetatm(residue) && !is_water(residue);
+    report.dropped_hetatm = dropped_by(model, [&] {
+      remove_residues(model, [](const gemmi::Residue& residue) {
+        return is_hetatm(residue) && !is_water(residue);
+      });
     });
   if (!with_hydrogens)
-    report.dropped_hydrogens =
-        drop_atoms(model, [](const gemmi::Atom& atom) { return atom.is_hydrogen(); });
-  report.dropped_altlocs = keep_altlocs(model, options.altloc, file);
+    report.dropped_hydrogens = dropped_by(model, [&] { gemmi::remove_hydrogens(model); });
+  report.dropped_altlocs = dropped_by(model, [&] { keep_altlocs(model, options.altloc, file); });
   gemmi::remove_empty_children(model);
   count_kept(model, report);
   return model;

@@ -1,7 +1,6 @@
 #include "input/text_fields.hpp"
 
 #include <algorithm>
-#include <charconv>
 
 #include "eses/error.hpp"
 #include "system/formatted.hpp"
@@ -78,6 +77,12 @@ std::string_view take_last(std::string_view& rest) {
   return field;
 }
 
+std::size_t count_fields(std::string_view text) {
+  std::size_t count = 0;
+  while (!take_first(text).empty()) ++count;
+  return count;
+}
+
 std::errc parse_number(std::string_view text, double& value) {
   if (text.starts_with('+')) {
     text.remove_prefix(1);
@@ -92,7 +97,8 @@ std::errc parse_number(std::string_view text, double& value) {
 }
 
 void fail_at_line(std::string_view file, std::uint64_t line, std::string_view what) {
-  throw Error(formatted("{}:{}: {}", file, line, what));
+  throw Error(line == 0 ? formatted("{}: {}", file, what)
+                        : formatted("{}:{}: {}", file, line, what));
 }
 
 std::string printable(std::string_view text) {

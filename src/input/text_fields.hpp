@@ -1,7 +1,9 @@
 #pragma once
-/// Fields of a line of text, separated by blanks and tabs, and their numbers.
+/// Fields of a line of text, separated by blanks and tabs, and their numbers. This header is valid
+/// C++17, for the reason given in mmcif_text.cpp.
 
 #include <algorithm>
+#include <charconv>
 #include <cstddef>
 #include <cstdint>
 #include <string>
@@ -34,7 +36,7 @@ inline std::string_view take_line(std::string_view& rest) {
   const std::size_t end = std::min(rest.find('\n'), rest.size());
   std::string_view line = rest.substr(0, end);
   rest.remove_prefix(std::min(end + 1, rest.size()));
-  while (line.ends_with('\r')) line.remove_suffix(1);
+  while (!line.empty() && line.back() == '\r') line.remove_suffix(1);
   return line;
 }
 
@@ -46,13 +48,24 @@ std::string_view column_text(std::string_view line, std::size_t first, std::size
 std::string_view take_first(std::string_view& rest);
 std::string_view take_last(std::string_view& rest);
 
+/// Returns the number of fields.
+std::size_t count_fields(std::string_view text);
+
 /// Parses a number that is the whole of `text`. Accepts all formats that C and Fortran print: with
 /// a leading `+`, with the exponent letter D, and `inf` or `nan`. Returns
 /// std::errc::invalid_argument for other text, and std::errc::result_out_of_range if double
 /// precision is exceeded.
 std::errc parse_number(std::string_view text, double& value);
 
-/// Throws Error with file, line and what is wrong.
+/// Parses a whole number that is the whole of `text`. Returns whether it is one.
+template <class Integer>
+bool parse_integer(std::string_view text, Integer& value) {
+  const char* const end = text.data() + text.size();
+  const auto [stop, error] = std::from_chars(text.data(), end, value);
+  return error == std::errc{} && stop == end;
+}
+
+/// Throws Error with file, line and what is wrong. The line is from 1; 0 if it is unknown.
 [[noreturn]] void fail_at_line(std::string_view file, std::uint64_t line, std::string_view what);
 
 /// Returns printable ASCII for messages; other bytes become `\xNN`.

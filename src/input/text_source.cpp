@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "eses/error.hpp"
+#include "system/bytes_text.hpp"
 #include "system/formatted.hpp"
 #include "system/gzip.hpp"
 
@@ -84,8 +85,13 @@ struct TextSource::Inflation {
   Inflation& operator=(const Inflation&) = delete;
 };
 
-TextSource::TextSource(int descriptor, std::string name)
-    : descriptor_(descriptor), name_(std::move(name)), buffer_(source_buffer_bytes) {}
+TextSource TextSource::open_input(const std::filesystem::path& path) {
+  if (path != "-") return TextSource(path);
+  return {FileDescriptor(::dup(STDIN_FILENO)), input_name(path)};
+}
+
+TextSource::TextSource(FileDescriptor file, std::string name)
+    : file_(std::move(file)), name_(std::move(name)), buffer_(source_buffer_bytes) {}
 
 TextSource::~TextSource() = default;
 
@@ -119,7 +125,7 @@ void TextSource::begin() {
 std::size_t TextSource::read_bytes(std::span<char> bytes) {
   ssize_t count = 0;
   do {
-    count = ::read(descriptor_, bytes.data(), bytes.size());
+    count = ::read(file_.value(), bytes.data(), bytes.size());
   } while (count < 0 && errno == EINTR);
   if (count < 0) fail_with_system_error("read", name_, errno);
   bytes_read_ += static_cast<std::uint64_t>(count);
@@ -171,6 +177,27 @@ std::size_t TextSource::inflate_part(std::span<char> text) {
 void TextSource::fail_as_damaged() const {
   throw Error(formatted("{}: the compressed data is damaged near byte {}", name_,
                         bytes_read_ - input_.size()));
+}
+
+std::string read_text(TextSource& source, const ReadingLimit& limit, const CheckCallback& check,
+                      std::uint64_t max_bytes) {
+  constexpr std::size_t piece_bytes = std::size_t{1} << 20;
+  std::string text;
+  for (std::size_t used = 0;; used = text.size()) {
+    if (check) check();
+    if (used + piece_bytes > text.capacity()) {
+      // Both copies of the text are in memory while reserve() copies it.
+      limit.require(used + 2 * (used + piece_bytes), reading_of(source.name()));
+      text.reserve(2 * used + piece_bytes);
+    }
+    text.resize(used + piece_bytes);
+    const std::size_t count = source.read(std::span(text).subspan(used));
+    text.resize(used + count);
+    if (count == 0) return text;
+    if (text.size() > max_bytes)
+      throw Error(
+          formatted("{}: expected a file of at most {}", source.name(), bytes_text(max_bytes)));
+  }
 }
 
 }  // namespace eses::detail

@@ -1,0 +1,42 @@
+#pragma once
+/// The tables of mmCIF documents that are read. This header is valid C++17, for the reason given in
+/// mmcif_text.cpp.
+
+#include <cstdint>
+#include <gemmi/cifdoc.hpp>
+#include <gemmi/model.hpp>
+#include <string>
+#include <vector>
+
+#include "eses/check.hpp"
+
+namespace eses::detail {
+
+/// An error in an mmCIF text, before the name of the file is known.
+struct MmcifError {
+  std::uint64_t line = 0;  ///< line number, from 1; 0 if it is unknown
+  std::string message;
+};
+
+/// Prefix of the tags of the table of atoms, in lower case as gemmi requires.
+inline constexpr const char* atom_category = "_atom_site.";
+
+/// Throws MmcifError if a table that `is_used` accepts lacks values or has the same tag twice.
+void check_tables(const gemmi::cif::Block& block, bool (*is_used)(const gemmi::cif::Item& item));
+
+/// Converts the table of atoms to models. `lines` has the line number of each row, which becomes
+/// the serial number of the atom. The types of entities of the residues remain unknown. Calls
+/// `check` repeatedly. Throws MmcifError if the table lacks a column or has an invalid value.
+std::vector<gemmi::Model> read_models(const gemmi::cif::Loop& table,
+                                      const std::vector<std::uint64_t>& lines,
+                                      const CheckCallback& check);
+
+/// Returns whether read_assemblies needs a table.
+bool is_assembly_table(const gemmi::cif::Item& item);
+
+/// Returns the assemblies of a data block in the order of the file. Only the assembly `chosen` has
+/// generators. Throws MmcifError if its operators or tables are invalid. If `chosen` is empty,
+/// returns the assemblies before the first invalid one, with their generators.
+std::vector<gemmi::Assembly> read_assemblies(gemmi::cif::Block& block, const std::string& chosen);
+
+}  // namespace eses::detail

@@ -1,0 +1,182 @@
+// Avoids the dependence of gemmi on stb_sprintf, which is another package in Debian.
+#define USE_STD_SNPRINTF
+
+#include "input/read_structure.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <gemmi/model.hpp>
+#include <gemmi/select.hpp>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "eses/error.hpp"
+#include "eses/surface.hpp"
+#include "input/assign_radii.hpp"
+#include "input/build_assembly.hpp"
+#include "input/other_formats.hpp"
+#include "input/parse_structure.hpp"
+#include "input/pdb_elements.hpp"
+#include "input/pqr_records.hpp"
+#include "input/radii_set.hpp"
+#include "input/select_atoms.hpp"
+#include "input/structure_atoms.hpp"
+#include "input/text_fields.hpp"
+#include "system/formatted.hpp"
+#include "system/resources.hpp"
+
+namespace eses::detail {
+namespace {
+
+/// Returns the expected memory of gemmi for a text. An atom of a PDB file has a line of 81
+/// characters and needs about 150 bytes. A value of an mmCIF file is a string of 32 bytes.
+std::uint64_t expected_bytes(std::string_view text, AtomFormat format) {
+  if (format == AtomFormat::pdb) return 2 * text.size();
+  std::uint64_t values = 0;
+  bool was_blank = true;
+  for (const char c : text) {
+    const bool is_blank = static_cast<unsigned char>(c) <= ' ';
+    values += static_cast<std::uint64_t>(was_blank && !is_blank);
+    was_blank = is_blank;
+  }
+  constexpr std::uint64_t value_bytes = 32, doubled_by_growth = 2;
+  return doubled_by_growth * value_bytes * values;
+}
+
+bool keeps_hydrogens(HydrogenChoice choice, const RadiiSet& radii) {
+  return choice == HydrogenChoice::keep || (choice == HydrogenChoice::by_radii && !radii.is_united);
+}
+
+/// Throws Error if an assembly file of the PDB has several models. They are copies, of which only
+/// the first one would be read.
+void refuse_copies(const gemmi::Structure& structure, std::string_view name) {
+  if (structure.models.size() < 2) return;
+  throw Error(
+      formatted("{}: {} models, which are the copies of an assembly in files of this suffix; read "
+                "one with --model N, or build the assembly from the entry's PDB or mmCIF file with "
+                "--assembly ID",
+                name, structure.models.size()));
+}
+
+gemmi::Structure parse(const StructureText& text) {
+  const StructureOptions& options = text.options.structure;
+  gemmi::Structure structure =
+      text.format == AtomFormat::pdb
+          ? parse_pdb_text(text.text, text.name, !options.assembly.empty(), text.options.check)
+          : parse_mmcif_text(text.text, text.name, options.assembly, text.options.check);
+  text.check();
+  if (text.is_assembly_file && options.model == 0) refuse_copies(structure, text.name);
+  text.require_memory(0);
+  return structure;
+}
+
+std::vector<StructureAtom> atoms_of(const gemmi::Model& model) {
+  std::vector<StructureAtom> atoms;
+  atoms.reserve(gemmi::count_atom_sites(model));
+  for (const gemmi::Chain& chain : model.chains)
+    for (const gemmi::Residue& residue : chain.residues)
+      for (const gemmi::Atom& atom : residue.atoms)
+        atoms.push_back({&atom, &residue, &chain.name, {atom.pos.x, atom.pos.y, atom.pos.z}});
+  return atoms;
+}
+
+void check_coordinates(const std::vector<StructureAtom>& atoms, std::string_view file) {
+  for (const StructureAtom& atom : atoms)
+    for (const double value : {atom.center.x, atom.center.y, atom.center.z})
+      if (!(std::fabs(value) <= max_coordinate))
+        fail_at_line(file, atom.line(),
+                     formatted("expected coordinates of at most {:.0f} angstrom", max_coordinate));
+}
+
+void sort_by_line(std::vector<StructureAtom>& atoms) {
+  const auto is_before = [](const StructureAtom& a, const StructureAtom& b) {
+    return a.line() < b.line();
+  };
+  if (!std::is_sorted(atoms.begin(), atoms.end(), is_before))
+    std::stable_sort(atoms.begin(), atoms.end(), is_before);
+}
+
+[[noreturn]] void fail_without_atoms(std::string_view name, const StructureReport& report) {
+  const std::array<std::pair<std::uint64_t, std::string_view>, 8> dropped{
+      {{report.dropped_chains, "of other chains"},
+       {report.dropped_selection, "not selected"},
+       {report.dropped_waters, "of water"},
+       {report.dropped_hetatm, "of HETATM records"},
+       {report.dropped_hydrogens, "hydrogens"},
+       {report.dropped_altlocs, "of other alternate locations"},
+       {report.dropped_assembly, "not in the assembly"},
+       {report.dropped_images, "images that coincide with an earlier one"}}};
+  std::uint64_t sum = 0;
+  std::vector<std::string> reasons;
+  for (const auto& [count, reason] : dropped) {
+    sum += count;
+    if (count > 0) reasons.push_back(formatted("{} {}", count, reason));
+  }
+  const std::string cause = report.dropped_assembly == 0
+                                ? formatted("no atoms left of {}", sum)
+                                : formatted("assembly {} contains none of the selected atoms",
+                                            printable(report.assembly));
+  throw Error(formatted("{}: {}; left out: {}", name, cause, fmt::join(reasons, ", ")));
+}
+
+/// Returns the diagnostic of residues with a single atom, if these are most residues of the
+/// polymers.
+std::vector<Diagnostic> find_one_atom_residues(const std::vector<StructureAtom>& atoms) {
+  std::uint64_t residues = 0;
+  Diagnostic diagnostic{DiagnosticKind::one_atom_residue, 0, {}};
+  for (AtomIndex i = 0; i < atoms.size(); ++i) {
+    const gemmi::Residue& residue = *atoms[i].residue;
+    if (atoms[i].atom != &residue.atoms.front() || !is_polymer_residue(residue.name)) continue;
+    ++residues;
+    if (residue.atoms.size() == 1 && ++diagnostic.count <= Diagnostic::max_examples)
+      diagnostic.examples.push_back({i, i});
+  }
+  if (2 * diagnostic.count <= residues) return {};
+  return {std::move(diagnostic)};
+}
+
+}  // namespace
+
+AtomFile read_structure(StructureText text,
+                        const std::function<void(AtomFile& atoms)>& after_part) {
+  text.text = checked_text(text.text, text.name, text.format);
+  if (text.format == AtomFormat::pdb) refuse_pqr_records(text.text, text.name);
+  const StructureOptions& options = text.options.structure;
+  const RadiiSet radii = find_radii_set(options.radii);
+  text.require_memory(expected_bytes(text.text, text.format));
+  text.check();
+  gemmi::Structure structure = parse(text);
+  AtomFile result;
+  StructureReport& report = result.structure.emplace();
+  const gemmi::Model model = select_atoms(
+      structure, options, keeps_hydrogens(options.hydrogens, radii), text.name, report);
+  structure.models.clear();
+  std::set<std::string> copies;
+  std::vector<StructureAtom> atoms;
+  if (options.assembly.empty()) {
+    if (!text.is_assembly_file) report.other_assemblies = find_other_assemblies(structure, model);
+    atoms = atoms_of(model);
+  } else {
+    atoms = build_assembly(structure, model, text, copies, report);
+  }
+  check_coordinates(atoms, text.name);
+  if (options.assembly.empty()) sort_by_line(atoms);
+  text.check();
+  // Returns the memory that gemmi has freed to the system, so that the limit does not include it.
+  release_free_memory();
+  if (atoms.empty()) fail_without_atoms(text.name, report);
+  const bool keeps_labels = text.options.with_labels && !after_part;
+  text.require_memory(atoms.size() * (sizeof(Atom) + sizeof(std::uint64_t) +
+                                      (keeps_labels ? sizeof(AtomLabel) : 0)));
+  result.diagnostics = find_one_atom_residues(atoms);
+  assign_radii(atoms, radii, text, result, after_part);
+  return result;
+}
+
+}  // namespace eses::detail

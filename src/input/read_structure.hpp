@@ -1,0 +1,34 @@
+#pragma once
+/// Reading of atoms from PDB and mmCIF texts.
+
+#include <cstdint>
+#include <functional>
+#include <string_view>
+
+#include "eses/read_atoms.hpp"
+#include "input/reading_limit.hpp"
+
+namespace eses::detail {
+
+/// The text of a PDB or mmCIF file, and how it is read.
+struct StructureText {
+  std::string_view text;
+  std::string_view name;  ///< name of the file, for messages
+  AtomFormat format = AtomFormat::pdb;
+  /// Whether the name has the suffix of an assembly file of the PDB, such as .pdb1.
+  bool is_assembly_file = false;
+  const ReadOptions& options;
+  const ReadingLimit& limit;
+
+  void check() const {
+    if (options.check) options.check();
+  }
+  /// Throws Error if this number of additional bytes exceeds the memory limit.
+  void require_memory(std::uint64_t bytes) const { limit.require(bytes, reading_of(name)); }
+};
+
+/// Reads a text. Calls `after_part` after each part with the atoms so far. Labels that `after_part`
+/// takes are not kept. Throws Error with file and line.
+AtomFile read_structure(StructureText text, const std::function<void(AtomFile& atoms)>& after_part);
+
+}  // namespace eses::detail
