@@ -67,7 +67,8 @@ void reserve_standard_streams() {
 void refuse_same_files(const Options& options, const Processes& processes) {
   const int launched = launched_processes();
   if (launched == 1 || processes.count() > 1 || options.independent || options.dry_run) return;
-  if (!options.resume && final_paths(options.outputs, options.output_directory).empty()) return;
+  const bool has_files = !output_paths(options.outputs, options.output_directory).final.empty();
+  if (!options.resume && !has_files) return;
   throw Error(
       formatted("started as one of {} processes that would all write the same files; to share "
                 "one run, {}; for separate runs, use --independent and separate output "

@@ -1,7 +1,5 @@
 #include "cli/measure_command.hpp"
 
-#include <unistd.h>
-
 #include <algorithm>
 #include <array>
 #include <cstddef>
@@ -25,7 +23,6 @@
 #include "eses/error.hpp"
 #include "output/output_directory.hpp"
 #include "output/output_file.hpp"
-#include "output/sequential_writer.hpp"
 #include "system/formatted.hpp"
 #include "system/gzip.hpp"
 #include "system/parallel.hpp"
@@ -38,17 +35,17 @@ namespace {
 struct Table {
   std::string_view suffix;
   bool TableChoice::*is_chosen;
-  void (*write)(const MeasuredAtoms& atoms, const TextSink& sink);
+  void (*append)(const MeasuredAtoms& atoms, BufferedText& text);
 };
 
 constexpr std::array tables{
-    Table{".atoms.csv", &TableChoice::atoms, write_measured_atoms},
-    Table{".residues.csv", &TableChoice::residues, write_measured_residues},
-    Table{".chains.csv", &TableChoice::chains, write_measured_chains},
-    Table{".derivatives.csv", &TableChoice::derivatives, write_derivatives},
-    Table{".cavities.csv", &TableChoice::cavities, write_cavities},
-    Table{".pieces.csv", &TableChoice::pieces, write_pieces},
-    Table{".pockets.csv", &TableChoice::pockets, write_pockets},
+    Table{".atoms.csv", &TableChoice::atoms, append_measured_atoms},
+    Table{".residues.csv", &TableChoice::residues, append_measured_residues},
+    Table{".chains.csv", &TableChoice::chains, append_measured_chains},
+    Table{".derivatives.csv", &TableChoice::derivatives, append_derivatives},
+    Table{".cavities.csv", &TableChoice::cavities, append_cavities},
+    Table{".pieces.csv", &TableChoice::pieces, append_pieces},
+    Table{".pockets.csv", &TableChoice::pockets, append_pockets},
 };
 
 /// Returns the name of the table of an input file: its name without the suffix of its format.
@@ -71,18 +68,8 @@ std::filesystem::path csv_directory(const MeasureCommandOptions& options) {
   return options.csv.has_parent_path() ? options.csv.parent_path() : ".";
 }
 
-/// The final paths of the output files, and the paths that exist while they are written.
-struct Paths {
-  std::vector<std::string> final, temporaries, locks;
-
-  void add(const std::filesystem::path& directory, const std::string& name) {
-    final.push_back(path_in(directory, name));
-    temporaries.push_back(path_in(directory, temporary_name(name, getpid())));
-  }
-};
-
-Paths paths_of(const MeasureCommandOptions& options) {
-  Paths paths;
+OutputPaths paths_of(const MeasureCommandOptions& options) {
+  OutputPaths paths;
   for (const Table& table : tables)
     if (options.tables.*table.is_chosen)
       for (const std::filesystem::path& input : options.inputs)
@@ -120,8 +107,8 @@ struct Outcome {
 /// Prints outcomes in the order of the files, and writes the table of `--csv`.
 class Reporter {
  public:
-  Reporter(const MeasureCommandOptions& options, OutputFile* csv) {
-    if (csv != nullptr) csv_.emplace(*csv, false);
+  /// Keeps a pointer to the file of `--csv`, which is null if there is none.
+  Reporter(const MeasureCommandOptions& options, OutputFile* csv) : csv_(csv) {
     append_csv(measure_csv_heading(options));
     if (options.inputs.size() > 1 && !options.quiet && !options.json)
       print(measure_heading(options));
@@ -139,7 +126,7 @@ class Reporter {
 
  private:
   void append_csv(const std::string& text) {
-    if (csv_ && !text.empty()) csv_->append(text);
+    if (csv_ != nullptr && !text.empty()) csv_->append(text);
   }
 
   void report(const Outcome& outcome) {
@@ -150,7 +137,7 @@ class Reporter {
     has_errors_ = has_errors_ || !outcome.errors.empty();
   }
 
-  std::optional<SequentialWriter> csv_;
+  OutputFile* csv_;
   std::mutex mutex_;
   std::map<std::size_t, Outcome> waiting_;  // by index of the file
   std::size_t next_ = 0;                    // index of the file that is reported next
@@ -163,10 +150,12 @@ void write_tables(const MeasuredFile& file, const TableChoice& choice,
   std::vector<std::unique_ptr<OutputFile>> files;
   for (const Table& table : tables) {
     if (!(choice.*table.is_chosen)) continue;
-    files.push_back(std::make_unique<OutputFile>(directory, table_name(file.path, table)));
-    SequentialWriter writer(*files.back(), false);
-    table.write(file.table(), [&](std::string_view text) { writer.append(text); });
-    files.back()->close();
+    OutputFile& output =
+        *files.emplace_back(std::make_unique<OutputFile>(directory, table_name(file.path, table)));
+    BufferedText text([&](std::string_view part) { output.append(part); });
+    table.append(file.table(), text);
+    text.flush();
+    output.close();
   }
   commit_all(files);
 }
@@ -208,9 +197,9 @@ Outcome outcome_of(const MeasureCommandOptions& options, const std::filesystem::
 
 int measure_files(const MeasureCommandOptions& options) {
   require_standard_output();
-  const Paths paths = paths_of(options);
+  const OutputPaths paths = paths_of(options);
   check_outputs(options, paths.final);
-  InterruptibleRun interruptible(paths.temporaries, paths.locks);
+  InterruptibleRun interruptible(paths);
   std::optional<OutputDirectory> directory, directory_of_csv;
   std::optional<OutputFile> csv;
   if (options.tables.any()) {

@@ -79,7 +79,7 @@ std::string mesh_text(const Report& report) {
   return text;
 }
 
-bool is_known(const DiskSpace::FileSystem& disk) {
+bool is_known(const DiskSpace& disk) {
   return disk.available != std::numeric_limits<std::uint64_t>::max();
 }
 
@@ -158,7 +158,7 @@ std::string cut_warning(const Plan& plan) {
       plan.cut_depth, plan.grid.spacing);
 }
 
-std::string disk_warning(const DiskSpace::FileSystem& disk) {
+std::string disk_warning(const DiskSpace& disk) {
   return formatted(
       "the files need about {}, but {} has {} free; if the disk fills up, the run fails and writes "
       "no files",
@@ -247,13 +247,13 @@ json::Value number_unless(bool is_unknown, std::uint64_t value) {
 }
 
 /// Returns the free space; null if it is unknown or if there is no such file system.
-json::Value disk_json(const DiskSpace& space, std::size_t index) {
-  if (index >= space.file_systems.size()) return nullptr;
-  const DiskSpace::FileSystem& disk = space.file_systems[index];
+json::Value disk_json(const std::vector<DiskSpace>& spaces, std::size_t index) {
+  if (index >= spaces.size()) return nullptr;
+  const DiskSpace& disk = spaces[index];
   return number_unless(!is_known(disk), disk.available);
 }
 
-json::Value plan_json(const Plan& plan, const DiskSpace& disk) {
+json::Value plan_json(const Plan& plan, const std::vector<DiskSpace>& disk) {
   return {{"memory_bytes", plan.memory_bytes},
           {"max_memory_bytes",
            number_unless(plan.parameters.max_memory == 0, plan.parameters.max_memory)},
@@ -424,7 +424,7 @@ std::string plan_text(const Report& report) {
                       bytes_text(parameters.max_memory));
   if (plan.files.output() > 0)
     text += formatted("files: {}\n", files_text(plan.files, report.options.outputs));
-  for (const DiskSpace::FileSystem& disk : report.disk.file_systems)
+  for (const DiskSpace& disk : report.disk)
     if (is_known(disk))
       text +=
           formatted("disk: {} free in {}\n", bytes_text(disk.available), path_text(disk.directory));
@@ -499,7 +499,7 @@ std::vector<std::string> warnings(const Report& report) {
   for (const DiagnosticText& diagnostic : report.diagnostics)
     if (!diagnostic.is_usual) lines.push_back(diagnostic.message);
   if (report.plan.cut_depth > 0) lines.push_back(cut_warning(report.plan));
-  for (const DiskSpace::FileSystem& disk : report.disk.file_systems)
+  for (const DiskSpace& disk : report.disk)
     if (disk.expected > disk.available) lines.push_back(disk_warning(disk));
   return lines;
 }

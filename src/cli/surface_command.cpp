@@ -68,7 +68,7 @@ void refuse_to_lose_input(const Options& options) {
       if (is_same_file(path, file))
         throw Error(formatted("{} is {}, and would be {}", file, role, fate));
   };
-  for (const std::string& file : final_paths(options.outputs, options.output_directory))
+  for (const std::string& file : output_paths(options.outputs, options.output_directory).final)
     refuse_if_read(file, "overwritten");
   for (const std::string& file : stale_paths(options.outputs, options.output_directory))
     refuse_if_read(file, options.outputs.gzip ? "removed, as a gzipped file takes its place"
@@ -159,8 +159,8 @@ void present_result(const Report& report) {
 
 RunResult run_with_progress(const Options& options, const RunPlan& plan,
                             const Processes& processes) {
-  const RunPaths paths = paths_of(options, processes);
-  InterruptibleRun interruptible(paths.temporaries, paths.locks);
+  const OutputPaths paths = paths_of(options, processes);
+  InterruptibleRun interruptible(paths);
   RunDisplay display(interruptible, !options.quiet && processes.is_first());
   try {
     RunResult result = execute(options, plan, paths, display.callbacks(), processes);

@@ -47,10 +47,6 @@ std::vector<char> compressed_text(std::string_view text) {
   return {member.begin(), member.end()};
 }
 
-std::span<char> as_chars(std::span<std::uint64_t> words) {
-  return {reinterpret_cast<char*>(words.data()), words.size_bytes()};
-}
-
 }  // namespace
 
 // A tile: the points of one cell along x, of some rows along y, and of all planes.
@@ -164,7 +160,7 @@ void GridMap::read_words(const Tile& tile, std::vector<std::uint64_t>& words) {
   const std::int64_t per_cell = words_of_cell(map_.quantity);
   words.resize(static_cast<std::size_t>(tile.rows() * size_[2] * per_cell));
   if (tile.rows() == size_[1]) {
-    file_.read_at(as_chars(words), cell_offset(tile.cell, 0));
+    file_.read_at(as_chars(std::span(words)), cell_offset(tile.cell, 0));
     return;
   }
   const auto row_words = static_cast<std::size_t>(tile.rows() * per_cell);
@@ -336,7 +332,7 @@ class GridMap::Compressor {
   // Stores the members of the planes before `plane_end` that are in the buffer.
   void store(std::size_t plane_end, std::span<MemberRange> ranges, std::size_t stride) {
     std::uint64_t offset = end_.fetch_add(buffer_.size());
-    file_.write_at(std::as_bytes(std::span(buffer_)), offset);
+    file_.write_at(buffer_, offset);
     for (; stored_ < plane_end; ++stored_) {
       ranges[stored_ * stride] = {offset, sizes_[stored_]};
       offset += sizes_[stored_];
@@ -368,7 +364,7 @@ void GridMap::compress_cells(std::int64_t begin, std::int64_t end, int threads,
   std::vector<MemberRange> ranges(stride * cell_points);
   std::vector<char> buffer;
   const auto append = [&] {
-    text.append(std::as_bytes(std::span(buffer)));
+    text.append(buffer);
     buffer.clear();
   };
   for (std::int64_t cell = begin; cell < end; ++cell) {
@@ -386,7 +382,7 @@ void GridMap::compress_cells(std::int64_t begin, std::int64_t end, int threads,
          std::span(ranges).first(stride * static_cast<std::size_t>(planes))) {
       const std::size_t old = buffer.size();
       buffer.resize(old + member.bytes);
-      members.read_at(std::as_writable_bytes(std::span(buffer).subspan(old)), member.offset);
+      members.read_at(std::span(buffer).subspan(old), member.offset);
       if (buffer.size() >= member_buffer_bytes) append();
     }
   }

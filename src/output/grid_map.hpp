@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "grid/tiling.hpp"
+#include "output/file.hpp"
 #include "output/map_writer.hpp"
-#include "output/scratch_file.hpp"
 
 namespace eses::detail {
 

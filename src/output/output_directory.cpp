@@ -93,8 +93,13 @@ std::string path_in(const std::filesystem::path& directory, const std::string& n
   return formatted("{}/{}", directory.native(), name);
 }
 
-std::string temporary_name(const std::string& name, long process) {
-  return formatted(".{}.{}{}", name, process, temporary_suffix);
+std::string temporary_name(const std::string& name) {
+  return formatted(".{}.{}{}", name, getpid(), temporary_suffix);
+}
+
+void OutputPaths::add(const std::filesystem::path& directory, const std::string& name) {
+  final.push_back(path_in(directory, name));
+  temporaries.push_back(path_in(directory, temporary_name(name)));
 }
 
 OutputDirectory::OutputDirectory(std::filesystem::path path, std::string file)

@@ -12,10 +12,10 @@
 
 #include "distributed/packed_texts.hpp"
 #include "eses/error.hpp"
+#include "output/eses_writer.hpp"
 #include "output/mesh_writer.hpp"
 #include "output/msms_text.hpp"
 #include "output/output_files.hpp"
-#include "output/sequential_writer.hpp"
 #include "run/areas.hpp"
 #include "run/merge.hpp"
 #include "run/mesh_header.hpp"
@@ -23,6 +23,7 @@
 #include "run/slab_sweep.hpp"
 #include "system/file_descriptor.hpp"
 #include "system/formatted.hpp"
+#include "system/gzip.hpp"
 #include "system/parallel.hpp"
 #include "system/resources.hpp"
 #include "system/stopwatch.hpp"
@@ -45,7 +46,7 @@ std::unique_ptr<OutputFiles> open_files(const RunTask& task, const RunPlan& plan
 
 // Checks that all processes can open the output files. Otherwise MPI would wait forever when the
 // files are merged.
-void require_shared_directories(const RunTask& task, const RunPaths& paths,
+void require_shared_directories(const RunTask& task, const OutputPaths& paths,
                                 const Processes& processes) {
   if (processes.count() == 1) return;
   const auto require = [&](const std::filesystem::path& path, int mode) {
@@ -207,8 +208,14 @@ std::uint64_t commit_files(const RunTask& task, const RunPlan& plan, OutputFiles
   std::uint64_t box_bytes = 0;
   processes.all_or_throw([&] {
     if (files == nullptr) return;
-    if (OutputFile* const box = files->find(RunFile::box))
-      box_bytes = write_box(*box, plan.whole_plan.grid, task.outputs.gzip);
+    if (OutputFile* const box = files->find(RunFile::box)) {
+      const std::string text = bounding_box_text(plan.whole_plan.grid);
+      if (task.outputs.gzip)
+        box->append(Gzip().member(text));
+      else
+        box->append(text);
+      box_bytes = box->size();
+    }
     require_memory_within(task.parameters.max_memory);
     files->commit(check);
     if (plan.checkpoint)
@@ -235,12 +242,14 @@ bool has_faults(const Summary& summary) {
   return summary.verification && !summary.verification->faults.empty();
 }
 
-RunPaths paths_of(const RunTask& task, const Processes& processes) {
-  return {broadcast_lines(temporary_paths(task.outputs, task.output_directory), 0, processes),
-          broadcast_lines(lock_paths(task.outputs, task.output_directory), 0, processes)};
+OutputPaths paths_of(const RunTask& task, const Processes& processes) {
+  OutputPaths paths = output_paths(task.outputs, task.output_directory);
+  for (auto* const lines : {&paths.final, &paths.temporaries, &paths.locks})
+    *lines = broadcast_lines(*lines, 0, processes);
+  return paths;
 }
 
-RunResult execute(const RunTask& task, const RunPlan& plan, const RunPaths& paths,
+RunResult execute(const RunTask& task, const RunPlan& plan, const OutputPaths& paths,
                   const Callbacks& callbacks, const Processes& processes) {
   const Stopwatch total;
   processes.all_or_throw([&] { start_threads(plan.slab_plan.threads); });

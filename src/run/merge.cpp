@@ -47,7 +47,7 @@ void read_parts(const ScratchFile& from, std::uint64_t begin, std::uint64_t leng
   std::vector<char> part, next;
   const auto load = [&](std::uint64_t offset) {
     next.resize(std::min(step, length - offset));
-    from.read_at(std::as_writable_bytes(std::span(next)), offset);
+    from.read_at(next, offset);
     loaded(std::span<const char>(next), offset);
   };
   const auto how = threads > 1 ? std::launch::async | std::launch::deferred : std::launch::deferred;
@@ -246,18 +246,15 @@ std::uint64_t Merge::write_values(GridMap& map) const {
 // replace the words.
 std::uint64_t Merge::write_compressed_values(GridMap& map, SharedFile& to) const {
   ScratchFile text(task_.output_directory);
-  const auto append = [&](const std::vector<char>& bytes) {
-    text.append(std::as_bytes(std::span(bytes)));
-  };
   const IndexRange range =
       processes_.range_of(static_cast<std::uint64_t>(map.cells_of_row()), 1, processes_.rank());
-  if (processes_.is_first()) append(map.compressed_header());
+  if (processes_.is_first()) text.append(map.compressed_header());
   {
     ScratchFile members(task_.output_directory);
     map.compress_cells(static_cast<std::int64_t>(range.begin), static_cast<std::int64_t>(range.end),
                        threads_of_shared_file(), check_, members, text);
   }
-  if (processes_.rank() + 1 == processes_.count()) append(map.compressed_footer());
+  if (processes_.rank() + 1 == processes_.count()) text.append(map.compressed_footer());
   const std::uint64_t length = text.size();
   // The sum is known when all processes have read their words. Only then may members replace these.
   const std::uint64_t all = processes_.sum(length);
@@ -348,7 +345,7 @@ MeshQuality Merge::improve_mesh(const mesh::MeshText& text) {
     const auto sink_of = [&](ChunkText which) {
       improved.text(which) = std::make_unique<ScratchFile>(mesh_directory_of(*task_.outputs.mesh));
       return [file = improved.text(which).get()](std::span<const char> bytes, std::uint64_t) {
-        file->append(std::as_bytes(bytes));
+        file->append(bytes);
       };
     };
     pass.emplace(text, plan_.whole_plan.grid, plan_.whole_plan.tiling.region_with_halo,

@@ -1,59 +1,60 @@
 #include "run/mesh_header.hpp"
 
-#include <span>
+#include <cstddef>
 
 namespace eses::detail {
 namespace {
 
-template <class AppendName>
-void append_names(std::span<const AtomLabel> labels, std::uint64_t first, const TextSink& sink,
-                  AppendName append_name) {
+// Makes the text of a part of a header.
+void make_part(const HeaderPart& append, const TextSink& sink) {
   BufferedText text(sink);
-  for (std::size_t i = 0; i < labels.size(); ++i) append_name(text, first + i, labels[i]);
+  append(text);
   text.flush();
 }
 
 }  // namespace
 
-HeaderParts mesh_header(const mesh::MeshText& text, const GroupNames& names,
+HeaderParts mesh_header(const mesh::MeshText& mesh, const GroupNames& names,
                         const MeshCounts& counts, const Processes& processes,
                         const mesh::VertexBox& box) {
   const bool is_first = processes.is_first();
-  return {[&text, is_first](const TextSink& sink) {
-            if (is_first) text.write_header_begin(sink);
+  return {[&mesh, is_first](BufferedText& text) {
+            if (is_first) mesh.append_header_begin(text);
           },
-          [&text, &names](const TextSink& sink) {
-            append_names(names.chains, names.first_chain, sink,
-                         [&](auto&&... name) { text.append_chain_name(name...); });
+          [&mesh, &names](BufferedText& text) {
+            for (std::size_t i = 0; i < names.chains.size(); ++i)
+              mesh.append_chain_name(text, names.first_chain + i, names.chains[i]);
           },
-          [&text, is_first](const TextSink& sink) {
-            if (is_first) text.write_header_middle(sink);
+          [&mesh, is_first](BufferedText& text) {
+            if (is_first) mesh.append_header_middle(text);
           },
-          [&text, &names](const TextSink& sink) {
-            append_names(names.residues, names.first_residue, sink,
-                         [&](auto&&... name) { text.append_residue_name(name...); });
+          [&mesh, &names](BufferedText& text) {
+            for (std::size_t i = 0; i < names.residues.size(); ++i)
+              mesh.append_residue_name(text, names.first_residue + i, names.residues[i]);
           },
-          [&text, counts, box, is_first](const TextSink& sink) {
-            if (is_first) text.write_header_end(counts, box, sink);
+          [&mesh, counts, box, is_first](BufferedText& text) {
+            if (is_first) mesh.append_header_end(text, counts, box);
           }};
 }
 
-HeaderParts face_header(const mesh::MeshText& text, const MeshCounts& counts,
+HeaderParts face_header(const mesh::MeshText& mesh, const MeshCounts& counts,
                         const Processes& processes) {
-  return {[&text, counts, is_first = processes.is_first()](const TextSink& sink) {
-    if (is_first) text.write_face_header(counts, sink);
+  return {[&mesh, counts, is_first = processes.is_first()](BufferedText& text) {
+    if (is_first) mesh.append_face_header(text, counts);
   }};
 }
 
 std::uint64_t header_bytes(const HeaderParts& parts, const Processes& processes) {
   std::uint64_t bytes = 0;
-  for (const auto& make : parts) make([&](std::string_view text) { bytes += text.size(); });
+  for (const HeaderPart& part : parts)
+    make_part(part, [&](std::string_view text) { bytes += text.size(); });
   return processes.sum(bytes);
 }
 
 std::uint64_t write_header(const HeaderParts& parts, SharedFile& file) {
   std::uint64_t bytes = 0;
-  for (const auto& make : parts) bytes += file.write_by_rank(bytes, make);
+  for (const HeaderPart& part : parts)
+    bytes += file.write_by_rank(bytes, [&](const TextSink& sink) { make_part(part, sink); });
   return bytes;
 }
 

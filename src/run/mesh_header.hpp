@@ -13,18 +13,19 @@
 
 namespace eses::detail {
 
-/// Functions that pass a process's text of each part of a header to a sink. In the file, the texts
-/// of a part follow each other in the order of ranks.
-using HeaderParts = std::vector<std::function<void(const TextSink& sink)>>;
+/// Appends a process's text of a part of a header. In the file, the texts of a part follow each
+/// other in the order of ranks.
+using HeaderPart = std::function<void(BufferedText& text)>;
+using HeaderParts = std::vector<HeaderPart>;
 
-/// Returns the header of the mesh file. Keeps references to `text` and `names`. The length of the
+/// Returns the header of the mesh file. Keeps references to `mesh` and `names`. The length of the
 /// header does not depend on `counts` and `box`.
-HeaderParts mesh_header(const mesh::MeshText& text, const GroupNames& names,
+HeaderParts mesh_header(const mesh::MeshText& mesh, const GroupNames& names,
                         const MeshCounts& counts, const Processes& processes,
                         const mesh::VertexBox& box = {});
 
 /// Does the same for the separate file of the triangles, if the format has one.
-HeaderParts face_header(const mesh::MeshText& text, const MeshCounts& counts,
+HeaderParts face_header(const mesh::MeshText& mesh, const MeshCounts& counts,
                         const Processes& processes);
 
 /// Returns the length of a header in bytes. All processes must call it.

@@ -35,7 +35,7 @@ OrderedOutput::WriteAt sink_of(OutputFile& file, std::uint64_t begin) {
 
 OrderedOutput::WriteAt sink_of(ScratchFile& file, TextChecksum& checksum, bool is_checked) {
   return [&file, &checksum, is_checked](std::span<const char> text, std::uint64_t offset) {
-    file.write_at(std::as_bytes(text), offset);
+    file.write_at(text, offset);
     if (is_checked) checksum.add(text, offset);
   };
 }
