@@ -21,10 +21,10 @@
 #include "eses/version.hpp"
 #include "input/read_spheres.hpp"
 #include "output/buffered_text.hpp"
-#include "output/eses_writer.hpp"
 #include "output/msms_text.hpp"
 #include "output/output_directory.hpp"
 #include "output/output_file.hpp"
+#include "output/text_buffer.hpp"
 #include "system/formatted.hpp"
 
 namespace eses::detail::cli {

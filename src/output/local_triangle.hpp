@@ -7,7 +7,7 @@
 #include <span>
 
 #include "mesh/triangulate.hpp"
-#include "output/eses_writer.hpp"
+#include "output/text_buffer.hpp"
 
 namespace eses::detail::mesh {
 

@@ -10,8 +10,7 @@
 #include "eses/error.hpp"
 #include "output/local_triangle.hpp"
 #include "output/msms_text.hpp"
-#include "output/number_text.hpp"
-#include "output/text_lines.hpp"
+#include "output/text_buffer.hpp"
 #include "system/formatted.hpp"
 
 namespace eses::detail::mesh {
@@ -103,7 +102,7 @@ void require_vertex_count(std::uint64_t vertices) {
 
 MeshText::MeshText(MeshFormat format, MeshColor color, MeshSource source)
     : format_(format), color_(color), source_(source) {
-  if (has_coordinate_texts(format)) coordinates_ = coordinate_texts(source.grid);
+  if (has_coordinate_texts(format)) coordinates_ = coordinate_tokens(source.grid);
 }
 
 OptionalFields MeshText::optional_fields() const {
@@ -343,7 +342,7 @@ void MeshText::append_triangles(TextBuffer& text, std::span<const Triangle> tria
     case MeshFormat::msms:
     case MeshFormat::vtp:
     case MeshFormat::stl:
-      // Their triangles are appended by append_triangle, append_triangle_record and append_corners.
+      // Their triangles are appended by append_triangle, put_vtp_triangle and append_corners.
       return;
   }
 }
@@ -363,11 +362,6 @@ void MeshText::require_counts(const MeshCounts& counts) const {
   if (format_ == MeshFormat::stl && counts.triangles > std::numeric_limits<std::uint32_t>::max())
     throw Error(
         formatted("the mesh has {} triangles, more than a .stl file can have", counts.triangles));
-}
-
-void MeshText::append_triangle_record(TextBuffer& text, const Triangle& triangle,
-                                      std::uint64_t number) {
-  text.advance_to(put_vtp_triangle(text.reserve(vtp_triangle_bytes), triangle, number));
 }
 
 bool can_name_groups(const MeshOptions& choice) {

@@ -55,7 +55,6 @@ class OutputDirectory {
   void remove(const std::string& name) const;
 
  private:
-  void lock();
   bool try_lock();
 
   std::filesystem::path path_;

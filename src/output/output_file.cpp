@@ -51,11 +51,6 @@ void OutputFile::close() {
   if (file_.close() != 0 && errno != EINTR) fail("write", errno);
 }
 
-void OutputFile::remove_older() {
-  if (unlinkat(directory_.descriptor(), name_.c_str(), 0) != 0 && errno != ENOENT)
-    fail("replace", errno);
-}
-
 void OutputFile::commit() {
   const int directory = directory_.descriptor();
   if (renameat(directory, temporary_name_.c_str(), directory, name_.c_str()) != 0)

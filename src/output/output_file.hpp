@@ -34,7 +34,7 @@ class OutputFile : public File {
   /// Closes the file. Some file systems report failed writes only here.
   void close();
   /// Removes an older file of the final name, if there is one.
-  void remove_older();
+  void remove_older() const { directory_.remove(name_); }
   /// Renames the closed file, replacing any older one.
   void commit();
   /// Removes the file again if it was committed.

@@ -3,13 +3,14 @@
 #include <bit>
 #include <string>
 
-#include "output/text_lines.hpp"
+#include "output/text_buffer.hpp"
 #include "system/formatted.hpp"
 
 namespace eses::detail::mesh {
 namespace {
 
-// Adds a column for the next field of the records, whose data begin at `bytes` and are added to it.
+// Adds the column of the next field of the records after `bytes` bytes of data, and adds its size
+// to them.
 void add_column(ColumnTable& table, Column column, std::uint64_t& bytes) {
   bytes += sizeof(std::uint64_t);
   column.begin = bytes;

@@ -239,7 +239,7 @@ std::uint64_t Merge::write_values(GridMap& map) const {
   map.transpose_tiles(static_cast<std::int64_t>(range.begin), static_cast<std::int64_t>(range.end),
                       threads_of_shared_file(), check_);
   if (processes_.is_first()) map.write_ends();
-  return map.file_bytes();
+  return map.layout().file_bytes();
 }
 
 // Each process compresses some cells of the map, which are consecutive in the file. The members
@@ -248,13 +248,13 @@ std::uint64_t Merge::write_compressed_values(GridMap& map, SharedFile& to) const
   ScratchFile text(task_.output_directory);
   const IndexRange range =
       processes_.range_of(static_cast<std::uint64_t>(map.cells_of_row()), 1, processes_.rank());
-  if (processes_.is_first()) text.append(map.compressed_header());
+  if (processes_.is_first()) text.append(Gzip().member(map.layout().header));
   {
     ScratchFile members(task_.output_directory);
     map.compress_cells(static_cast<std::int64_t>(range.begin), static_cast<std::int64_t>(range.end),
                        threads_of_shared_file(), check_, members, text);
   }
-  if (processes_.rank() + 1 == processes_.count()) text.append(map.compressed_footer());
+  if (processes_.rank() + 1 == processes_.count()) text.append(Gzip().member(map.layout().footer));
   const std::uint64_t length = text.size();
   // The sum is known when all processes have read their words. Only then may members replace these.
   const std::uint64_t all = processes_.sum(length);
@@ -484,7 +484,7 @@ std::uint64_t Merge::write_triangles(SharedFile& file, std::uint64_t begin,
 // the file. Returns the end of the footer.
 std::uint64_t Merge::write_columns(SharedFile& file, std::uint64_t begin,
                                    const mesh::MeshText& text) {
-  const mesh::VtpData data = text.columns(mesh_);
+  const mesh::VtpData data = mesh::vtp_data(mesh_, text.optional_fields());
   ColumnWriter vertices(file, begin, data.vertices), triangles(file, begin, data.triangles);
   const auto vertices_of = [](const ChunkInfo& info) { return info.mesh.vertices; };
   const auto triangles_of = [](const ChunkInfo& info) { return info.mesh.triangles; };
@@ -504,9 +504,10 @@ std::uint64_t Merge::write_columns(SharedFile& file, std::uint64_t begin,
     for_triangles(chunk, [&](std::span<const mesh::LocalTriangle> locals, std::uint64_t before) {
       records.clear();
       std::uint64_t triangle = first_triangle + before;
+      char* out = records.reserve(mesh::vtp_triangle_bytes * locals.size());
       for (const mesh::LocalTriangle& local : locals)
-        text.append_triangle_record(records, mesh::global_triangle(first_vertex, local),
-                                    triangle++);
+        out = mesh::put_vtp_triangle(out, mesh::global_triangle(first_vertex, local), triangle++);
+      records.advance_to(out);
       triangles.write(records.text(), first_triangle + before);
     });
     close(chunk, ChunkText::triangles);
@@ -515,9 +516,9 @@ std::uint64_t Merge::write_columns(SharedFile& file, std::uint64_t begin,
   if (processes_.is_first()) {
     vertices.write_lengths();
     triangles.write_lengths();
-    file.write_at(text.footer(), end);
+    file.write_at(mesh::vtp_end, end);
   }
-  return end + text.footer().size();
+  return end + mesh::vtp_end.size();
 }
 
 }  // namespace eses::detail
