@@ -12,9 +12,13 @@ namespace {
 // separator.
 constexpr std::size_t max_crossing_line_length = 15 * (max_number_length + 1) + 1;
 
+// Concatenates two indices. A copy of constant size is faster than one of the exact length.
 TextToken concatenated(const TextToken& first, const TextToken& second) {
-  std::array<char, 2 * sizeof(TextToken)> both{};
-  return make_token({both.data(), put_token(put_token(both.data(), first), second)});
+  constexpr std::size_t max_length = 15;  // of an index with its blank
+  TextToken both = first;
+  std::memcpy(both.text.data() + first.length, second.text.data(), max_length);
+  both.length = static_cast<std::uint8_t>(first.length + second.length);
+  return both;
 }
 
 char* append_number(char* out, const NumberBatch& numbers, std::size_t i) {

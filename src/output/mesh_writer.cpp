@@ -46,7 +46,8 @@ constexpr std::size_t max_triangle_bytes = 6 * (max_number_length + 2) + 4;
 static_assert(max_msms_vertex_bytes <= max_vertex_bytes);
 static_assert(max_msms_triangle_bytes <= max_triangle_bytes);
 
-char* put_obj_triangle(char* out, const Triangle& triangle) {
+// `inline` matters: it makes g++ inline these functions into the loop over all triangles.
+inline char* put_obj_triangle(char* out, const Triangle& triangle) {
   *out++ = 'f';
   for (const std::uint64_t vertex : triangle) {
     *out++ = ' ';
@@ -60,7 +61,7 @@ char* put_obj_triangle(char* out, const Triangle& triangle) {
 }
 
 // Writes a line of OFF or of text PLY.
-char* put_triangle_line(char* out, const Triangle& triangle) {
+inline char* put_triangle_line(char* out, const Triangle& triangle) {
   *out++ = '3';
   *out++ = ' ';
   for (const std::uint64_t vertex : triangle) out = put_index(out, vertex);
