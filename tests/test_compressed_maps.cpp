@@ -7,11 +7,11 @@
 
 #include "catch.hpp"
 #include "eses/eses.hpp"
+#include "output/file.hpp"
 #include "output/grid_map.hpp"
 #include "output/output_directory.hpp"
 #include "output/output_file.hpp"
 #include "output/output_files.hpp"
-#include "output/scratch_file.hpp"
 #include "run/plan.hpp"
 #include "support/atom_sets.hpp"
 #include "support/eses_files.hpp"
@@ -19,6 +19,7 @@
 #include "support/sandbox.hpp"
 #include "support/sanitizers.hpp"
 #include "support/temporary_directory.hpp"
+#include "system/gzip.hpp"
 
 namespace eses::detail::test {
 namespace {
@@ -121,7 +122,7 @@ TEST_CASE("compressed maps with any values, from several tiles", "[maps][gzip]")
         write_rows(map);
         map.transpose_tiles(0, map.tile_count(), 2, [] {});
         map.write_ends();
-        file.truncate(map.file_bytes());
+        file.truncate(map.layout().file_bytes());
         file.close();
         file.commit();
       }
@@ -132,16 +133,13 @@ TEST_CASE("compressed maps with any values, from several tiles", "[maps][gzip]")
         write_rows(map);
         ScratchFile members(directory.path());
         ScratchFile text(directory.path(), "packed.dx.gz", ScratchFile::Kept::fresh);
-        const auto append = [&](const std::vector<char>& bytes) {
-          text.append(std::as_bytes(std::span(bytes)));
-        };
-        append(map.compressed_header());
+        text.append(Gzip().member(map.layout().header));
         const std::int64_t half = map.cells_of_row() / 2;
         map.compress_cells(
             0, half, 2, [] {}, members, text);
         map.compress_cells(
             half, map.cells_of_row(), 3, [] {}, members, text);
-        append(map.compressed_footer());
+        text.append(Gzip().member(map.layout().footer));
       }
       const bool is_same = read_gzipped(directory.path() / "packed.dx.gz") ==
                            read_bytes(directory.path() / "plain.dx");
@@ -164,8 +162,8 @@ TEST_CASE("the plan knows about how long compressed maps are, and what they need
     CHECK(summary.bytes_written < plan.files.maps);
     CHECK(plan.files.maps < 2 * summary.bytes_written);
     // Only the words are sure to need their place.
-    const DiskSpace disk = require_disk_space(plan.files, outputs, directory.path());
-    CHECK(disk.file_systems[0].expected == plan.files.maps + plan.files.map_scratch);
+    const std::vector<DiskSpace> disk = require_disk_space(plan.files, outputs, directory.path());
+    CHECK(disk[0].expected == plan.files.maps + plan.files.map_scratch);
     Plan large = plan;
     large.files.maps += std::uint64_t{1} << 61;
     large.files.map_scratch += std::uint64_t{1} << 61;
@@ -243,9 +241,9 @@ TEST_CASE("a disk that plain maps would fill is refused before anything is writt
   outputs.dielectric = DielectricMaps{"d"};
   Parameters parameters;
   const TemporaryDirectory directory;
-  const DiskSpace disk =
+  const std::vector<DiskSpace> disk =
       require_disk_space(make_plan(atoms, parameters, outputs).files, outputs, directory.path());
-  if (disk.file_systems[0].available > std::uint64_t{1} << 50)
+  if (disk[0].available > std::uint64_t{1} << 50)
     SKIP("the file system does not report its free space");
   // Three maps with 17 bytes an edge, on a grid of which the molecule takes a small part.
   parameters.grid = Grid{{-5, -5, -5}, 0.005, {2000, 2000, 10'000'000}};

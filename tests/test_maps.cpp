@@ -239,7 +239,7 @@ TEST_CASE("rows of a map may come in any order and are transposed in several til
         map.transpose_tiles(half, map.tile_count(), 3, [] {});
         map.transpose_tiles(0, half, 2, [] {});
         map.write_ends();
-        file.truncate(map.file_bytes());
+        file.truncate(map.layout().file_bytes());
         file.close();
         file.commit();
       }

@@ -563,9 +563,10 @@ namespace {
 
 std::string header_of(const mesh::MeshText& text, const MeshCounts& counts) {
   std::string header;
-  const TextSink sink = [&](std::string_view part) { header += part; };
-  text.write_header_begin(sink);
-  text.write_header_end(counts, {}, sink);
+  BufferedText part([&](std::string_view passed) { header += passed; });
+  text.append_header_begin(part);
+  text.append_header_end(part, counts, {});
+  part.flush();
   return header;
 }
 

@@ -75,11 +75,12 @@ double distance_from(const Vec3& point, const Atom& atom) {
 
 std::string header_of(const mesh::MeshText& text, const MeshCounts& counts) {
   std::string header;
-  const TextSink sink = [&](std::string_view part) { header += part; };
-  text.write_header_begin(sink);
-  text.write_header_middle(sink);
-  text.write_header_end(counts, {}, sink);
-  if (text.has_face_file()) text.write_face_header(counts, sink);
+  BufferedText part([&](std::string_view passed) { header += passed; });
+  text.append_header_begin(part);
+  text.append_header_middle(part);
+  text.append_header_end(part, counts, {});
+  if (text.has_face_file()) text.append_face_header(part, counts);
+  part.flush();
   return header;
 }
 

@@ -15,9 +15,9 @@
 
 #include "catch.hpp"
 #include "eses/error.hpp"
+#include "output/file.hpp"
 #include "output/number_text.hpp"
 #include "output/output_file.hpp"
-#include "output/scratch_file.hpp"
 #include "support/atom_sets.hpp"
 #include "support/eses_files.hpp"
 #include "support/run.hpp"
@@ -176,7 +176,7 @@ TEST_CASE("a range is copied between files in the kernel, or by reading and writ
   std::string text(100'000, ' ');
   for (std::size_t i = 0; i < text.size(); ++i) text[i] = static_cast<char>('a' + i * i % 23);
   ScratchFile scratch(directory.path());
-  scratch.write_at(std::as_bytes(std::span(text)), 0);
+  scratch.write_at(text, 0);
   OutputFile file(place, "file");
   std::uint64_t copied = file.copy_from(scratch.descriptor(), {5000, 70, 60'000});
   CHECK((copied == 0 || copied == 60'000));  // the file system may not support it

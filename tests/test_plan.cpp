@@ -387,23 +387,23 @@ TEST_CASE("no more blocks are solved ahead of the unwritten layer than allowed",
 TEST_CASE("free disk space is that of the place where the directory will be", "[plan]") {
   const std::vector<Atom> atoms{{{0, 0, 0}, 1.5}};
   const Plan plan = make_plan(atoms, {}, {});
-  const DiskSpace here = require_disk_space(plan.files, {}, ".");
-  const DiskSpace below = require_disk_space(plan.files, {}, "not/made/yet");
-  REQUIRE(here.file_systems.size() == 1);
-  REQUIRE(below.file_systems.size() == 1);
-  CHECK(here.file_systems[0].expected == plan.files.output());
-  CHECK(below.file_systems[0].available >= plan.files.output());
+  const std::vector<DiskSpace> here = require_disk_space(plan.files, {}, ".");
+  const std::vector<DiskSpace> below = require_disk_space(plan.files, {}, "not/made/yet");
+  REQUIRE(here.size() == 1);
+  REQUIRE(below.size() == 1);
+  CHECK(here[0].expected == plan.files.output());
+  CHECK(below[0].available >= plan.files.output());
   CHECK_FALSE(std::filesystem::exists("not"));
 }
 
 TEST_CASE("a plan whose files do not fit on the disk is refused", "[plan]") {
   const std::vector<Atom> atoms{{{0, 0, 0}, 1.5}};
   Plan plan = make_plan(atoms, {}, {});
-  const DiskSpace here = require_disk_space(plan.files, {}, ".");
-  if (here.file_systems[0].available > std::uint64_t{1} << 60)
+  const std::vector<DiskSpace> here = require_disk_space(plan.files, {}, ".");
+  if (here[0].available > std::uint64_t{1} << 60)
     SKIP("the file system does not report its free space");
   plan.files.edges = std::uint64_t{1} << 62;
-  const DiskSpace::FileSystem full = require_disk_space(plan.files, {}, ".").file_systems[0];
+  const DiskSpace full = require_disk_space(plan.files, {}, ".")[0];
   CHECK(full.expected > full.available);
   plan.files.grid = std::uint64_t{1} << 62;
   CHECK_THROWS_WITH(require_disk_space(plan.files, {}, "."),
@@ -422,23 +422,23 @@ TEST_CASE("each file system is checked for the files that it receives", "[plan]"
   CHECK(plan.files.mesh_scratch < plan.files.mesh);
   const std::uint64_t of_mesh = plan.files.mesh + plan.files.mesh_scratch;
   const std::uint64_t of_others = plan.files.output() - plan.files.mesh + plan.files.map_scratch;
-  DiskSpace one = require_disk_space(plan.files, outputs, directory.path());
-  REQUIRE(one.file_systems.size() == 1);
-  CHECK(one.file_systems[0].expected == of_mesh + of_others);
+  std::vector<DiskSpace> one = require_disk_space(plan.files, outputs, directory.path());
+  REQUIRE(one.size() == 1);
+  CHECK(one[0].expected == of_mesh + of_others);
 
   // The files of /proc are in a file system of their own.
-  DiskSpace two = require_disk_space(plan.files, outputs, "/proc/self");
-  REQUIRE(two.file_systems.size() == 2);
-  CHECK(two.file_systems[0].directory == "/proc/self");
-  CHECK(two.file_systems[0].expected == of_others);
-  CHECK(two.file_systems[1].directory == directory.path() / "a");
-  CHECK(two.file_systems[1].expected == of_mesh);
+  std::vector<DiskSpace> two = require_disk_space(plan.files, outputs, "/proc/self");
+  REQUIRE(two.size() == 2);
+  CHECK(two[0].directory == "/proc/self");
+  CHECK(two[0].expected == of_others);
+  CHECK(two[1].directory == directory.path() / "a");
+  CHECK(two[1].expected == of_mesh);
   // Other processes may change the free space between two calls.
-  for (int i = 0; i < 1000 && two.file_systems[1].available != one.file_systems[0].available; ++i) {
+  for (int i = 0; i < 1000 && two[1].available != one[0].available; ++i) {
     one = require_disk_space(plan.files, outputs, directory.path());
     two = require_disk_space(plan.files, outputs, "/proc/self");
   }
-  CHECK(two.file_systems[1].available == one.file_systems[0].available);
+  CHECK(two[1].available == one[0].available);
 }
 
 TEST_CASE("the plan knows the length of the tables and of the bounding box", "[plan]") {

@@ -32,10 +32,6 @@ namespace {
 using Places = std::vector<std::size_t>;
 using Ranges = std::vector<PlaneRange>;
 
-std::span<const std::byte> bytes_of(const std::string& text) {
-  return std::as_bytes(std::span(text));
-}
-
 // Makes a complete chunk with these texts.
 void put_chunk(const Checkpoint& checkpoint, const PlaneRange& planes, const std::string& grid,
                std::vector<AtomSum> sums) {
@@ -46,7 +42,7 @@ void put_chunk(const Checkpoint& checkpoint, const PlaneRange& planes, const std
   chunk.info.totals.points.inside = 7;
   chunk.sums = std::move(sums);
   chunk.texts[0] = checkpoint.create(planes, ChunkText::grid);
-  chunk.texts[0]->append(bytes_of(grid));
+  chunk.texts[0]->append(grid);
   checkpoint.finish(chunk);
 }
 
@@ -133,7 +129,7 @@ TEST_CASE("complete chunks are kept", "[processes]") {
   CHECK(chunk.sums[1].atom == FileIndex{4000000000});
   CHECK((chunk.sums[1].share == AreaShare{1} << 100));
   std::string text(4, ' ');
-  later.open({10, 20}, ChunkText::grid)->read_at(std::as_writable_bytes(std::span(text)), 0);
+  later.open({10, 20}, ChunkText::grid)->read_at(text, 0);
   CHECK(text == "text");
 
   CHECK_THROWS_AS(Checkpoint(directory.path(), "another run").complete(), Error);

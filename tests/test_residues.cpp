@@ -26,14 +26,13 @@ AtomLabel label(const char* chain, const char* number, const char* residue) {
 
 std::string tables_of(const std::vector<AtomLabel>& labels, const std::vector<double>& areas) {
   std::string text;
-  const TextSink sink = [&text](std::string_view piece) { text += piece; };
-  BufferedText residues(sink);
+  BufferedText table([&text](std::string_view part) { text += part; });
   AreaTables tables;
-  append_residue_header(residues);
-  add_residues(tables, residue_runs(labels), areas, residues);
-  end_residues(tables, residues);
-  residues.flush();
-  write_chain_table(tables.chains.chains(), sink);
+  append_residue_header(table);
+  add_residues(tables, residue_runs(labels), areas, table);
+  end_residues(tables, table);
+  append_chains(table, tables.chains.chains());
+  table.flush();
   return text;
 }
 
@@ -126,8 +125,7 @@ TEST_CASE("the tables of a PQR file add up to its atoms' areas", "[residues]") {
 
 TEST_CASE("a line of the table of atoms has the names as CSV", "[residues]") {
   std::string text;
-  const TextSink sink = [&text](std::string_view piece) { text += piece; };
-  BufferedText table(sink);
+  BufferedText table([&text](std::string_view part) { text += part; });
   append_atom_header(table);
   append_atom(table, {1, {"A", "LIG", "52A", "CL1", "Cl"}, 1.75, 12.5});
   append_atom(table, {2, {"A,B", "X\"Y", "-1", "C'", ""}, 2, 0});

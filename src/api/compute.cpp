@@ -7,13 +7,13 @@
 #include <utility>
 #include <variant>
 
-#include "api/maps_in_memory.hpp"
 #include "api/mesh_in_memory.hpp"
 #include "api/surface_access.hpp"
 #include "eses/error.hpp"
 #include "eses/maps.hpp"
+#include "grid/inside_fraction.hpp"
 #include "grid/make_grid.hpp"
-#include "output/map_writer.hpp"
+#include "output/grid_map.hpp"
 #include "run/engine.hpp"
 #include "run/run_plan.hpp"
 #include "run/solved_block.hpp"
@@ -97,6 +97,22 @@ Summary solve(const PlannedRun& run, const detail::Callbacks& callbacks) {
   Summary& summary = result.summary;
   if (detail::has_faults(summary)) throw VerificationError(std::move(*summary.verification));
   return std::move(summary);
+}
+
+// Returns a receiver that sets `values[row * points + x]` to `value_at(words of row, x)`. Several
+// threads call it for different rows.
+template <class Value, class ValueAt>
+detail::MapSink map_receiver(detail::MapQuantity quantity, const GridRegion& region,
+                             std::vector<Value>& values, ValueAt value_at) {
+  const auto points = static_cast<std::size_t>(region.size()[0]);
+  const auto row_words =
+      static_cast<std::size_t>(detail::GridMap::words_of_row(quantity, region.size()));
+  return {quantity, [=, &values](std::int64_t first_row, std::span<const std::uint64_t> words,
+                                 detail::GridMap::Scratch&) {
+            Value* value = values.data() + static_cast<std::size_t>(first_row) * points;
+            for (; !words.empty(); words = words.subspan(row_words))
+              for (std::size_t x = 0; x < points; ++x) *value++ = value_at(words, x);
+          }};
 }
 
 // Performs a run that passes the maps of `outputs` to receivers, and writes nothing.
@@ -400,8 +416,14 @@ std::array<std::vector<double>, 3> compute_dielectric(const Surface& surface, co
   PlannedRun run = plan_run(surface, grid, outputs, options, no_parts, 3 * sizeof(double));
   std::array<std::vector<double>, 3> values;
   for (std::vector<double>& list : values) clear_points(run, options, list);
-  solve_maps(run, outputs, options,
-             detail::dielectric_receivers(detail::chosen_maps(outputs), run.region(), values));
+  std::vector<detail::MapSink> receivers;
+  for (const detail::MapChoice& map : detail::chosen_maps(outputs))
+    receivers.push_back(map_receiver(
+        map.quantity, run.region(), values[detail::edge_axis(map.quantity)],
+        [map](std::span<const std::uint64_t> words, std::size_t x) {
+          return dielectric_of(map, detail::fraction_in(words[x / detail::fractions_per_word], x));
+        }));
+  solve_maps(run, outputs, options, std::move(receivers));
   return values;
 }
 
@@ -412,7 +434,12 @@ std::vector<std::uint8_t> compute_ion_access(const Surface& surface, const Grid&
   PlannedRun run = plan_run(surface, grid, outputs, options, no_parts, 1);
   std::vector<std::uint8_t> values;
   clear_points(run, options, values);
-  solve_maps(run, outputs, options, {detail::ion_access_receiver(run.region(), values)});
+  // The bits are set for points without access.
+  const auto has_access = [](std::span<const std::uint64_t> words, std::size_t x) {
+    return static_cast<std::uint8_t>((words[x / 64] >> (x % 64) & 1) ^ 1);
+  };
+  solve_maps(run, outputs, options,
+             {map_receiver(detail::MapQuantity::ion_access, run.region(), values, has_access)});
   return values;
 }
 

@@ -14,6 +14,7 @@
 #include "run/plan.hpp"
 #include "system/formatted.hpp"
 #include "system/parallel.hpp"
+#include "system/serial_check.hpp"
 
 namespace eses {
 namespace {
@@ -23,7 +24,7 @@ namespace {
 // waits for the others at the end.
 constexpr std::size_t max_atoms_at_once = 20'000;
 
-// Ends the measurement of a frame after a failure of another one.
+// Ends the measurement of a frame after a failure of another one, or of a callback.
 struct Stopped {};
 
 class FrameMeasurement {
@@ -31,8 +32,15 @@ class FrameMeasurement {
   FrameMeasurement(std::span<const double> radii, const FrameReader& read,
                    const FrameReceiver& receive, const MeasureOptions& options,
                    const SurfaceOptions& surface)
-      : radii_(radii), read_(read), receive_(receive), options_(options), surface_(surface) {}
+      : radii_(radii),
+        read_(read),
+        receive_(receive),
+        options_(options),
+        surface_(surface),
+        check_(options.check) {}
 
+  // Frames start in ascending order, so that all frames before the first one with a fault are
+  // measured.
   void run(std::size_t frame_count) {
     const int threads = options_.threads > 0 ? options_.threads : detail::available_threads();
     const bool at_once =
@@ -41,85 +49,77 @@ class FrameMeasurement {
                          [&](std::int64_t frame, int) {
                            measure_frame(static_cast<std::size_t>(frame), at_once ? 1 : threads);
                          });
+    if (callback_failure_) std::rethrow_exception(callback_failure_);
     if (failed_frame_ < frame_count) throw std::invalid_argument(failure_);
   }
 
  private:
   static constexpr std::size_t no_frame = std::numeric_limits<std::size_t>::max();
 
-  void measure_frame(std::size_t frame, int threads);
-  void measure_valid_frame(std::size_t frame, int threads, std::exception_ptr& failure);
-  void fail(std::size_t frame, const char* message);
-  void check(std::size_t frame);
+  // Whether the result of a frame is not needed any more.
+  bool is_over(std::size_t frame) const { return is_stopped_ || frame > failed_frame_; }
+
+  // Calls a callback. Its exception ends all frames, and `run` throws it on.
+  template <class Callback>
+  void call(Callback&& callback) {
+    try {
+      callback();
+    } catch (...) {
+      is_stopped_ = true;
+      const std::lock_guard lock(mutex_);
+      if (!callback_failure_) callback_failure_ = std::current_exception();
+      throw Stopped();
+    }
+  }
+
+  void measure_frame(std::size_t frame, int threads) {
+    if (is_over(frame)) return;
+    const CheckCallback check = [this, frame] {
+      if (is_over(frame)) throw Stopped();
+      call([this] { check_(); });
+    };
+    try {
+      check();
+      std::vector<Atom> atoms(radii_.size());
+      for (std::size_t i = 0; i < atoms.size(); ++i) atoms[i].radius = radii_[i];
+      call([&] { read_(frame, atoms); });
+      const Surface surface(std::move(atoms), {.probe_radius = surface_.probe_radius,
+                                               .max_filled_void = surface_.max_filled_void,
+                                               .threads = threads,
+                                               .check = check});
+      MeasureOptions options = options_;
+      options.threads = threads;
+      options.check = check;
+      Measures measures = measure(surface, options);
+      call([&] { receive_(frame, std::move(measures)); });
+    } catch (const Stopped&) {
+    } catch (const std::invalid_argument& error) {
+      fail(frame, error.what());
+    } catch (...) {
+      is_stopped_ = true;
+      throw;
+    }
+  }
+
+  void fail(std::size_t frame, const char* message) {
+    const std::lock_guard lock(mutex_);
+    if (frame >= failed_frame_) return;
+    failed_frame_ = frame;
+    failure_ = detail::formatted("frame {} (counted from 0): {}", frame, message);
+  }
 
   std::span<const double> radii_;
   const FrameReader& read_;
   const FrameReceiver& receive_;
   const MeasureOptions& options_;
   const SurfaceOptions& surface_;
+  detail::SerialCheck check_;
   std::atomic<bool> is_stopped_ = false;
   std::atomic<std::size_t> failed_frame_ = no_frame;  // the first frame with a fault
-  std::string failure_;                               // of this frame
-  std::mutex mutex_;                                  // of the failure and of calls of the callback
+  std::mutex mutex_;                                  // of both failures
+  std::string failure_;                               // of the first frame with a fault
+  std::exception_ptr callback_failure_;
 };
-
-// Frames start in ascending order, so that all frames before the first one with a fault are
-// measured.
-void FrameMeasurement::measure_frame(std::size_t frame, int threads) {
-  if (frame > failed_frame_) return;
-  std::exception_ptr failure;  // of a callback
-  try {
-    measure_valid_frame(frame, threads, failure);
-  } catch (const Stopped&) {
-  } catch (const std::invalid_argument& error) {
-    if (!failure) return fail(frame, error.what());
-    is_stopped_ = true;
-    throw;
-  } catch (...) {
-    is_stopped_ = true;
-    throw;
-  }
-}
-
-void FrameMeasurement::measure_valid_frame(std::size_t frame, int threads,
-                                           std::exception_ptr& failure) {
-  const auto guarded = [&failure](auto&& call) {
-    try {
-      call();
-    } catch (...) {
-      failure = std::current_exception();
-      throw;
-    }
-  };
-  const CheckCallback check_frame = [&] { guarded([&] { check(frame); }); };
-  check_frame();
-  std::vector<Atom> atoms(radii_.size());
-  for (std::size_t i = 0; i < atoms.size(); ++i) atoms[i].radius = radii_[i];
-  guarded([&] { read_(frame, atoms); });
-  const Surface surface(std::move(atoms), {.probe_radius = surface_.probe_radius,
-                                           .max_filled_void = surface_.max_filled_void,
-                                           .threads = threads,
-                                           .check = check_frame});
-  MeasureOptions options = options_;
-  options.threads = threads;
-  options.check = check_frame;
-  Measures measures = measure(surface, options);
-  guarded([&] { receive_(frame, std::move(measures)); });
-}
-
-void FrameMeasurement::fail(std::size_t frame, const char* message) {
-  const std::lock_guard lock(mutex_);
-  if (frame >= failed_frame_) return;
-  failed_frame_ = frame;
-  failure_ = detail::formatted("frame {} (counted from 0): {}", frame, message);
-}
-
-void FrameMeasurement::check(std::size_t frame) {
-  if (is_stopped_ || frame > failed_frame_) throw Stopped();
-  if (!options_.check) return;
-  const std::lock_guard lock(mutex_);
-  options_.check();
-}
 
 }  // namespace
 

@@ -34,55 +34,6 @@ void add_vertex(const eses::Grid& grid, const eses::Crossing& crossing, double c
   mesh.patches.push_back(vertex.patch);
 }
 
-// Makes the rows of a region in canonical order, and appends their vertices to the mesh.
-class RowMaker {
- public:
-  RowMaker(const eses::Grid& grid, const GridRegion& region, std::span<const std::uint8_t> inside,
-           std::span<const eses::Crossing> crossings, double clearance,
-           const ComponentOfVertex& component_of, Mesh& mesh)
-      : grid_(grid),
-        region_(region),
-        inside_(inside),
-        crossings_(crossings),
-        clearance_(clearance),
-        component_of_(component_of),
-        mesh_(mesh) {}
-
-  // Makes the next row, which has these indices in the grid.
-  void make(std::int64_t y, std::int64_t z, mesh::Row& row) {
-    const auto points = static_cast<std::size_t>(region_.size()[0]);
-    row.inside.assign(points / 64 + 1, 0);
-    for (std::size_t x = 0; x < points; ++x)
-      row.inside[x / 64] |= std::uint64_t{inside_[point_ + x]} << (x % 64);
-    point_ += points;
-    row.edges.clear();
-    row.first_vertex = mesh_.vertices.size();
-    for (; next_ < crossings_.size() && is_in_row(crossings_[next_], y, z); ++next_) {
-      const eses::Crossing& crossing = crossings_[next_];
-      if (!region_.contains(crossing.upper())) continue;
-      row.edges.push_back(mesh::edge_key(
-          static_cast<std::uint64_t>(crossing.lower[0] - region_.begin[0]), crossing.axis));
-      add_vertex(grid_, crossing, clearance_, mesh_);
-      mesh_.crossings.push_back(next_);
-      if (component_of_) mesh_.components.push_back(component_of_(crossing));
-    }
-  }
-
- private:
-  static bool is_in_row(const eses::Crossing& crossing, std::int64_t y, std::int64_t z) {
-    return crossing.lower[1] == y && crossing.lower[2] == z;
-  }
-
-  const eses::Grid& grid_;
-  const GridRegion& region_;
-  std::span<const std::uint8_t> inside_;
-  std::span<const eses::Crossing> crossings_;
-  double clearance_;
-  const ComponentOfVertex& component_of_;
-  Mesh& mesh_;
-  std::size_t point_ = 0, next_ = 0;
-};
-
 // The indices of the rows of a mesh, and the number of vertices before each.
 struct RowBegin {
   std::int64_t y, z;
@@ -133,8 +84,28 @@ Mesh make_mesh(const eses::Grid& grid, const GridRegion& region,
                std::span<const std::uint8_t> inside, std::span<const eses::Crossing> crossings,
                const CheckCallback& check, bool quality, const ComponentOfVertex& component_of) {
   Mesh mesh;
-  RowMaker rows(grid, region, inside, crossings, quality ? mesh::coincidence : mesh::clearance,
-                component_of, mesh);
+  const double clearance = quality ? mesh::coincidence : mesh::clearance;
+  const auto points = static_cast<std::size_t>(region.size()[0]);
+  std::size_t next = 0;  // index of the next crossing
+  // Makes the next row in canonical order, which has these indices in the grid, and its vertices.
+  const auto make_row = [&](std::int64_t y, std::int64_t z, mesh::Row& row) {
+    row.inside.assign(points / 64 + 1, 0);
+    for (std::size_t x = 0; x < points; ++x)
+      row.inside[x / 64] |= std::uint64_t{inside[x]} << (x % 64);
+    inside = inside.subspan(points);
+    row.edges.clear();
+    row.first_vertex = mesh.vertices.size();
+    for (; next < crossings.size(); ++next) {
+      const eses::Crossing& crossing = crossings[next];
+      if (crossing.lower[1] != y || crossing.lower[2] != z) break;
+      if (!region.contains(crossing.upper())) continue;
+      row.edges.push_back(mesh::edge_key(
+          static_cast<std::uint64_t>(crossing.lower[0] - region.begin[0]), crossing.axis));
+      add_vertex(grid, crossing, clearance, mesh);
+      mesh.crossings.push_back(next);
+      if (component_of) mesh.components.push_back(component_of(crossing));
+    }
+  };
   std::vector<RowBegin> row_begins;
   const auto rows_of_plane = static_cast<std::size_t>(region.size()[1]);
   std::vector<mesh::Row> below(rows_of_plane), plane(rows_of_plane);
@@ -143,7 +114,7 @@ Mesh make_mesh(const eses::Grid& grid, const GridRegion& region,
     if (check) check();
     for (std::size_t y = 0; y < rows_of_plane; ++y) {
       if (quality) row_begins.push_back({static_cast<std::int64_t>(y), z, mesh.vertices.size()});
-      rows.make(region.begin[1] + static_cast<std::int64_t>(y), z, plane[y]);
+      make_row(region.begin[1] + static_cast<std::int64_t>(y), z, plane[y]);
     }
     for (std::size_t y = 1; z > region.begin[2] && y < rows_of_plane; ++y)
       mesh::triangulate({&below[y - 1], &below[y], &plane[y - 1], &plane[y]}, region.size()[0],

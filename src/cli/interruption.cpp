@@ -78,9 +78,7 @@ void end_on_signals() {
   }
 }
 
-InterruptibleRun::InterruptibleRun(std::vector<std::string> temporaries,
-                                   std::vector<std::string> locks)
-    : temporaries_(std::move(temporaries)), locks_(std::move(locks)) {
+InterruptibleRun::InterruptibleRun(OutputPaths paths) : paths_(std::move(paths)) {
   current_run = this;
 }
 
@@ -96,9 +94,9 @@ void InterruptibleRun::check() {
 }
 
 void InterruptibleRun::remove_leftovers() const {
-  for (const std::string& path : temporaries_) unlink(path.c_str());
+  for (const std::string& path : paths_.temporaries) unlink(path.c_str());
   if (!has_locks_) return;
-  for (const std::string& path : locks_) unlink(path.c_str());
+  for (const std::string& path : paths_.locks) unlink(path.c_str());
 }
 
 }  // namespace eses::detail::cli

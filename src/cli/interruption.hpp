@@ -2,8 +2,8 @@
 /// Handling of the signals that end the process, so that no temporary files are left.
 
 #include <atomic>
-#include <string>
-#include <vector>
+
+#include "output/output_directory.hpp"
 
 namespace eses::detail::cli {
 
@@ -24,9 +24,9 @@ void end_on_signals();
 /// files of the run are removed and the process ends. Only one object may exist at a time.
 class InterruptibleRun {
  public:
-  /// `temporaries` and `locks` are paths. The locks are removed only if `check` has been called,
-  /// because the run does not hold them before.
-  InterruptibleRun(std::vector<std::string> temporaries, std::vector<std::string> locks);
+  /// The locks in `paths` are removed only if `check` has been called, because the run does not
+  /// hold them before.
+  explicit InterruptibleRun(OutputPaths paths);
   ~InterruptibleRun();
   InterruptibleRun(const InterruptibleRun&) = delete;
   InterruptibleRun& operator=(const InterruptibleRun&) = delete;
@@ -38,7 +38,7 @@ class InterruptibleRun {
   void remove_leftovers() const;
 
  private:
-  std::vector<std::string> temporaries_, locks_;
+  OutputPaths paths_;
   std::atomic<bool> has_locks_ = false;
 };
 

@@ -1,4 +1,3 @@
-#include <unistd.h>
 
 #include <algorithm>
 #include <cstddef>
@@ -22,7 +21,6 @@
 #include "eses/error.hpp"
 #include "output/output_directory.hpp"
 #include "output/output_file.hpp"
-#include "output/sequential_writer.hpp"
 #include "system/formatted.hpp"
 #include "system/gzip.hpp"
 #include "system/parallel.hpp"
@@ -47,18 +45,8 @@ std::filesystem::path csv_directory(const MeasureCommandOptions& options) {
   return options.csv.has_parent_path() ? options.csv.parent_path() : ".";
 }
 
-/// The final paths of the output files, and the paths that exist while they are written.
-struct Paths {
-  std::vector<std::string> final, temporaries, locks;
-
-  void add(const std::filesystem::path& directory, const std::string& name) {
-    final.push_back(path_in(directory, name));
-    temporaries.push_back(path_in(directory, temporary_name(name, getpid())));
-  }
-};
-
-Paths paths_of(const MeasureCommandOptions& options) {
-  Paths paths;
+OutputPaths paths_of(const MeasureCommandOptions& options) {
+  OutputPaths paths;
   for (const Table& table : tables)
     if (options.tables.*table.is_chosen)
       for (const std::filesystem::path& input : options.inputs)
@@ -96,8 +84,8 @@ struct Outcome {
 /// Prints outcomes in the order of the files, and writes the table of `--csv`.
 class Reporter {
  public:
-  Reporter(const MeasureCommandOptions& options, OutputFile* csv) {
-    if (csv != nullptr) csv_.emplace(*csv, false);
+  /// Keeps a pointer to the file of `--csv`, which is null if there is none.
+  Reporter(const MeasureCommandOptions& options, OutputFile* csv) : csv_(csv) {
     append_csv(measure_csv_heading(options));
     if (options.inputs.size() > 1 && !options.quiet && !options.json)
       print(measure_heading(options));
@@ -115,7 +103,7 @@ class Reporter {
 
  private:
   void append_csv(const std::string& text) {
-    if (csv_ && !text.empty()) csv_->append(text);
+    if (csv_ != nullptr && !text.empty()) csv_->append(text);
   }
 
   void report(const Outcome& outcome) {
@@ -126,7 +114,7 @@ class Reporter {
     has_errors_ = has_errors_ || !outcome.errors.empty();
   }
 
-  std::optional<SequentialWriter> csv_;
+  OutputFile* csv_;
   std::mutex mutex_;
   std::map<std::size_t, Outcome> waiting_;  // by index of the file
   std::size_t next_ = 0;                    // index of the file that is reported next
@@ -139,10 +127,12 @@ void write_tables(const MeasuredFile& file, const TableChoice& choice,
   std::vector<std::unique_ptr<OutputFile>> files;
   for (const Table& table : tables) {
     if (!(choice.*table.is_chosen)) continue;
-    files.push_back(std::make_unique<OutputFile>(directory, table_name(file.path, table)));
-    SequentialWriter writer(*files.back(), false);
-    table.write(file.table(), [&](std::string_view text) { writer.append(text); });
-    files.back()->close();
+    OutputFile& output =
+        *files.emplace_back(std::make_unique<OutputFile>(directory, table_name(file.path, table)));
+    BufferedText text([&](std::string_view part) { output.append(part); });
+    table.append(file.table(), text);
+    text.flush();
+    output.close();
   }
   commit_all(files);
 }
@@ -186,9 +176,9 @@ int perform_measure(const Arguments& arguments, const Processes& /*processes*/) 
   end_on_signals();
   const MeasureCommandOptions options = parse_measure_arguments(arguments);
   require_standard_output();
-  const Paths paths = paths_of(options);
+  const OutputPaths paths = paths_of(options);
   check_outputs(options, paths.final);
-  InterruptibleRun interruptible(paths.temporaries, paths.locks);
+  InterruptibleRun interruptible(paths);
   std::optional<OutputDirectory> directory, directory_of_csv;
   std::optional<OutputFile> csv;
   if (options.tables.any()) {

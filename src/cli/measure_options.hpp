@@ -21,16 +21,16 @@ namespace eses::detail::cli {
 struct Table {
   std::string_view name;
   bool TableChoice::*is_chosen;
-  void (*write)(const MeasuredAtoms& atoms, const TextSink& sink);
+  void (*append)(const MeasuredAtoms& atoms, BufferedText& text);
 };
 inline constexpr std::array tables{
-    Table{"atoms", &TableChoice::atoms, write_measured_atoms},
-    Table{"residues", &TableChoice::residues, write_measured_residues},
-    Table{"chains", &TableChoice::chains, write_measured_chains},
-    Table{"derivatives", &TableChoice::derivatives, write_derivatives},
-    Table{"cavities", &TableChoice::cavities, write_cavities},
-    Table{"pieces", &TableChoice::pieces, write_pieces},
-    Table{"pockets", &TableChoice::pockets, write_pockets},
+    Table{"atoms", &TableChoice::atoms, append_measured_atoms},
+    Table{"residues", &TableChoice::residues, append_measured_residues},
+    Table{"chains", &TableChoice::chains, append_measured_chains},
+    Table{"derivatives", &TableChoice::derivatives, append_derivatives},
+    Table{"cavities", &TableChoice::cavities, append_cavities},
+    Table{"pieces", &TableChoice::pieces, append_pieces},
+    Table{"pockets", &TableChoice::pockets, append_pockets},
 };
 
 /// Division of the atoms into the parts of a complex.

@@ -1,4 +1,3 @@
-#include <unistd.h>
 
 #include <algorithm>
 #include <array>
@@ -23,7 +22,7 @@
 #include "output/msms_text.hpp"
 #include "output/output_directory.hpp"
 #include "output/output_file.hpp"
-#include "output/sequential_writer.hpp"
+#include "output/text_buffer.hpp"
 #include "system/formatted.hpp"
 
 namespace eses::detail::cli {
@@ -168,12 +167,18 @@ void warn_about_others(const MsmsOptions& options, const MsmsSurface& surface) {
 
 // ------------------------------------------------------------------------------------- the files
 
+OutputPaths paths_of(const std::filesystem::path& directory,
+                     const std::vector<std::string>& names) {
+  OutputPaths paths{.final = {}, .temporaries = {}, .locks = {lock_path(directory, names.front())}};
+  for (const std::string& name : names) paths.add(directory, name);
+  return paths;
+}
+
 /// Files that appear together, in the directory of the first one.
 class Files {
  public:
   Files(const std::filesystem::path& directory, const std::vector<std::string>& names)
-      : interruptible_(temporaries_of(directory, names), {lock_path(directory, names.front())}),
-        directory_(directory, names.front()) {
+      : interruptible_(paths_of(directory, names)), directory_(directory, names.front()) {
     directory_.remove_abandoned([&](std::string_view name) {
       return std::find(names.begin(), names.end(), name) != names.end();
     });
@@ -183,10 +188,9 @@ class Files {
 
   /// Returns a sink that appends to file `index`.
   TextSink sink(std::size_t index) {
-    const auto writer = std::make_shared<SequentialWriter>(*files_[index], false);
-    return [this, writer](std::string_view text) {
+    return [this, index](std::string_view text) {
       interruptible_.check();
-      writer->append(text);
+      files_[index]->append(text);
     };
   }
 
@@ -196,12 +200,6 @@ class Files {
   }
 
  private:
-  static std::vector<std::string> temporaries_of(const std::filesystem::path& directory,
-                                                 std::vector<std::string> names) {
-    for (std::string& name : names) name = path_in(directory, temporary_name(name, getpid()));
-    return names;
-  }
-
   InterruptibleRun interruptible_;
   OutputDirectory directory_;
   std::vector<std::unique_ptr<OutputFile>> files_;
@@ -285,8 +283,7 @@ void write_areas(const MsmsOptions& options, const Input& input, const MsmsSurfa
   std::string name = options.areas.filename();
   if (!name.ends_with(".area")) name += ".area";
   Files files(directory_of(options.areas), {name});
-  const TextSink sink = files.sink(0);
-  BufferedText text(sink);
+  BufferedText text(files.sink(0));
   text.append("Atom#");
   for (std::size_t i = 0; i < components.size(); ++i)
     text.append(" {:>11} {:>11}", formatted("ses_{}", i), formatted("sas_{}", i));

@@ -154,7 +154,7 @@ std::string mesh_text(const Report& report) {
   return text;
 }
 
-bool is_known(const DiskSpace::FileSystem& disk) {
+bool is_known(const DiskSpace& disk) {
   return disk.available != std::numeric_limits<std::uint64_t>::max();
 }
 
@@ -233,7 +233,7 @@ std::string cut_warning(const Plan& plan) {
       plan.cut_depth, plan.grid.spacing);
 }
 
-std::string disk_warning(const DiskSpace::FileSystem& disk) {
+std::string disk_warning(const DiskSpace& disk) {
   return formatted(
       "the files need about {}, but {} has {} free; if the disk fills up, the run fails and writes "
       "no files",
@@ -304,13 +304,13 @@ Json maps_json(const Outputs& outputs) {
 }
 
 /// Returns the free space; null if it is unknown or if there is no such file system.
-Json disk_json(const DiskSpace& space, std::size_t index) {
-  if (index >= space.file_systems.size()) return nullptr;
-  const DiskSpace::FileSystem& disk = space.file_systems[index];
+Json disk_json(const std::vector<DiskSpace>& spaces, std::size_t index) {
+  if (index >= spaces.size()) return nullptr;
+  const DiskSpace& disk = spaces[index];
   return null_unless(is_known(disk), disk.available);
 }
 
-Json plan_json(const Plan& plan, const DiskSpace& disk) {
+Json plan_json(const Plan& plan, const std::vector<DiskSpace>& disk) {
   const std::uint64_t max_memory = plan.parameters.max_memory;
   return {{"memory_bytes", plan.memory_bytes},
           {"max_memory_bytes", null_unless(max_memory > 0, max_memory)},
@@ -394,7 +394,7 @@ std::string plan_text(const Report& report) {
                       bytes_text(parameters.max_memory));
   if (plan.files.output() > 0)
     text += formatted("files: {}\n", files_text(plan.files, report.options.outputs));
-  for (const DiskSpace::FileSystem& disk : report.disk.file_systems)
+  for (const DiskSpace& disk : report.disk)
     if (is_known(disk))
       text +=
           formatted("disk: {} free in {}\n", bytes_text(disk.available), path_text(disk.directory));
@@ -476,7 +476,7 @@ std::vector<std::string> warnings(const Report& report) {
   for (const DiagnosticText& diagnostic : report.diagnostics)
     if (!diagnostic.is_usual) lines.push_back(diagnostic.message);
   if (report.plan.cut_depth > 0) lines.push_back(cut_warning(report.plan));
-  for (const DiskSpace::FileSystem& disk : report.disk.file_systems)
+  for (const DiskSpace& disk : report.disk)
     if (disk.expected > disk.available) lines.push_back(disk_warning(disk));
   return lines;
 }

@@ -22,7 +22,7 @@ struct Report {
   std::vector<DiagnosticText> diagnostics;
   std::optional<StructureReport> structure;  ///< only for PDB and mmCIF files
   Plan plan;
-  DiskSpace disk = {};
+  std::vector<DiskSpace> disk = {};
   Summary summary = {};                 ///< empty before the run
   std::optional<Measures> exact = {};   ///< only with --exact
   std::uint64_t peak_memory_bytes = 0;  ///< maximum over all processes

@@ -33,7 +33,8 @@ namespace {
 void refuse_same_files(const Options& options, const Processes& processes) {
   const int launched = Processes::launched_count();
   if (launched == 1 || processes.count() > 1 || options.independent || options.dry_run) return;
-  if (!options.resume && final_paths(options.outputs, options.output_directory).empty()) return;
+  const bool has_files = !output_paths(options.outputs, options.output_directory).final.empty();
+  if (!options.resume && !has_files) return;
   throw Error(
       formatted("started as one of {} processes that would all write the same files; to share "
                 "one run, {}; for separate runs, use --independent and separate output "
@@ -80,7 +81,7 @@ void refuse_to_lose_input(const Options& options) {
       if (is_same_file(path, file))
         throw Error(formatted("{} is {}, and would be {}", file, role, fate));
   };
-  for (const std::string& file : final_paths(options.outputs, options.output_directory))
+  for (const std::string& file : output_paths(options.outputs, options.output_directory).final)
     refuse_if_read(file, "overwritten");
   for (const std::string& file : stale_paths(options.outputs, options.output_directory))
     refuse_if_read(file, options.outputs.gzip ? "removed, as a gzipped file takes its place"
@@ -167,8 +168,8 @@ void present_result(const Report& report) {
 
 RunResult run_with_progress(const Options& options, const RunPlan& plan,
                             const Processes& processes) {
-  const RunPaths paths = paths_of(options, processes);
-  InterruptibleRun interruptible(paths.temporaries, paths.locks);
+  const OutputPaths paths = paths_of(options, processes);
+  InterruptibleRun interruptible(paths);
   ProgressBar bar(!options.quiet && processes.is_first());
   const auto show_blocks = [&](std::int64_t done, std::int64_t total) {
     interruptible.check();

@@ -74,8 +74,7 @@ int print_spheres(bool has_names, const Arguments& arguments) {
   require_standard_output();
   const AtomFile file =
       read_atoms(input.path, {.format = input.format, .structure = input.structure});
-  const TextSink sink = [](std::string_view text) { print(text); };
-  BufferedText text(sink);
+  BufferedText text([](std::string_view part) { print(part); });
   for (std::size_t i = 0; i < file.atoms.size(); ++i) {
     const Atom& atom = file.atoms[i];
     const Vec3 center = atom.center;

@@ -70,8 +70,7 @@ class OrderedEdges::Merge {
   void refill(Source& source) {
     const std::uint64_t left = source.rest.end - source.rest.begin;
     source.buffer.resize(std::min<std::uint64_t>(left, edges_read_at_once_));
-    scratch_.read_at(std::as_writable_bytes(std::span(source.buffer)),
-                     source.rest.begin * sizeof(Crossing));
+    scratch_.read_at(as_chars(std::span(source.buffer)), source.rest.begin * sizeof(Crossing));
     source.rest.begin += source.buffer.size();
     source.at = 0;
   }
@@ -121,7 +120,7 @@ void OrderedEdges::spill_run() {
   if (crossings_.empty()) return;
   std::stable_sort(crossings_.begin(), crossings_.end(), has_lower_edge);
   const std::uint64_t begin = scratch_->size() / sizeof(Crossing);
-  scratch_->append(std::as_bytes(std::span(crossings_)));
+  scratch_->append(as_chars(std::span<const Crossing>(crossings_)));
   runs_.push_back({begin, begin + crossings_.size()});
 }
 

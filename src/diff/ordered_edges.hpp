@@ -8,7 +8,7 @@
 
 #include "diff/match_in_order.hpp"
 #include "input/eses_reader.hpp"
-#include "output/scratch_file.hpp"
+#include "output/file.hpp"
 
 namespace eses::detail {
 

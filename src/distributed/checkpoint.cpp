@@ -15,6 +15,7 @@
 #include "output/output_directory.hpp"
 #include "output/output_files.hpp"
 #include "system/formatted.hpp"
+#include "system/gzip.hpp"
 
 namespace eses::detail {
 namespace {
@@ -46,15 +47,14 @@ std::string read_all(const std::filesystem::path& path) {
   return {std::istreambuf_iterator<char>(file), {}};
 }
 
-std::uint32_t checksum(std::span<const std::byte> bytes) {
-  return static_cast<std::uint32_t>(
-      crc32_z(0, reinterpret_cast<const Bytef*>(bytes.data()), bytes.size()));
+std::uint32_t checksum(std::span<const char> bytes) {
+  return static_cast<std::uint32_t>(crc32_z(0, zlib_bytes(bytes), bytes.size()));
 }
 
 // Returns the content of the file that identifies a run. The checksum tells a damaged file from one
 // of another run.
 std::string with_checksum(std::string_view identity) {
-  return formatted("checksum {:08x}\n{}", checksum(std::as_bytes(std::span(identity))), identity);
+  return formatted("checksum {:08x}\n{}", checksum(identity), identity);
 }
 
 // Returns whether the content of the file that identifies a run is damaged. Version 0.1.0 wrote it
@@ -78,16 +78,17 @@ std::uint64_t size_of(const std::filesystem::path& path) {
   return error ? 0 : size;
 }
 
+// Returns the bytes of a value as they are in memory.
 template <class Value>
-std::span<const std::byte> bytes_of(const Value& value) {
-  return std::as_bytes(std::span(&value, 1));
+auto bytes_of(Value& value) {
+  return as_chars(std::span(&value, 1));
 }
 
 }  // namespace
 
 void TextChecksum::add(std::span<const char> text, std::uint64_t offset) {
   if (text.empty()) return;
-  const std::uint32_t text_checksum = checksum(std::as_bytes(text));
+  const std::uint32_t text_checksum = checksum(text);
   const std::lock_guard lock(mutex_);
   parts_[offset] = {text.size(), text_checksum};
 }
@@ -178,7 +179,7 @@ void Checkpoint::prepare() const {
   const std::string run = with_checksum(identity_);
   if (read_all(path_ / run_name) == run) return;
   ScratchFile file(path_, run_name, ScratchFile::Kept::fresh);
-  file.append(std::as_bytes(std::span(run)));
+  file.append(run);
   file.sync();
 }
 
@@ -206,7 +207,7 @@ void Checkpoint::finish(const PlaneChunk& chunk) const {
   const std::string name = name_of(chunk.info.planes, sums_suffix), temporary = name + ".part";
   {
     ScratchFile file(path_, temporary, ScratchFile::Kept::fresh);
-    const auto sums = std::as_bytes(std::span(chunk.sums));
+    const auto sums = as_chars(std::span(chunk.sums));
     const SumsHeader header{chunk.info, chunk.sums.size(), checksum(sums)};
     const std::uint64_t header_checksum = checksum(bytes_of(header));
     for (const auto bytes : {bytes_of(header_checksum), bytes_of(header), sums}) file.append(bytes);
@@ -227,16 +228,16 @@ PlaneChunk Checkpoint::read(const PlaneRange& planes) const {
   const std::uint64_t bytes = size_of(sums_path(planes));
   bool is_sound = bytes >= begin && (bytes - begin) % sizeof(AtomSum) == 0;
   if (is_sound) {
-    file.read_at(std::as_writable_bytes(std::span(&header_checksum, 1)), 0);
-    file.read_at(std::as_writable_bytes(std::span(&header, 1)), sizeof header_checksum);
+    file.read_at(bytes_of(header_checksum), 0);
+    file.read_at(bytes_of(header), sizeof header_checksum);
     is_sound = header_checksum == checksum(bytes_of(header)) && header.info.planes == planes &&
                header.count == (bytes - begin) / sizeof(AtomSum);
   }
   if (is_sound) {
     chunk.info = header.info;
     chunk.sums.resize(header.count);
-    file.read_at(std::as_writable_bytes(std::span(chunk.sums)), begin);
-    is_sound = header.checksum == checksum(std::as_bytes(std::span(chunk.sums)));
+    file.read_at(as_chars(std::span(chunk.sums)), begin);
+    is_sound = header.checksum == checksum(as_chars(std::span(chunk.sums)));
   }
   if (!is_sound)
     throw Error(formatted("cannot resume: {} is damaged; remove it to compute its planes again",

@@ -16,9 +16,9 @@
 
 #include "grid/plane_range.hpp"
 #include "input/file_index.hpp"
+#include "output/file.hpp"
 #include "output/map_writer.hpp"
 #include "output/output_directory.hpp"
-#include "output/scratch_file.hpp"
 #include "solve/region_totals.hpp"
 
 namespace eses::detail {

@@ -9,7 +9,6 @@
 
 #include "distributed/processes.hpp"
 #include "output/buffered_text.hpp"
-#include "output/kernel_copy.hpp"
 #include "output/output_file.hpp"
 
 namespace eses::detail {
@@ -33,7 +32,7 @@ class SharedFile {
   /// on the lengths of the parts before it.
   std::uint64_t write_by_rank(std::uint64_t begin,
                               const std::function<void(const TextSink& sink)>& make);
-  /// Copies a range of an open scratch file as copy_in_kernel does. Returns 0 if such a copy could
+  /// Copies a range of an open scratch file as OutputFile does. Returns 0 if such a copy could
   /// lose bytes: if the processes are on several machines, or if the file system is not local.
   std::uint64_t copy_from(int scratch, const CopyRange& range);
   /// Reads bytes that any process has written before the last call of `sync`.

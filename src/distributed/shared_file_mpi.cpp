@@ -54,7 +54,7 @@ SharedFile::SharedFile(const Processes& processes, OutputFile* file)
   processes.all_or_throw([&] { require(error, "open", name_); });
   const bool is_one_machine = processes.machine(1).processes == processes.count();
   FileDescriptor local(::open(path.c_str(), O_WRONLY | O_CLOEXEC));
-  if (is_one_machine && local.is_open() && is_in_local_file_system(local.value()))
+  if (is_one_machine && local.is_open() && local.is_in_local_file_system())
     handle_->local = std::move(local);
 }
 
@@ -81,7 +81,7 @@ std::uint64_t SharedFile::copy_from(int scratch, const CopyRange& range) {
   if (!handle_) return file_->copy_from(scratch, range);
   if (!handle_->local.is_open()) return 0;
   try {
-    return copy_in_kernel(scratch, handle_->local.value(), range);
+    return handle_->local.copy_from(scratch, range);
   } catch (const std::system_error& error) {
     throw Error(
         formatted("cannot write {}{}: {}", name_, processes_.on_machine(), error.code().message()));

@@ -62,13 +62,11 @@ void end_residues(AreaTables& tables, BufferedText& text) {
   tables.open.reset();
 }
 
-void write_chain_table(std::span<const ChainArea> chains, const TextSink& sink) {
-  BufferedText text(sink);
+void append_chains(BufferedText& text, std::span<const ChainArea> chains) {
   text.append("chain,residues,atoms,area\n");
   for (const ChainArea& chain : chains)
     text.append("{},{},{},{:.6f}\n", csv_field(chain.chain), chain.residues, chain.atoms,
                 chain.area);
-  text.flush();
 }
 
 void append_atom_header(BufferedText& text) { text.append(atom_header); }

@@ -87,8 +87,8 @@ void add_residues(AreaTables& tables, const ResidueRuns& runs, std::span<const d
 /// Ends the last residue and appends its line.
 void end_residues(AreaTables& tables, BufferedText& text);
 
-/// Writes the whole of chain_area.csv.
-void write_chain_table(std::span<const ChainArea> chains, const TextSink& sink);
+/// Appends the whole of chain_area.csv.
+void append_chains(BufferedText& text, std::span<const ChainArea> chains);
 
 /// The data of an atom in atoms.csv.
 struct AtomRow {

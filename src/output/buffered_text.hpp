@@ -7,6 +7,7 @@
 #include <functional>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "system/formatted.hpp"
 
@@ -18,8 +19,7 @@ using TextSink = std::function<void(std::string_view part)>;
 /// Buffers formatted text and passes it to a sink when the buffer is full.
 class BufferedText {
  public:
-  /// Keeps a reference to `sink`, which must outlive it.
-  explicit BufferedText(const TextSink& sink) : sink_(sink) {}
+  explicit BufferedText(TextSink sink) : sink_(std::move(sink)) {}
 
   template <class... Arguments>
   void append(fmt::format_string<Arguments...> format, Arguments&&... arguments) {
@@ -35,7 +35,7 @@ class BufferedText {
   }
 
  private:
-  const TextSink& sink_;
+  TextSink sink_;
   std::string text_;
 };
 

@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cstring>
 
-#include "output/number_text.hpp"
-#include "output/text_lines.hpp"
 #include "system/formatted.hpp"
 
 namespace eses::detail {
@@ -14,15 +12,12 @@ namespace {
 // separator.
 constexpr std::size_t max_crossing_line_length = 15 * (max_number_length + 1) + 1;
 
-char* write_grid_index(char* out, double value) {
-  return write_index(out, static_cast<std::uint64_t>(value));
-}
-
-template <class Token>
-auto concatenated(const Token& first, const Token& second) {
-  typename Token::Twice both;
-  char* const end = put_token(put_token(both.text.data(), first), second);
-  both.length = static_cast<std::uint8_t>(end - both.text.data());
+// Concatenates two indices. A copy of constant size is faster than one of the exact length.
+TextToken concatenated(const TextToken& first, const TextToken& second) {
+  constexpr std::size_t max_length = 15;  // of an index with its blank
+  TextToken both = first;
+  std::memcpy(both.text.data() + first.length, second.text.data(), max_length);
+  both.length = static_cast<std::uint8_t>(first.length + second.length);
   return both;
 }
 
@@ -52,8 +47,9 @@ struct LineTail {
 };
 
 template <std::size_t words>
-char* append_line(char* out, const std::array<std::uint64_t, 2>& index,
-                  const LineTail<words>& tail) {
+char* append_line(char* out, const TextToken& token, const LineTail<words>& tail) {
+  std::array<std::uint64_t, 2> index{};
+  std::memcpy(index.data(), token.text.data(), sizeof index);
   std::array<std::uint64_t, words> line = tail.text;
   line[0] |= index[0];
   line[1] |= index[1];
@@ -63,8 +59,8 @@ char* append_line(char* out, const std::array<std::uint64_t, 2>& index,
 
 // Appends the lines of points whose first indices have the same number of digits.
 template <std::size_t words>
-char* append_lines(char* out, std::span<const std::array<std::uint64_t, 2>> indices,
-                   std::size_t begin, std::size_t end, std::span<const std::uint64_t> inside,
+char* append_lines(char* out, std::span<const TextToken> indices, std::size_t begin,
+                   std::size_t end, std::span<const std::uint64_t> inside,
                    const std::array<LineTail<words>, 2>& tails) {
   for (std::size_t i = begin; i < end;) {
     const std::uint64_t bits = inside[i / 64];
@@ -82,8 +78,8 @@ char* append_lines(char* out, std::span<const std::array<std::uint64_t, 2>> indi
 // Appends the lines of a row. `first` is the first index of the first point. `tails` is the rest of
 // the line for each sign, which is the same for all points of the row.
 template <std::size_t words>
-char* append_row_lines(char* out, std::span<const std::array<std::uint64_t, 2>> indices,
-                       std::size_t first, std::span<const std::uint64_t> inside,
+char* append_row_lines(char* out, std::span<const TextToken> indices, std::size_t first,
+                       std::span<const std::uint64_t> inside,
                        const std::array<std::string, 2>& tails) {
   std::size_t digits = 1, power = 10;
   for (std::size_t begin = 0; begin < indices.size(); power *= 10, ++digits) {
@@ -99,21 +95,15 @@ char* append_row_lines(char* out, std::span<const std::array<std::uint64_t, 2>> 
 
 }  // namespace
 
-void TextBuffer::grow(std::size_t bytes) {
-  bytes_.resize(std::max(size_ + bytes, 2 * bytes_.size()));
-}
-
 GridText::GridText(const Grid& grid, const GridRegion& region, const FileIndices& file_indices)
-    : coordinates_(coordinate_texts(grid)), file_indices_(file_indices), first_x_(region.begin[0]) {
+    : coordinates_(coordinate_tokens(grid)),
+      file_indices_(file_indices),
+      begin_x_(static_cast<std::size_t>(region.begin[0])),
+      end_x_(static_cast<std::size_t>(region.end[0])) {
+  std::array<char, max_number_length + 1> field{};
   for (std::size_t axis = 0; axis < 3; ++axis)
-    for (std::int64_t i = 0; i < grid.size[axis]; ++i)
-      indices_[axis].push_back(make_token<TextToken<16>>(write_grid_index, static_cast<double>(i)));
-  for (std::int64_t x = region.begin[0]; x < region.end[0]; ++x) {
-    const auto& token = indices_[0][static_cast<std::size_t>(x)];
-    std::array<std::uint64_t, 2> padded{};
-    std::memcpy(padded.data(), token.text.data(), token.length);
-    row_indices_.push_back(padded);
-  }
+    for (std::uint64_t i = 0; i < static_cast<std::uint64_t>(grid.size[axis]); ++i)
+      indices_[axis].push_back(make_token({field.data(), put_index(field.data(), i)}));
 }
 
 void GridText::append_row(TextBuffer& text, std::int64_t y, std::int64_t z,
@@ -121,19 +111,18 @@ void GridText::append_row(TextBuffer& text, std::int64_t y, std::int64_t z,
   constexpr std::size_t short_words = 2, long_words = 5;
   const std::string rest = formatted("{} {} ", y, z);
   const std::array<std::string, 2> tails{rest + "-1\n", rest + "1\n"};
-  const auto first = static_cast<std::size_t>(first_x_);
-  const std::size_t longest = decimal_digits(first + row_indices_.size()) + 1 + tails[0].size();
-  char* out = text.reserve(row_indices_.size() * longest + long_words * sizeof(std::uint64_t));
+  const auto indices = std::span(indices_[0]).subspan(begin_x_, end_x_ - begin_x_);
+  const std::size_t longest = decimal_digits(end_x_) + 1 + tails[0].size();
+  char* out = text.reserve(indices.size() * longest + long_words * sizeof(std::uint64_t));
   text.advance_to(longest <= short_words * sizeof(std::uint64_t)
-                      ? append_row_lines<short_words>(out, row_indices_, first, inside, tails)
-                      : append_row_lines<long_words>(out, row_indices_, first, inside, tails));
+                      ? append_row_lines<short_words>(out, indices, begin_x_, inside, tails)
+                      : append_row_lines<long_words>(out, indices, begin_x_, inside, tails));
 }
 
 // Text that the lines of one row share.
 struct GridText::RowText {
-  std::array<TextToken<32>, 3> indices;  // `y z` of the upper ends of edges along x, y and z
-  const TextToken<32>& y;                // coordinates
-  const TextToken<32>& z;
+  std::array<TextToken, 3> indices;  // `y z` of the upper ends of edges along x, y and z
+  const TextToken &y, &z;            // coordinates
 };
 
 GridText::RowText GridText::row_text(std::int64_t y, std::int64_t z) const {
@@ -175,7 +164,7 @@ char* GridText::append_crossing(char* out, std::int64_t x, const RowText& row,
   const std::size_t axis = crossing.axis;
   const auto lower = static_cast<std::size_t>(x);
   const std::array<std::size_t, 2> x_index{lower, lower + (axis == 0)};
-  const std::array<const TextToken<32>*, 2> y_and_z{row.indices.data(), &row.indices[axis]};
+  const std::array<const TextToken*, 2> y_and_z{row.indices.data(), &row.indices[axis]};
   const std::size_t inner = crossing.lower_is_inside ? 0 : 1;
   for (const std::size_t end : {inner, 1 - inner}) {
     out = put_token(out, indices_[0][x_index[end]]);

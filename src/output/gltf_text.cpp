@@ -5,7 +5,7 @@
 #include <cstring>
 
 #include "eses/error.hpp"
-#include "output/text_lines.hpp"
+#include "output/text_buffer.hpp"
 #include "system/bytes_text.hpp"
 #include "system/formatted.hpp"
 
@@ -25,15 +25,9 @@ std::uint64_t data_bytes(const MeshCounts& counts, bool has_colors) {
   return vertex_bytes(counts, has_colors) + counts.triangles * gltf_triangle_bytes;
 }
 
-/// Returns the JSON array of three numbers, with digits that give the same number back.
-template <class Number>
-std::string array_text(Number x, Number y, Number z) {
-  return formatted("[{},{},{}]", static_cast<double>(x), static_cast<double>(y),
-                   static_cast<double>(z));
-}
-
-std::string array_text(const std::array<float, 3>& numbers) {
-  return array_text(numbers[0], numbers[1], numbers[2]);
+/// Returns the JSON array of three numbers, with digits that give the same numbers back.
+std::string array_text(Vec3 numbers) {
+  return formatted("[{},{},{}]", numbers.x, numbers.y, numbers.z);
 }
 
 /// Accessors of the vertices, in the order of their fields, and of the vertex numbers.
@@ -73,10 +67,9 @@ std::string json_text(const MeshCounts& counts, bool has_colors, Vec3 center,
              "},"
              "{{\"buffer\":0,\"byteOffset\":{},\"byteLength\":{},\"target\":34963}}],"
              "\"accessors\":[{}]}}",
-             array_text(center.x, center.y, center.z), has_colors ? ",\"COLOR_0\":2" : "",
-             has_colors ? 3 : 2, data_bytes(counts, has_colors), split,
-             gltf_vertex_bytes(has_colors), split, counts.triangles * gltf_triangle_bytes,
-             accessors_text(counts, has_colors, box));
+             array_text(center), has_colors ? ",\"COLOR_0\":2" : "", has_colors ? 3 : 2,
+             data_bytes(counts, has_colors), split, gltf_vertex_bytes(has_colors), split,
+             counts.triangles * gltf_triangle_bytes, accessors_text(counts, has_colors, box));
 }
 
 void append_word(std::string& text, std::uint64_t word) {
@@ -90,7 +83,7 @@ void append_word(std::string& text, std::uint64_t word) {
 void VertexBox::add_records(std::span<const char> records, std::size_t record_bytes) {
   for (std::size_t begin = 0; begin < records.size(); begin += record_bytes)
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      const auto coordinate = get_little<float>(records.data() + begin + axis * sizeof(float));
+      const double coordinate = get_little<float>(records.data() + begin + axis * sizeof(float));
       low[axis] = std::min(low[axis], coordinate);
       high[axis] = std::max(high[axis], coordinate);
     }

@@ -6,7 +6,6 @@
 /// then the triangles. Positions are in single precision, relative to a whole number of angstrom
 /// near the centre of the grid, to which the node of the mesh is translated.
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -22,9 +21,8 @@ namespace eses::detail::mesh {
 
 /// Bounding box of positions as they are stored.
 struct VertexBox {
-  static constexpr float infinity = std::numeric_limits<float>::infinity();
-  std::array<float, 3> low{infinity, infinity, infinity};
-  std::array<float, 3> high{-infinity, -infinity, -infinity};
+  static constexpr double infinity = std::numeric_limits<double>::infinity();
+  Vec3 low{infinity, infinity, infinity}, high{-infinity, -infinity, -infinity};
 
   /// Includes the positions of consecutive records of `record_bytes` bytes.
   void add_records(std::span<const char> records, std::size_t record_bytes);

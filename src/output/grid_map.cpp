@@ -1,11 +1,13 @@
 #include "output/grid_map.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <atomic>
 #include <cmath>
 #include <cstring>
-#include <memory>
+#include <deque>
 #include <string_view>
 #include <utility>
 
@@ -32,7 +34,7 @@ std::int64_t rows_in_tile(MapQuantity quantity, const GridIndex& size) {
   return std::clamp<std::int64_t>(tile_words / (words_of_cell(quantity) * size[2]), 1, size[1]);
 }
 
-// Bytes of members that a thread stores at a time.
+// Bytes of members that are stored or appended at a time.
 constexpr std::size_t member_buffer_bytes = 1 << 18;
 
 // Range of a gzip member in a scratch file.
@@ -41,15 +43,33 @@ struct MemberRange {
   std::uint32_t bytes = 0;
 };
 
-std::vector<char> compressed_text(std::string_view text) {
-  Gzip gzip;
-  const std::span<const char> member = gzip.member(text);
-  return {member.begin(), member.end()};
+// Fills `values` with the bytes of a .vti file, one for each bit.
+void fill_vti_values(std::span<const std::uint64_t> bits, std::span<char> values) {
+  for (std::size_t i = 0; i < values.size(); ++i)
+    values[i] = static_cast<char>(bits[i / 64] >> (i % 64) & 1);
 }
 
-std::span<char> as_chars(std::span<std::uint64_t> words) {
-  return {reinterpret_cast<char*>(words.data()), words.size_bytes()};
+// Fills `text` with the text of zero values of a .dx file, two bytes a value, starting with value
+// number `first_index`. Setting bit 0 of the first byte of a value makes it 1.
+void fill_dx_zeros(std::uint64_t first_index, std::span<char> text) {
+  constexpr std::string_view line = "0 0 0\n";
+  static_assert(line.size() == 2 * dx_values_per_line);
+  const std::size_t skipped = 2 * static_cast<std::size_t>(first_index % dx_values_per_line);
+  const std::size_t start = std::min(text.size(), line.size() - skipped);
+  std::memcpy(text.data(), line.data() + skipped, start);
+  // Each copy doubles the number of complete lines.
+  std::span<char> lines = text.subspan(start);
+  std::size_t filled = std::min(lines.size(), line.size());
+  std::memcpy(lines.data(), line.data(), filled);
+  while (filled < lines.size()) {
+    const std::size_t count = std::min(filled, lines.size() - filled);
+    std::memcpy(lines.data() + filled, lines.data(), count);
+    filled += count;
+  }
 }
+
+// Writes the text of an edge's value without its separator.
+void write_dielectric(char* text, double value) { fmt::format_to(text, "{:.6e}", value); }
 
 }  // namespace
 
@@ -59,6 +79,21 @@ struct GridMap::Tile {
   std::int64_t y_begin = 0, y_end = 0;
 
   std::int64_t rows() const { return y_end - y_begin; }
+};
+
+// The values of a tile with one x. Row y of plane z has the word `words[(z * rows + y) * stride]`.
+struct GridMap::Slice {
+  const std::uint64_t* words = nullptr;
+  std::size_t stride = 1;
+  std::size_t in_cell = 0;  // index of the value in its cell
+  std::size_t rows = 0, planes = 0;
+  std::uint64_t first_index = 0;  // index of the first value in the map
+
+  std::size_t count() const { return rows * planes; }
+  bool bit(std::size_t row) const { return (words[row * stride] >> in_cell & 1) != 0; }
+  std::uint32_t fraction(std::size_t row) const {
+    return fraction_in(words[row * stride], in_cell);
+  }
 };
 
 GridMap::GridMap(MapFile file, MapChoice map, const Grid& grid, const GridRegion& region)
@@ -99,7 +134,7 @@ double GridMap::thread_bytes(const MapChoice& map, const GridRegion& region) {
   const double text = is_of_edges(map.quantity) ? dielectric_text_bytes : 2;
   const double bytes = points * (words * sizeof(std::uint64_t) + text);
   if (!map.gzip) return bytes;
-  // The compressed plane of a tile, the buffer of members, and the ranges of a cell's members.
+  // A compressed slice, the buffer of members, and the ranges of a cell's members.
   constexpr double growth = 2;
   const double tiles = std::ceil(static_cast<double>(size[1]) /
                                  static_cast<double>(rows_in_tile(map.quantity, size)));
@@ -164,7 +199,7 @@ void GridMap::read_words(const Tile& tile, std::vector<std::uint64_t>& words) {
   const std::int64_t per_cell = words_of_cell(map_.quantity);
   words.resize(static_cast<std::size_t>(tile.rows() * size_[2] * per_cell));
   if (tile.rows() == size_[1]) {
-    file_.read_at(as_chars(words), cell_offset(tile.cell, 0));
+    file_.read_at(as_chars(std::span(words)), cell_offset(tile.cell, 0));
     return;
   }
   const auto row_words = static_cast<std::size_t>(tile.rows() * per_cell);
@@ -174,71 +209,74 @@ void GridMap::read_words(const Tile& tile, std::vector<std::uint64_t>& words) {
         cell_offset(tile.cell, z * size_[1] + tile.y_begin));
 }
 
-// Writes the values of all points of the tile with this x.
-void GridMap::fill_points(const Tile& tile, std::int64_t x, std::uint64_t first_index,
-                          Scratch& scratch) const {
-  const auto rows = static_cast<std::size_t>(tile.rows());
-  const auto planes = static_cast<std::size_t>(size_[2]);
-  scratch.values.resize(2 * rows * planes);
-  fill_dx_zeros(first_index, scratch.values);
-  const auto shift = static_cast<int>(x % cell_points);
-  // For ion access, the bits mark points without access.
-  const unsigned inverted = map_.quantity == MapQuantity::ion_access ? 1 : 0;
-  char* value = scratch.values.data();
-  for (std::size_t y = 0; y < rows; ++y)
-    for (std::size_t z = 0; z < planes; ++z, value += 2)
-      *value = static_cast<char>(
-          *value | static_cast<char>((scratch.words[z * rows + y] >> shift & 1) ^ inverted));
+// Calls `action(x)` for the points of a tile along x.
+template <class Action>
+void GridMap::for_each_x(const Tile& tile, Action&& action) const {
+  const std::int64_t begin = cell_points * tile.cell;
+  for (std::int64_t x = begin; x < std::min(begin + cell_points, size_[0]); ++x) action(x);
 }
 
-// Writes the values of all edges of the tile whose lower ends have this x.
-void GridMap::fill_edges(const Tile& tile, std::int64_t x, std::uint64_t first_index,
-                         Scratch& scratch) const {
+// Returns the values of a tile with this x, whose words are `words`.
+GridMap::Slice GridMap::slice(const Tile& tile, std::int64_t x,
+                              const std::vector<std::uint64_t>& words) const {
+  const auto in_cell = static_cast<std::size_t>(x % cell_points);
+  return {.words = words.data() + (is_of_edges(map_.quantity) ? in_cell / fractions_per_word : 0),
+          .stride = static_cast<std::size_t>(words_of_cell(map_.quantity)),
+          .in_cell = in_cell,
+          .rows = static_cast<std::size_t>(tile.rows()),
+          .planes = static_cast<std::size_t>(size_[2]),
+          .first_index = static_cast<std::uint64_t>((x * size_[1] + tile.y_begin) * size_[2])};
+}
+
+void GridMap::fill_points(Slice slice, std::span<char> text) const {
+  fill_dx_zeros(slice.first_index, text);
+  // For ion access, the bits mark points without access.
+  const bool is_inverted = map_.quantity == MapQuantity::ion_access;
+  char* value = text.data();
+  for (std::size_t y = 0; y < slice.rows; ++y)
+    for (std::size_t z = 0; z < slice.planes; ++z, value += 2)
+      *value = static_cast<char>(*value |
+                                 static_cast<char>(slice.bit(z * slice.rows + y) != is_inverted));
+}
+
+void GridMap::fill_edges(Slice slice, std::span<char> text) const {
   constexpr std::size_t digits = dielectric_text_bytes - 1;
-  const auto rows = static_cast<std::size_t>(tile.rows());
-  const auto planes = static_cast<std::size_t>(size_[2]);
-  scratch.values.resize(dielectric_text_bytes * rows * planes);
   std::array<char, digits> solvent{}, solute{};
   write_dielectric(solvent.data(), map_.solvent);
   write_dielectric(solute.data(), map_.solute);
-  const auto in_cell = static_cast<std::size_t>(x % cell_points);
-  const auto per_cell = static_cast<std::size_t>(words_of_cell(map_.quantity));
-  const std::uint64_t* const words = scratch.words.data() + in_cell / fractions_per_word;
-  char* value = scratch.values.data();
-  std::uint64_t index = first_index % 3;  // sufficient for dx_separator()
-  for (std::size_t y = 0; y < rows; ++y)
-    for (std::size_t z = 0; z < planes; ++z, value += dielectric_text_bytes) {
-      const std::uint32_t fraction = fraction_in(words[(z * rows + y) * per_cell], in_cell);
+  char* value = text.data();
+  std::uint64_t column = slice.first_index % dx_values_per_line;
+  for (std::size_t y = 0; y < slice.rows; ++y)
+    for (std::size_t z = 0; z < slice.planes; ++z, value += dielectric_text_bytes) {
+      const std::uint32_t fraction = slice.fraction(z * slice.rows + y);
       if (fraction == 0)
         std::memcpy(value, solvent.data(), digits);
       else if (fraction == whole_edge)
         std::memcpy(value, solute.data(), digits);
       else
         write_dielectric(value, dielectric_of(map_, fraction));
-      value[digits] = dx_separator(index);
-      index = index == 2 ? 0 : index + 1;
+      const bool is_last = ++column == dx_values_per_line;
+      value[digits] = is_last ? '\n' : ' ';
+      if (is_last) column = 0;
     }
 }
 
-// Index of the first value with this x.
-std::uint64_t GridMap::first_index(const Tile& tile, std::int64_t x) const {
-  return static_cast<std::uint64_t>((x * size_[1] + tile.y_begin) * size_[2]);
-}
-
-void GridMap::fill_values(const Tile& tile, std::int64_t x, Scratch& scratch) const {
+// Fills `text` with the text of the values.
+void GridMap::fill_values(const Slice& slice, std::vector<char>& text) const {
+  text.resize(layout_.value_bytes * slice.count());
   if (is_of_edges(map_.quantity))
-    fill_edges(tile, x, first_index(tile, x), scratch);
+    fill_edges(slice, text);
   else
-    fill_points(tile, x, first_index(tile, x), scratch);
+    fill_points(slice, text);
 }
 
 void GridMap::write_tile(const Tile& tile, Scratch& scratch) {
   read_words(tile, scratch.words);
-  const std::int64_t first_x = cell_points * tile.cell;
-  for (std::int64_t x = first_x; x < std::min(first_x + cell_points, size_[0]); ++x) {
-    fill_values(tile, x, scratch);
-    file_.write_at(scratch.values, layout_.value_offset(first_index(tile, x)));
-  }
+  for_each_x(tile, [&](std::int64_t x) {
+    const Slice values = slice(tile, x, scratch.words);
+    fill_values(values, scratch.values);
+    file_.write_at(scratch.values, layout_.value_offset(values.first_index));
+  });
 }
 
 std::int64_t GridMap::tiles_of_cell() const {
@@ -265,137 +303,123 @@ void GridMap::transpose_tiles(std::int64_t begin, std::int64_t end, int threads,
   });
 }
 
-// If all values with this x are the same, returns the fraction of such an edge or the bit of such a
-// point.
-std::optional<std::uint32_t> GridMap::uniform_value(const Tile& tile, std::int64_t x,
-                                                    const Scratch& scratch) const {
-  const auto in_cell = static_cast<std::size_t>(x % cell_points);
+// If all values are wholly inside or all are outside, returns the fraction of such an edge or the
+// bit of such a point.
+std::optional<std::uint32_t> GridMap::uniform_value(Slice slice) const {
   const bool has_edges = is_of_edges(map_.quantity);
-  const auto per_cell = static_cast<std::size_t>(words_of_cell(map_.quantity));
-  const std::size_t first_word = has_edges ? in_cell / fractions_per_word : 0;
-  const auto count = static_cast<std::size_t>(tile.rows() * size_[2]);
   const auto value_of = [&](std::size_t row) {
-    const std::uint64_t word = scratch.words[row * per_cell + first_word];
-    return has_edges ? fraction_in(word, in_cell) : static_cast<std::uint32_t>(word >> in_cell & 1);
+    return has_edges ? slice.fraction(row) : std::uint32_t{slice.bit(row)};
   };
   const std::uint32_t first = value_of(0);
-  const bool is_whole = first == 0 || first == (has_edges ? whole_edge : 1);
-  if (!is_whole) return std::nullopt;
-  for (std::size_t row = 1; row < count; ++row)
+  if (first != 0 && first != (has_edges ? whole_edge : 1)) return std::nullopt;
+  for (std::size_t row = 1; row < slice.count(); ++row)
     if (value_of(row) != first) return std::nullopt;
   return first;
 }
 
-// Compresses the values of tiles, each plane of x as a gzip member.
+// Compresses the values of slices, each as a gzip member.
 class GridMap::Compressor {
  public:
-  // Keeps references to all three. Several compressors use `end`, the end of the scratch file.
+  // Keeps references to all three. Several compressors store their members in `file`, and advance
+  // its end.
   Compressor(const GridMap& map, ScratchFile& file, std::atomic<std::uint64_t>& end)
       : map_(map), file_(file), end_(end) {}
 
-  // Words of the tile that is compressed next.
-  Scratch& scratch() { return scratch_; }
-
-  // Compresses a tile and stores the members, whose ranges go to every `stride`th of `ranges`.
-  void add(const Tile& tile, std::span<MemberRange> ranges, std::size_t stride) {
-    const std::int64_t first_x = cell_points * tile.cell;
-    const std::int64_t end_x = std::min(first_x + cell_points, map_.size_[0]);
-    stored_ = 0;
-    for (std::int64_t x = first_x; x < end_x; ++x) {
-      const std::span<const char> member = compressed(tile, x);
-      buffer_.insert(buffer_.end(), member.begin(), member.end());
-      const auto plane = static_cast<std::size_t>(x - first_x);
-      sizes_[plane] = static_cast<std::uint32_t>(member.size());
-      if (buffer_.size() >= member_buffer_bytes || x + 1 == end_x) store(plane + 1, ranges, stride);
+  // Compresses a slice. Returns the range of its member, which is in the file after `flush`.
+  MemberRange add(const Slice& slice) {
+    const std::span<const char> member = compressed(slice);
+    if (buffer_.size() + member.size() > reserved_) {
+      flush();
+      reserved_ = std::max(member_buffer_bytes, member.size());
+      begin_ = end_.fetch_add(reserved_);
     }
+    const std::uint64_t offset = begin_ + buffer_.size();
+    buffer_.insert(buffer_.end(), member.begin(), member.end());
+    return {offset, static_cast<std::uint32_t>(member.size())};
   }
 
+  void flush() {
+    file_.write_at(buffer_, begin_);
+    buffer_.clear();
+    reserved_ = 0;
+  }
+
+  std::vector<std::uint64_t> words;  // of the tile of the slices
+
  private:
-  // Most planes have one value. Their members differ only in where lines end.
+  // Most slices have one value. Their members differ only in where lines end.
   struct Known {
     std::uint32_t value = 0;
     std::uint64_t phase = 0;
-    std::int64_t rows = 0;
-    std::vector<char> bytes;
+    std::size_t count = 0;
+    std::vector<char> member;
   };
 
-  std::span<const char> compressed(const Tile& tile, std::int64_t x) {
-    const auto value = map_.uniform_value(tile, x, scratch_);
-    const std::uint64_t phase = map_.first_index(tile, x) % 3;
+  std::span<const char> compressed(const Slice& slice) {
+    const auto value = map_.uniform_value(slice);
+    const std::uint64_t phase = slice.first_index % dx_values_per_line;
     if (value)
       for (const Known& known : known_)
-        if (known.value == *value && known.phase == phase && known.rows == tile.rows())
-          return known.bytes;
-    map_.fill_values(tile, x, scratch_);
-    const std::span<const char> member = gzip_.member(scratch_.values);
-    if (value)
-      known_.push_back({*value, phase, tile.rows(), std::vector(member.begin(), member.end())});
+        if (known.value == *value && known.phase == phase && known.count == slice.count())
+          return known.member;
+    map_.fill_values(slice, text_);
+    const std::span<const char> member = gzip_.member(text_);
+    if (value) known_.push_back({*value, phase, slice.count(), {member.begin(), member.end()}});
     return member;
-  }
-
-  // Stores the members of the planes before `plane_end` that are in the buffer.
-  void store(std::size_t plane_end, std::span<MemberRange> ranges, std::size_t stride) {
-    std::uint64_t offset = end_.fetch_add(buffer_.size());
-    file_.write_at(std::as_bytes(std::span(buffer_)), offset);
-    for (; stored_ < plane_end; ++stored_) {
-      ranges[stored_ * stride] = {offset, sizes_[stored_]};
-      offset += sizes_[stored_];
-    }
-    buffer_.clear();
   }
 
   const GridMap& map_;
   ScratchFile& file_;
   std::atomic<std::uint64_t>& end_;
+  std::uint64_t begin_ = 0;   // offset of the buffer in the file
+  std::size_t reserved_ = 0;  // bytes of the file for the buffer
+  std::vector<char> buffer_;  // members that are not in the file yet
+  std::vector<char> text_;
   Gzip gzip_;
-  Scratch scratch_;
-  std::vector<char> buffer_;  // members that are not stored yet
-  std::array<std::uint32_t, cell_points> sizes_{};
-  std::size_t stored_ = 0;  // planes of the tile whose members are stored
   std::vector<Known> known_;
 };
 
+// The members of a tile are far apart in the text, so that they are stored in `members` first.
 void GridMap::compress_cells(std::int64_t begin, std::int64_t end, int threads,
                              const std::function<void()>& check, ScratchFile& members,
                              ScratchFile& text) {
   std::atomic<std::uint64_t> members_end = 0;
-  std::vector<std::unique_ptr<Compressor>> compressors;
-  compressors.reserve(static_cast<std::size_t>(threads));
+  std::deque<Compressor> compressors;
   for (int thread = 0; thread < threads; ++thread)
-    compressors.push_back(std::make_unique<Compressor>(*this, members, members_end));
-  const std::int64_t per_cell = tiles_of_cell();
-  const auto stride = static_cast<std::size_t>(per_cell);
-  std::vector<MemberRange> ranges(stride * cell_points);
+    compressors.emplace_back(*this, members, members_end);
+  const std::int64_t tiles = tiles_of_cell();
+  // The members of a cell, in the order of the text.
+  std::vector<MemberRange> ranges(static_cast<std::size_t>(tiles * cell_points));
   std::vector<char> buffer;
   const auto append = [&] {
-    text.append(std::as_bytes(std::span(buffer)));
+    text.append(buffer);
     buffer.clear();
   };
   for (std::int64_t cell = begin; cell < end; ++cell) {
     members_end = 0;
-    parallel_for(per_cell, threads, [&](std::int64_t index, int thread) {
+    parallel_for(tiles, threads, [&](std::int64_t index, int thread) {
       check();
-      Compressor& compressor = *compressors[static_cast<std::size_t>(thread)];
-      const Tile next = tile(cell * per_cell + index);
-      read_words(next, compressor.scratch().words);
-      compressor.add(next, std::span(ranges).subspan(static_cast<std::size_t>(index)), stride);
+      Compressor& compressor = compressors[static_cast<std::size_t>(thread)];
+      const Tile next = tile(cell * tiles + index);
+      read_words(next, compressor.words);
+      for_each_x(next, [&](std::int64_t x) {
+        ranges[static_cast<std::size_t>(x % cell_points * tiles + index)] =
+            compressor.add(slice(next, x, compressor.words));
+      });
     });
+    for (Compressor& compressor : compressors) compressor.flush();
     check();
-    const std::int64_t planes = std::min(cell_points, size_[0] - cell * cell_points);
-    for (const MemberRange& member :
-         std::span(ranges).first(stride * static_cast<std::size_t>(planes))) {
+    const std::int64_t slices = std::min(cell_points, size_[0] - cell * cell_points);
+    for (const auto& [offset, bytes] :
+         std::span(ranges).first(static_cast<std::size_t>(tiles * slices))) {
       const std::size_t old = buffer.size();
-      buffer.resize(old + member.bytes);
-      members.read_at(std::as_writable_bytes(std::span(buffer).subspan(old)), member.offset);
+      buffer.resize(old + bytes);
+      members.read_at(std::span(buffer).subspan(old), offset);
       if (buffer.size() >= member_buffer_bytes) append();
     }
   }
   append();
 }
-
-std::vector<char> GridMap::compressed_header() const { return compressed_text(layout_.header); }
-
-std::vector<char> GridMap::compressed_footer() const { return compressed_text(layout_.footer); }
 
 void GridMap::write_ends() {
   file_.write_at(layout_.header, 0);

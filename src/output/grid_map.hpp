@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "grid/tiling.hpp"
+#include "output/file.hpp"
 #include "output/map_writer.hpp"
-#include "output/scratch_file.hpp"
 
 namespace eses::detail {
 
@@ -60,9 +60,6 @@ class GridMap {
 
   /// Number of cells in a row of a compressed map.
   std::int64_t cells_of_row() const;
-  /// Returns the header or the footer of a compressed map as a gzip member.
-  std::vector<char> compressed_header() const;
-  std::vector<char> compressed_footer() const;
   /// Appends the cells [begin, end) of a compressed map to `text`, after all rows have been
   /// written. Members end where tiles end, so their bytes depend only on the region. `members` is
   /// temporary space for the members of a cell, in any order. Calls `check` as transpose_tiles
@@ -70,9 +67,9 @@ class GridMap {
   void compress_cells(std::int64_t begin, std::int64_t end, int threads,
                       const std::function<void()>& check, ScratchFile& members, ScratchFile& text);
 
-  /// Size of the complete file without compression. When all tiles are transposed, the bytes after
-  /// it can be cut off.
-  std::uint64_t file_bytes() const { return layout_.file_bytes(); }
+  /// Layout of the file without compression. When all tiles are transposed, the bytes after its end
+  /// can be cut off.
+  const MapLayout& layout() const { return layout_; }
 
   /// Number of 64-bit words of a row along x.
   static std::int64_t words_of_row(MapQuantity quantity, const GridIndex& size);
@@ -92,22 +89,22 @@ class GridMap {
 
  private:
   struct Tile;
+  struct Slice;
   class Compressor;
   Tile tile(std::int64_t index) const;
+  Slice slice(const Tile& tile, std::int64_t x, const std::vector<std::uint64_t>& words) const;
+  template <class Action>
+  void for_each_x(const Tile& tile, Action&& action) const;
   std::uint64_t cell_offset(std::int64_t cell, std::int64_t row) const;
   std::int64_t rows_of_tile() const;
   std::int64_t tiles_of_cell() const;
   void write_words(std::span<std::uint64_t> words, std::uint64_t offset);
   void read_words(const Tile& tile, std::vector<std::uint64_t>& words);
-  void fill_points(const Tile& tile, std::int64_t x, std::uint64_t first_index,
-                   Scratch& scratch) const;
-  void fill_edges(const Tile& tile, std::int64_t x, std::uint64_t first_index,
-                  Scratch& scratch) const;
+  void fill_points(Slice slice, std::span<char> text) const;
+  void fill_edges(Slice slice, std::span<char> text) const;
+  void fill_values(const Slice& slice, std::vector<char>& text) const;
   void write_tile(const Tile& tile, Scratch& scratch);
-  void fill_values(const Tile& tile, std::int64_t x, Scratch& scratch) const;
-  std::uint64_t first_index(const Tile& tile, std::int64_t x) const;
-  std::optional<std::uint32_t> uniform_value(const Tile& tile, std::int64_t x,
-                                             const Scratch& scratch) const;
+  std::optional<std::uint32_t> uniform_value(Slice slice) const;
 
   MapFile file_;
   MapChoice map_;

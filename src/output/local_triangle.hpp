@@ -7,8 +7,8 @@
 #include <span>
 
 #include "mesh/triangulate.hpp"
-#include "output/eses_writer.hpp"
 #include "output/mesh_writer.hpp"
+#include "output/text_buffer.hpp"
 
 namespace eses::detail::mesh {
 

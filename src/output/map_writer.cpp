@@ -2,9 +2,7 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <array>
-#include <cstring>
 #include <stdexcept>
 
 #include "system/formatted.hpp"
@@ -12,8 +10,6 @@
 
 namespace eses::detail {
 namespace {
-
-constexpr std::uint64_t values_per_line = 3;
 
 std::string scientific(Vec3 v) { return formatted("{:.12e} {:.12e} {:.12e}", v.x, v.y, v.z); }
 
@@ -56,13 +52,13 @@ MapLayout dx_layout(const MapChoice& map, const Grid& grid, const GridRegion& re
       "object 3 class array type double rank 0 items {} data follows\n",
       title_of(map), counts, scientific(origin), scientific({h, 0, 0}), scientific({0, h, 0}),
       scientific({0, 0, h}), counts, layout.points);
-  layout.footer =
+  layout.footer = layout.points % dx_values_per_line != 0 ? "\n" : "";
+  layout.footer +=
       "attribute \"dep\" string \"positions\"\n"
       "object \"regular positions regular connections\" class field\n"
       "component \"positions\" value 1\n"
       "component \"connections\" value 2\n"
       "component \"data\" value 3\n";
-  if (layout.points % values_per_line != 0) layout.footer.insert(0, "\n");
   return layout;
 }
 
@@ -167,32 +163,8 @@ double dielectric_of(const MapChoice& map, std::uint32_t fraction) {
   return 1 / (inside / map.solute + (1 - inside) / map.solvent);
 }
 
-void write_dielectric(char* text, double value) { fmt::format_to(text, "{:.6e}", value); }
-
 MapLayout map_layout(const MapChoice& map, const Grid& grid, const GridRegion& region) {
   return map.format == MapFormat::dx ? dx_layout(map, grid, region) : vti_layout(grid, region);
-}
-
-void fill_vti_values(std::span<const std::uint64_t> bits, std::span<char> values) {
-  for (std::size_t i = 0; i < values.size(); ++i)
-    values[i] = static_cast<char>(bits[i / 64] >> (i % 64) & 1);
-}
-
-void fill_dx_zeros(std::uint64_t first_index, std::span<char> text) {
-  constexpr std::string_view line = "0 0 0\n";
-  static_assert(line.size() == 2 * values_per_line);
-  const std::size_t skipped = 2 * static_cast<std::size_t>(first_index % values_per_line);
-  const std::size_t start = std::min(text.size(), line.size() - skipped);
-  std::memcpy(text.data(), line.data() + skipped, start);
-  // Each copy doubles the number of complete lines.
-  std::span<char> lines = text.subspan(start);
-  std::size_t filled = std::min(lines.size(), line.size());
-  std::memcpy(lines.data(), line.data(), filled);
-  while (filled < lines.size()) {
-    const std::size_t count = std::min(filled, lines.size() - filled);
-    std::memcpy(lines.data() + filled, lines.data(), count);
-    filled += count;
-  }
 }
 
 }  // namespace eses::detail

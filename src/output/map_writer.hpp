@@ -4,7 +4,6 @@
 
 #include <cstdint>
 #include <optional>
-#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -74,15 +73,11 @@ void require_valid_maps(const Outputs& outputs);
 /// the edge that is inside, in units of 1 / whole_edge.
 double dielectric_of(const MapChoice& map, std::uint32_t fraction);
 
+/// Number of values in a line of a .dx file.
+inline constexpr std::uint64_t dx_values_per_line = 3;
+
 /// Length of a value of a map of edges as text, with its separator.
 inline constexpr std::size_t dielectric_text_bytes = 13;
-
-/// Writes the text of a value without its separator.
-void write_dielectric(char* text, double value);
-
-/// Returns the separator after the value with number `index` (from 0) in a .dx file: three values a
-/// line.
-constexpr char dx_separator(std::uint64_t index) { return index % 3 == 2 ? '\n' : ' '; }
 
 /// The header and footer of a map file, and the size of a value.
 struct MapLayout {
@@ -99,12 +94,5 @@ struct MapLayout {
 
 /// Returns the layout of the map of a region. Coordinates and indices refer to the whole grid.
 MapLayout map_layout(const MapChoice& map, const Grid& grid, const GridRegion& region);
-
-/// Fills `values` with the bytes of a .vti file, one for each bit.
-void fill_vti_values(std::span<const std::uint64_t> bits, std::span<char> values);
-
-/// Fills `text` with the text of zero values of a .dx file, two bytes a value, starting with value
-/// number `first_index`. Setting bit 0 of the first byte of a value makes it 1.
-void fill_dx_zeros(std::uint64_t first_index, std::span<char> text);
 
 }  // namespace eses::detail

@@ -127,8 +127,7 @@ std::optional<double> max_sas_area(std::string_view residue) {
   return found == areas.end() ? std::nullopt : std::optional(found->second);
 }
 
-void write_measured_atoms(const MeasuredAtoms& atoms, const TextSink& sink) {
-  BufferedText text(sink);
+void append_measured_atoms(const MeasuredAtoms& atoms, BufferedText& text) {
   text.append("serial,name,residue,residue_number,chain,element,x,y,z,radius,{}{}\n", area_columns,
               part_columns(atoms));
   for (std::size_t i = 0; i < atoms.atoms.size(); ++i) {
@@ -142,11 +141,9 @@ void write_measured_atoms(const MeasuredAtoms& atoms, const TextSink& sink) {
                 csv_field(label.element), center.x, center.y, center.z, radius, area_fields(sums),
                 part_fields(atoms, sums));
   }
-  text.flush();
 }
 
-void write_measured_residues(const MeasuredAtoms& atoms, const TextSink& sink) {
-  BufferedText text(sink);
+void append_measured_residues(const MeasuredAtoms& atoms, BufferedText& text) {
   text.append("chain,residue_number,residue,atoms,{},relative_sas_area{}\n", area_columns,
               part_columns(atoms));
   const ResidueRuns runs = residue_runs(atoms.labels);
@@ -159,10 +156,9 @@ void write_measured_residues(const MeasuredAtoms& atoms, const TextSink& sink) {
                 csv_field(label.residue), runs.atoms[run], area_fields(sums),
                 relative_sas(label, sums.sas), part_fields(atoms, sums));
   }
-  text.flush();
 }
 
-void write_measured_chains(const MeasuredAtoms& atoms, const TextSink& sink) {
+void append_measured_chains(const MeasuredAtoms& atoms, BufferedText& text) {
   struct Chain {
     std::string_view name;
     std::uint64_t residues = 0, atoms = 0;
@@ -179,17 +175,14 @@ void write_measured_chains(const MeasuredAtoms& atoms, const TextSink& sink) {
     ++chain.atoms;
     chain.sums.add(atoms, i);
   }
-  BufferedText text(sink);
   text.append("chain,residues,atoms,{}{}\n", area_columns, part_columns(atoms));
   for (const Chain& chain : chains)
     text.append("{},{},{},{}{}\n", csv_field(chain.name), chain.residues, chain.atoms,
                 area_fields(chain.sums), part_fields(atoms, chain.sums));
-  text.flush();
 }
 
-void write_derivatives(const MeasuredAtoms& atoms, const TextSink& sink) {
+void append_derivatives(const MeasuredAtoms& atoms, BufferedText& text) {
   const Gradients& gradients = atoms.gradients;
-  BufferedText text(sink);
   text.append("serial");
   for (const char* quantity : {"ses_area", "ses_volume", "sas_area", "sas_volume"})
     text.append(",{0}_x,{0}_y,{0}_z,{0}_radius", quantity);
@@ -204,11 +197,9 @@ void write_derivatives(const MeasuredAtoms& atoms, const TextSink& sink) {
     }
     text.append("\n");
   }
-  text.flush();
 }
 
-void write_cavities(const MeasuredAtoms& atoms, const TextSink& sink) {
-  BufferedText text(sink);
+void append_cavities(const MeasuredAtoms& atoms, BufferedText& text) {
   text.append(
       "cavity,void_volume,probe_center_volume,ses_area,sas_area,euler_number,centroid_x,centroid_y,"
       "centroid_z,low_x,low_y,low_z,high_x,high_y,high_z,largest_probe,walls,piece,inner_pieces,"
@@ -222,11 +213,9 @@ void write_cavities(const MeasuredAtoms& atoms, const TextSink& sink) {
                 fmt::join(numbers_of(cavity.inner), " "), fmt::join(overlaps_of(cavity), " "),
                 neighbor_fields(atoms, cavity.atoms));
   }
-  text.flush();
 }
 
-void write_pieces(const MeasuredAtoms& atoms, const TextSink& sink) {
-  BufferedText text(sink);
+void append_pieces(const MeasuredAtoms& atoms, BufferedText& text) {
   text.append(
       "piece,ses_area,ses_volume,sas_area,sas_volume,euler_number,cavities,cavity,atoms,"
       "first_atom,chains\n");
@@ -243,11 +232,9 @@ void write_pieces(const MeasuredAtoms& atoms, const TextSink& sink) {
                 serial_number(atoms, piece.atoms.front()),
                 csv_field(formatted("{}", fmt::join(chains, " "))));
   }
-  text.flush();
 }
 
-void write_pockets(const MeasuredAtoms& atoms, const TextSink& sink) {
-  BufferedText text(sink);
+void append_pockets(const MeasuredAtoms& atoms, BufferedText& text) {
   text.append(
       "pocket,volume,probe_center_volume,mouth_area,mouths,centroid_x,centroid_y,centroid_z,atoms,"
       "residues\n");
@@ -257,7 +244,6 @@ void write_pockets(const MeasuredAtoms& atoms, const TextSink& sink) {
                 pocket.probe_center_volume, pocket.mouth_area, pocket.mouth_count,
                 xyz_fields(pocket.centroid), neighbor_fields(atoms, pocket.atoms));
   }
-  text.flush();
 }
 
 }  // namespace eses::detail

@@ -72,14 +72,14 @@ struct MeasuredAtoms {
 /// doi:10.1371/journal.pone.0080635.
 std::optional<double> max_sas_area(std::string_view residue);
 
-/// Writes the whole of a table.
-void write_measured_atoms(const MeasuredAtoms& atoms, const TextSink& sink);
-void write_measured_residues(const MeasuredAtoms& atoms, const TextSink& sink);
-void write_measured_chains(const MeasuredAtoms& atoms, const TextSink& sink);
-void write_derivatives(const MeasuredAtoms& atoms, const TextSink& sink);
-void write_cavities(const MeasuredAtoms& atoms, const TextSink& sink);
-void write_pieces(const MeasuredAtoms& atoms, const TextSink& sink);
-void write_pockets(const MeasuredAtoms& atoms, const TextSink& sink);
+/// Append a whole table.
+void append_measured_atoms(const MeasuredAtoms& atoms, BufferedText& text);
+void append_measured_residues(const MeasuredAtoms& atoms, BufferedText& text);
+void append_measured_chains(const MeasuredAtoms& atoms, BufferedText& text);
+void append_derivatives(const MeasuredAtoms& atoms, BufferedText& text);
+void append_cavities(const MeasuredAtoms& atoms, BufferedText& text);
+void append_pieces(const MeasuredAtoms& atoms, BufferedText& text);
+void append_pockets(const MeasuredAtoms& atoms, BufferedText& text);
 
 /// Returns the number of an atom in its file, from 1.
 std::uint64_t serial_number(const MeasuredAtoms& atoms, AtomIndex i);

@@ -10,8 +10,7 @@
 #include "eses/error.hpp"
 #include "output/local_triangle.hpp"
 #include "output/msms_text.hpp"
-#include "output/number_text.hpp"
-#include "output/text_lines.hpp"
+#include "output/text_buffer.hpp"
 #include "system/formatted.hpp"
 
 namespace eses::detail::mesh {
@@ -47,7 +46,8 @@ constexpr std::size_t max_triangle_bytes = 6 * (max_number_length + 2) + 4;
 static_assert(max_msms_vertex_bytes <= max_vertex_bytes);
 static_assert(max_msms_triangle_bytes <= max_triangle_bytes);
 
-char* put_obj_triangle(char* out, const Triangle& triangle) {
+// `inline` matters: it makes g++ inline these functions into the loop over all triangles.
+inline char* put_obj_triangle(char* out, const Triangle& triangle) {
   *out++ = 'f';
   for (const std::uint64_t vertex : triangle) {
     *out++ = ' ';
@@ -61,7 +61,7 @@ char* put_obj_triangle(char* out, const Triangle& triangle) {
 }
 
 // Writes a line of OFF or of text PLY.
-char* put_triangle_line(char* out, const Triangle& triangle) {
+inline char* put_triangle_line(char* out, const Triangle& triangle) {
   *out++ = '3';
   *out++ = ' ';
   for (const std::uint64_t vertex : triangle) out = put_index(out, vertex);
@@ -103,19 +103,18 @@ void require_vertex_count(std::uint64_t vertices) {
 
 MeshText::MeshText(MeshFormat format, MeshColor color, MeshSource source)
     : format_(format), color_(color), source_(source) {
-  if (has_coordinate_texts(format)) coordinates_ = coordinate_texts(source.grid);
+  if (has_coordinate_texts(format)) coordinates_ = coordinate_tokens(source.grid);
 }
 
-VtpFields MeshText::vtp_fields() const {
+OptionalFields MeshText::optional_fields() const {
   return {.has_colors = has_colors(),
           .has_groups = source_.groups.are_known,
           .has_potential = source_.potential.map != nullptr,
           .has_components = has_components()};
 }
 
-void MeshText::write_header_begin(const TextSink& sink) const {
+void MeshText::append_header_begin(BufferedText& text) const {
   constexpr bool is_little = std::endian::native == std::endian::little;
-  BufferedText text(sink);
   if (is_ply(format_))
     text.append(
         "ply\nformat {} 1.0\n"
@@ -124,9 +123,9 @@ void MeshText::write_header_begin(const TextSink& sink) const {
         format_ == MeshFormat::ascii_ply ? "ascii"
         : is_little                      ? "binary_little_endian"
                                          : "binary_big_endian",
-        comment_of(vtp_fields()));
-  if (format_ == MeshFormat::vtp) append_vtp_begin(text, vtp_fields(), source_.groups.chain_count);
-  text.flush();
+        comment_of(optional_fields()));
+  if (format_ == MeshFormat::vtp)
+    append_vtp_begin(text, optional_fields(), source_.groups.chain_count);
 }
 
 void MeshText::append_chain_name(BufferedText& text, std::uint64_t number,
@@ -136,11 +135,9 @@ void MeshText::append_chain_name(BufferedText& text, std::uint64_t number,
   if (format_ == MeshFormat::vtp) append_vtp_name(text, name);
 }
 
-void MeshText::write_header_middle(const TextSink& sink) const {
-  BufferedText text(sink);
+void MeshText::append_header_middle(BufferedText& text) const {
   if (format_ == MeshFormat::vtp)
-    append_vtp_before_residues(text, vtp_fields(), source_.groups.residue_count);
-  text.flush();
+    append_vtp_before_residues(text, optional_fields(), source_.groups.residue_count);
 }
 
 void MeshText::append_residue_name(BufferedText& text, std::uint64_t number,
@@ -152,9 +149,8 @@ void MeshText::append_residue_name(BufferedText& text, std::uint64_t number,
   if (format_ == MeshFormat::vtp) append_vtp_name(text, name);
 }
 
-void MeshText::write_header_end(const MeshCounts& counts, const VertexBox& box,
-                                const TextSink& sink) const {
-  BufferedText text(sink);
+void MeshText::append_header_end(BufferedText& text, const MeshCounts& counts,
+                                 const VertexBox& box) const {
   switch (format_) {
     case MeshFormat::ply:
     case MeshFormat::ascii_ply:
@@ -171,7 +167,7 @@ void MeshText::write_header_end(const MeshCounts& counts, const VertexBox& box,
                          source_.probe_radius);
       break;
     case MeshFormat::vtp:
-      append_vtp_before_data(text, vtp_fields(), counts);
+      append_vtp_before_data(text, optional_fields(), counts);
       break;
     case MeshFormat::stl: {
       std::array<char, sizeof(std::uint32_t)> count{};
@@ -184,14 +180,11 @@ void MeshText::write_header_end(const MeshCounts& counts, const VertexBox& box,
       text.append("{}", gltf_header(counts, has_colors(), gltf_center(source_.center), box));
       break;
   }
-  text.flush();
 }
 
-void MeshText::write_face_header(const MeshCounts& counts, const TextSink& sink) const {
-  BufferedText text(sink);
+void MeshText::append_face_header(BufferedText& text, const MeshCounts& counts) const {
   append_msms_header(text, true, counts.triangles, source_.atom_count, source_.density,
                      source_.probe_radius);
-  text.flush();
 }
 
 void MeshText::append_ply_end(BufferedText& text, const MeshCounts& counts) const {
@@ -200,14 +193,9 @@ void MeshText::append_ply_end(BufferedText& text, const MeshCounts& counts) cons
   // The padding keeps the length of the header independent of the counts.
   const std::size_t padding = 2 * count_digits - vertices.size() - triangles.size();
   text.append("comment {:->{}}\nelement vertex {}\n", "", padding, vertices);
-  for (const char* name : {"x", "y", "z"}) text.append("property double {}\n", name);
-  for (const char* name : {"nx", "ny", "nz"}) text.append("property float {}\n", name);
-  if (color_ != MeshColor::none)
-    for (const char* name : {"red", "green", "blue"}) text.append("property uchar {}\n", name);
-  text.append("property uchar patch\nproperty uint atom\n");
-  if (source_.groups.are_known) text.append("property uint chain\nproperty uint residue\n");
-  if (source_.potential.map != nullptr) text.append("property float potential\n");
-  if (has_components()) text.append("property uint component\n");
+  for (const VertexField& field : vertex_fields(optional_fields()))
+    for (const char* const component : field.components)
+      text.append("property {} {}\n", field.type.ply_name, component);
   text.append("element face {}\nproperty list uchar int vertex_indices\nend_header\n", triangles);
 }
 
@@ -355,7 +343,7 @@ void MeshText::append_triangles(TextBuffer& text, std::span<const Triangle> tria
     case MeshFormat::msms:
     case MeshFormat::vtp:
     case MeshFormat::stl:
-      // Their triangles are appended by append_triangle, append_triangle_record and append_corners.
+      // Their triangles are appended by append_triangle, put_vtp_triangle and append_corners.
       return;
   }
 }
@@ -377,65 +365,62 @@ void MeshText::require_counts(const MeshCounts& counts) const {
         formatted("the mesh has {} triangles, more than a .stl file can have", counts.triangles));
 }
 
-void MeshText::append_triangle_record(TextBuffer& text, const Triangle& triangle,
-                                      std::uint64_t number) {
-  text.advance_to(put_vtp_triangle(text.reserve(vtp_triangle_bytes), triangle, number));
-}
-
 bool can_name_groups(const MeshOptions& choice) {
   const std::optional<MeshFormat> format = mesh_format(choice.file);
   return format == MeshFormat::ply || format == MeshFormat::vtp;
 }
 
-MeshBytes typical_mesh_bytes(const MeshOptions& choice, bool has_labels) {
+namespace {
+
+// Returns the sizes of vertices and triangles in the files of a mesh.
+MeshBytes typical_file_bytes(MeshFormat format, const OptionalFields& fields) {
   constexpr std::uint64_t vector_line = 57;  // three numbers with their separators
   constexpr std::uint64_t index_text = 8;    // an index and a blank
-  const std::uint64_t vectors = 3 * sizeof(double) + 3 * sizeof(float);
-  const bool has_color = choice.color != MeshColor::none;
-  const bool has_potential = choice.color == MeshColor::potential;
-  const bool has_component = choice.color == MeshColor::component;
-  const std::uint64_t record =
-      vectors + sizeof(std::uint8_t) + sizeof(AtomIndex) + (has_color ? sizeof(Color) : 0) +
-      (has_labels ? 2 * sizeof(std::uint32_t) : 0) + (has_potential ? sizeof(float) : 0) +
-      (has_component ? sizeof(std::uint32_t) : 0);
-  MeshBytes bytes;
-  switch (required_mesh_format(choice)) {
+  const std::uint64_t record = vtp_data({}, fields).vertices.record_bytes;
+  switch (format) {
     case MeshFormat::ply:
-      bytes = {.vertex = record, .triangle = 1 + 3 * sizeof(std::int32_t)};
-      break;
+      return {.vertex = record, .triangle = 1 + 3 * sizeof(std::int32_t)};
     case MeshFormat::obj:
-      bytes = {.vertex = (has_color ? 3 : 2) * vector_line + 5,
-               .triangle = 2 + 3 * (2 * index_text + 1)};
-      break;
+      return {.vertex = (fields.has_colors ? 3 : 2) * vector_line + 5,
+              .triangle = 2 + 3 * (2 * index_text + 1)};
     case MeshFormat::off:
-      bytes = {.vertex = vector_line, .triangle = 2 + 3 * index_text};
-      break;
+      return {.vertex = vector_line, .triangle = 2 + 3 * index_text};
     case MeshFormat::ascii_ply:
-      bytes = {.vertex = 2 * vector_line + 2 + (has_color ? 12 : 0) +
-                         index_text * (has_labels ? 2 : 1) + (has_potential ? vector_line / 3 : 0) +
-                         (has_component ? 2 : 0),
-               .triangle = 2 + 3 * index_text};
-      break;
+      return {.vertex = 2 * vector_line + 2 + (fields.has_colors ? 12 : 0) +
+                        index_text * (fields.has_groups ? 2 : 1) +
+                        (fields.has_potential ? vector_line / 3 : 0) +
+                        (fields.has_components ? 2 : 0),
+              .triangle = 2 + 3 * index_text};
     case MeshFormat::msms:
-      bytes = {.vertex = 2 * vector_line + 4 + index_text, .triangle = 4 + 3 * index_text};
-      break;
+      return {.vertex = 2 * vector_line + 4 + index_text, .triangle = 4 + 3 * index_text};
     case MeshFormat::vtp:
-      bytes = {.vertex = record,
-               .triangle = vtp_triangle_bytes,
-               .scratch_vertex = record,
-               .scratch_triangle = sizeof(LocalTriangle),
-               .name_line = 10,
-               .name_character = 3};
-      return bytes;
+      return {.vertex = record, .triangle = vtp_triangle_bytes};
     case MeshFormat::stl:
-      bytes = {.vertex = 0, .triangle = stl_triangle_bytes};
-      break;
+      return {.vertex = 0, .triangle = stl_triangle_bytes};
     case MeshFormat::glb:
-      bytes = {.vertex = gltf_vertex_bytes(has_color), .triangle = gltf_triangle_bytes};
-      break;
+      return {.vertex = gltf_vertex_bytes(fields.has_colors), .triangle = gltf_triangle_bytes};
   }
-  if (required_mesh_format(choice) != MeshFormat::msms) bytes.scratch_triangle = bytes.triangle;
-  if (can_name_groups(choice)) {
+  return {};
+}
+
+}  // namespace
+
+MeshBytes typical_mesh_bytes(const MeshOptions& choice, bool has_labels) {
+  const MeshFormat format = required_mesh_format(choice);
+  MeshBytes bytes =
+      typical_file_bytes(format, {.has_colors = choice.color != MeshColor::none,
+                                  .has_groups = has_labels,
+                                  .has_potential = choice.color == MeshColor::potential,
+                                  .has_components = choice.color == MeshColor::component});
+  if (format == MeshFormat::vtp) {
+    bytes.scratch_vertex = bytes.vertex;
+    bytes.scratch_triangle = sizeof(LocalTriangle);
+    bytes.name_line = 10;
+    bytes.name_character = 3;
+    return bytes;
+  }
+  if (format != MeshFormat::msms) bytes.scratch_triangle = bytes.triangle;
+  if (is_ply(format)) {
     bytes.name_line = 26;
     bytes.name_character = 1;
   }

@@ -18,11 +18,10 @@
 #include "mesh/triangulate.hpp"
 #include "mesh/vertex.hpp"
 #include "output/buffered_text.hpp"
-#include "output/eses_writer.hpp"
 #include "output/gltf_text.hpp"
 #include "output/mesh_format.hpp"
 #include "output/mesh_groups.hpp"
-#include "output/text_token.hpp"
+#include "output/text_buffer.hpp"
 #include "output/vertex_color.hpp"
 #include "output/vtp_text.hpp"
 
@@ -61,7 +60,7 @@ class MeshText {
 
   /// Whether the triangles are in a separate file.
   bool has_face_file() const { return format_ == MeshFormat::msms; }
-  /// Whether the records of vertices and triangles must be divided into columns, see vtp_data().
+  /// Whether the records of vertices and triangles must be divided into columns, see vtp_text.hpp.
   bool has_columns() const { return format_ == MeshFormat::vtp; }
   /// Whether the triangles have the positions of their corners instead of numbers of vertices. Then
   /// `append_corners` writes them, and `append_vertex` writes nothing.
@@ -73,18 +72,18 @@ class MeshText {
   /// Whether `append_triangle` needs the triangles' patches.
   bool has_triangle_patches() const { return format_ == MeshFormat::msms; }
 
-  /// Write the parts of the header: its beginning, the names of all chains, its middle, the names
-  /// of all residues, its end. Names are written only in formats for which can_name_groups is true.
-  /// The length of no part depends on `counts` and `box`.
-  void write_header_begin(const TextSink& sink) const;
+  /// Append the parts of the header: its beginning, the names of all chains, its middle, the names
+  /// of all residues, its end. Names are appended only in formats for which can_name_groups is
+  /// true. The length of no part depends on `counts` and `box`.
+  void append_header_begin(BufferedText& text) const;
   void append_chain_name(BufferedText& text, std::uint64_t number, const AtomLabel& label) const;
-  void write_header_middle(const TextSink& sink) const;
+  void append_header_middle(BufferedText& text) const;
   void append_residue_name(BufferedText& text, std::uint64_t number, const AtomLabel& label) const;
   /// `box` is the bounding box of the vertices if `boxed_vertex_bytes` is not 0.
-  void write_header_end(const MeshCounts& counts, const VertexBox& box, const TextSink& sink) const;
-  /// Writes the header of the separate file of the triangles. Its length does not depend on
+  void append_header_end(BufferedText& text, const MeshCounts& counts, const VertexBox& box) const;
+  /// Appends the header of the separate file of the triangles. Its length does not depend on
   /// `counts`.
-  void write_face_header(const MeshCounts& counts, const TextSink& sink) const;
+  void append_face_header(BufferedText& text, const MeshCounts& counts) const;
 
   /// Throws Error if the map of the potential does not contain the vertex.
   void append_vertex(TextBuffer& text, const Vertex& vertex) const;
@@ -98,18 +97,12 @@ class MeshText {
   /// Throws Error if the file of a mesh would be too large for its format.
   void require_counts(const MeshCounts& counts) const;
 
-  /// Layout of the columns, only for formats with columns.
-  VtpData columns(const MeshCounts& counts) const { return vtp_data(counts, vtp_fields()); }
-  /// Appends the record of triangle number `number`, from 0, only for formats with columns.
-  static void append_triangle_record(TextBuffer& text, const Triangle& triangle,
-                                     std::uint64_t number);
-  /// Text after the columns, only for formats with columns.
-  static std::string_view footer() { return vtp_end; }
+  /// The optional fields of the vertices.
+  OptionalFields optional_fields() const;
 
  private:
   bool has_colors() const { return color_ != MeshColor::none; }
   bool has_components() const { return color_ == MeshColor::component; }
-  VtpFields vtp_fields() const;
   void append_ply_end(BufferedText& text, const MeshCounts& counts) const;
   template <class PutPosition, class PutNormal, class PutInteger, class PutPotential>
   char* put_fields(char* out, const Vertex& vertex, PutPosition put_position, PutNormal put_normal,
@@ -126,7 +119,7 @@ class MeshText {
   MeshFormat format_;
   MeshColor color_;
   MeshSource source_;
-  CoordinateTexts coordinates_;  // only for formats whose text has the digits of write_scientific()
+  TokensOfAxes coordinates_;  // only for formats whose text has the digits of write_scientific()
 };
 
 /// Whether the format has the names of chains and residues, if these are known.

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "output/text_lines.hpp"
+#include "output/text_buffer.hpp"
 
 namespace eses::detail::mesh {
 namespace {

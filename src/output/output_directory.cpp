@@ -20,24 +20,17 @@ namespace {
 constexpr std::string_view lock_name = ".eses-blocks.lock";
 constexpr std::string_view temporary_suffix = ".part";
 
-[[noreturn]] void refuse(const std::filesystem::path& directory, const std::string& reason) {
-  throw Error(formatted("cannot write into {}: {}", directory.string(), reason));
-}
-
-[[noreturn]] void refuse(const std::filesystem::path& directory, std::error_code error) {
-  throw FileError(formatted("cannot write into {}", directory.string()), error);
-}
-
-[[noreturn]] void refuse(const std::filesystem::path& directory, int error) {
-  refuse(directory, std::error_code(error, std::generic_category()));
+// Returns the beginning of a message.
+std::string refusal(const std::filesystem::path& directory) {
+  return formatted("cannot write into {}", directory.string());
 }
 
 FileDescriptor open_directory(const std::filesystem::path& path) {
   std::error_code error;
   std::filesystem::create_directories(path, error);
-  if (error) refuse(path, error);
+  if (error) throw FileError(refusal(path), error);
   FileDescriptor directory(open(path.c_str(), O_PATH | O_DIRECTORY | O_CLOEXEC));
-  if (!directory.is_open()) refuse(path, errno);
+  if (!directory.is_open()) throw FileError(refusal(path), errno);
   return directory;
 }
 
@@ -93,8 +86,13 @@ std::string path_in(const std::filesystem::path& directory, const std::string& n
   return formatted("{}/{}", directory.native(), name);
 }
 
-std::string temporary_name(const std::string& name, long process) {
-  return formatted(".{}.{}{}", name, process, temporary_suffix);
+std::string temporary_name(const std::string& name) {
+  return formatted(".{}.{}{}", name, getpid(), temporary_suffix);
+}
+
+void OutputPaths::add(const std::filesystem::path& directory, const std::string& name) {
+  final.push_back(path_in(directory, name));
+  temporaries.push_back(path_in(directory, temporary_name(name)));
 }
 
 OutputDirectory::OutputDirectory(std::filesystem::path path, std::string file)
@@ -102,27 +100,24 @@ OutputDirectory::OutputDirectory(std::filesystem::path path, std::string file)
       file_(std::move(file)),
       lock_name_(lock_name_of(file_)),
       directory_(open_directory(path_)) {
-  lock();
+  while (!try_lock()) {
+  }
 }
 
 OutputDirectory::~OutputDirectory() {
   if (is_locked_) unlinkat(descriptor(), lock_name_.c_str(), 0);
 }
 
-void OutputDirectory::lock() {
-  while (!try_lock()) {
-  }
-}
-
 // Returns false if the lock's file was removed in the meantime.
 bool OutputDirectory::try_lock() {
   lock_ = open_lock(directory_, lock_name_);
-  if (!lock_.is_open()) refuse(path_, errno);
+  if (!lock_.is_open()) throw FileError(refusal(path_), errno);
   if (flock(lock_.value(), LOCK_EX | LOCK_NB) == 0) {
     is_locked_ = is_still_there(directory_, lock_, lock_name_);
     return is_locked_;
   }
-  if (errno == EWOULDBLOCK && file_.empty()) refuse(path_, "another run is writing there");
+  if (errno == EWOULDBLOCK && file_.empty())
+    throw Error(refusal(path_) + ": another run is writing there");
   if (errno == EWOULDBLOCK)
     throw Error(formatted("cannot write {}: another run is writing it", path_in(path_, file_)));
   return true;  // The file system has no locks.

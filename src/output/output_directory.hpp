@@ -5,6 +5,7 @@
 #include <functional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "system/file_descriptor.hpp"
 
@@ -14,11 +15,19 @@ namespace eses::detail {
 /// crashes in it when memory runs out.
 std::string path_in(const std::filesystem::path& directory, const std::string& name);
 
-/// Temporary name under which process `process` writes the file `name` until it is complete.
-std::string temporary_name(const std::string& name, long process);
+/// Temporary name under which this process writes the file `name` until it is complete.
+std::string temporary_name(const std::string& name);
 
 /// Path of the lock file in `directory`: of the directory if `file` is empty, else of that file.
 std::string lock_path(const std::filesystem::path& directory, const std::string& file = "");
+
+/// Paths of the output files of a run, and of the files that exist only during the run.
+struct OutputPaths {
+  std::vector<std::string> final, temporaries, locks;
+
+  /// Adds the final and the temporary path of a file.
+  void add(const std::filesystem::path& directory, const std::string& name);
+};
 
 /// An output directory, open and locked during the lifetime of the object. The lock is a flock(2)
 /// on a hidden file, so that the system releases it however the process ends. A file system that
@@ -46,7 +55,6 @@ class OutputDirectory {
   void remove(const std::string& name) const;
 
  private:
-  void lock();
   bool try_lock();
 
   std::filesystem::path path_;

@@ -5,7 +5,6 @@
 #include <unistd.h>
 
 #include <cerrno>
-#include <system_error>
 #include <utility>
 
 #include "eses/error.hpp"
@@ -33,9 +32,10 @@ void require_replaceable(const std::string& path) {
 }
 
 OutputFile::OutputFile(const OutputDirectory& directory, std::string name)
-    : directory_(directory),
+    : File(path_in(directory.path(), name), "read back"),
+      directory_(directory),
       name_(std::move(name)),
-      temporary_name_(temporary_name(name_, getpid())) {
+      temporary_name_(temporary_name(name_)) {
   require_replaceable(path());
   file_ = FileDescriptor(openat(directory_.descriptor(), temporary_name_.c_str(),
                                 O_RDWR | O_CREAT | O_TRUNC | O_NOFOLLOW | O_CLOEXEC, 0666));
@@ -47,41 +47,8 @@ OutputFile::~OutputFile() {
   if (is_temporary_) unlinkat(directory_.descriptor(), temporary_name_.c_str(), 0);
 }
 
-void OutputFile::fail(const char* action, int error) const {
-  throw FileError(formatted("cannot {} {}", action, path()), error);
-}
-
-void OutputFile::write_at(std::span<const char> bytes, std::uint64_t offset) try {
-  file_.write_at(bytes, offset);
-} catch (const std::system_error& error) {
-  fail("write", error.code().value());
-}
-
-std::uint64_t OutputFile::copy_from(int file, const CopyRange& range) try {
-  return copy_in_kernel(file, file_.value(), range);
-} catch (const std::system_error& error) {
-  fail("write", error.code().value());
-}
-
-void OutputFile::read_at(std::span<char> bytes, std::uint64_t offset) try {
-  // The file is shorter if another process has truncated it.
-  if (file_.read_at(bytes, offset) < bytes.size()) fail("read back", EIO);
-} catch (const std::system_error& error) {
-  fail("read back", error.code().value());
-}
-
-void OutputFile::truncate(std::uint64_t bytes) {
-  while (ftruncate(file_.value(), static_cast<off_t>(bytes)) != 0)
-    if (errno != EINTR) fail("write", errno);
-}
-
 void OutputFile::close() {
   if (file_.close() != 0 && errno != EINTR) fail("write", errno);
-}
-
-void OutputFile::remove_older() {
-  if (unlinkat(directory_.descriptor(), name_.c_str(), 0) != 0 && errno != ENOENT)
-    fail("replace", errno);
 }
 
 void OutputFile::commit() {
@@ -96,11 +63,17 @@ void OutputFile::withdraw() noexcept {
   if (is_committed_) unlinkat(directory_.descriptor(), name_.c_str(), 0);
 }
 
-void commit_all(std::span<const std::unique_ptr<OutputFile>> files) {
+void commit_all(std::span<const std::unique_ptr<OutputFile>> files,
+                const std::function<void()>& check) {
   try {
-    for (const auto& file : files) file->commit();
+    for (auto file = files.rbegin(); file != files.rend(); ++file) {
+      if (!*file) continue;
+      (*file)->commit();
+      check();
+    }
   } catch (...) {
-    for (const auto& file : files) file->withdraw();
+    for (const auto& file : files)
+      if (file) file->withdraw();
     throw;
   }
 }

@@ -1,13 +1,12 @@
 #pragma once
 /// Output files that are either complete or absent.
 
-#include <cstdint>
-#include <filesystem>
+#include <functional>
 #include <memory>
 #include <span>
 #include <string>
 
-#include "output/kernel_copy.hpp"
+#include "output/file.hpp"
 #include "output/output_directory.hpp"
 
 namespace eses::detail {
@@ -17,9 +16,8 @@ namespace eses::detail {
 void require_replaceable(const std::string& path);
 
 /// A file that is written under a temporary name in its final directory. `commit` gives it its
-/// final name. If the object is destroyed without `commit`, the temporary file is removed. Each
-/// failure throws Error with the name of the file.
-class OutputFile {
+/// final name. If the object is destroyed without `commit`, the temporary file is removed.
+class OutputFile : public File {
  public:
   /// Keeps a reference to `directory`, which must outlive the file. Throws Error if the file cannot
   /// be created, or if require_replaceable refuses its path.
@@ -33,33 +31,24 @@ class OutputFile {
   /// Path of the file before `commit`.
   std::string temporary_path() const { return path_in(directory_.path(), temporary_name_); }
 
-  /// Writes bytes at an offset. Several threads may call it for disjoint ranges.
-  void write_at(std::span<const char> bytes, std::uint64_t offset);
-  /// Copies a range of another open file by copy_in_kernel. Returns the number of bytes copied.
-  std::uint64_t copy_from(int file, const CopyRange& range);
-  /// Reads bytes that were written before. Bytes in gaps that were never written are 0.
-  void read_at(std::span<char> bytes, std::uint64_t offset);
-  /// Sets the size of the file, in bytes.
-  void truncate(std::uint64_t bytes);
   /// Closes the file. Some file systems report failed writes only here.
   void close();
   /// Removes an older file of the final name, if there is one.
-  void remove_older();
+  void remove_older() const { directory_.remove(name_); }
   /// Renames the closed file, replacing any older one.
   void commit();
   /// Removes the file again if it was committed.
   void withdraw() noexcept;
 
  private:
-  [[noreturn]] void fail(const char* action, int error) const;
-
   const OutputDirectory& directory_;
   std::string name_, temporary_name_;
-  FileDescriptor file_;
   bool is_temporary_ = false, is_committed_ = false;
 };
 
-/// Commits closed files, all or none.
-void commit_all(std::span<const std::unique_ptr<OutputFile>> files);
+/// Commits closed files, all or none, the first one last. Null pointers are skipped. `check` is
+/// called after each file.
+void commit_all(
+    std::span<const std::unique_ptr<OutputFile>> files, const std::function<void()>& check = [] {});
 
 }  // namespace eses::detail

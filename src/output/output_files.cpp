@@ -129,12 +129,6 @@ std::vector<FilePath> mesh_paths(const MeshOptions& mesh) {
   return paths;
 }
 
-// Bytes that a run writes to a file system: at least `certain`, and `expected` by the estimates.
-struct DiskDemand {
-  std::filesystem::path directory;
-  std::uint64_t certain = 0, expected = 0;
-};
-
 std::optional<dev_t> file_system_of(const std::filesystem::path& directory) {
   struct stat status {};
   if (stat(directory.c_str(), &status) != 0) return std::nullopt;
@@ -143,13 +137,14 @@ std::optional<dev_t> file_system_of(const std::filesystem::path& directory) {
 
 // Returns the demand on the file system of the output directory. If the mesh is in another file
 // system, or if that is not known, its demand follows as a second entry.
-std::vector<DiskDemand> disk_demands(const FileSizes& sizes, const Outputs& outputs,
-                                     const std::filesystem::path& directory) {
+std::vector<DiskSpace> disk_demands(const FileSizes& sizes, const Outputs& outputs,
+                                    const std::filesystem::path& directory) {
   const std::uint64_t texts = outputs.gzip ? 0 : sizes.grid + sizes.areas;
   const std::uint64_t maps = sizes.maps + sizes.map_scratch - 2 * sizes.gzip_maps;
-  std::vector<DiskDemand> demands{
-      {directory, texts + maps,
-       sizes.output() - sizes.mesh + sizes.map_scratch + sizes.text_scratch}};
+  std::vector<DiskSpace> demands{
+      {.directory = directory,
+       .certain = texts + maps,
+       .expected = sizes.output() - sizes.mesh + sizes.map_scratch + sizes.text_scratch}};
   if (!outputs.mesh) return demands;
   const std::filesystem::path mesh_directory = mesh_directory_of(*outputs.mesh);
   const std::uint64_t of_mesh = sizes.mesh + sizes.mesh_scratch;
@@ -157,7 +152,7 @@ std::vector<DiskDemand> disk_demands(const FileSizes& sizes, const Outputs& outp
   if (file_system && file_system == file_system_of(existing_part(directory))) {
     demands.front().expected += of_mesh;
   } else {
-    demands.push_back({mesh_directory, 0, of_mesh});
+    demands.push_back({.directory = mesh_directory, .expected = of_mesh});
   }
   return demands;
 }
@@ -218,7 +213,7 @@ void require_different(std::span<const FilePath> paths) {
 void require_free_name(const FilePath& path) {
   require_replaceable(path.text());
   struct stat status {};
-  const FilePath temporary{path.directory, temporary_name(path.name, getpid())};
+  const FilePath temporary{path.directory, temporary_name(path.name)};
   if (lstat(temporary.text().c_str(), &status) != 0 && errno == ENAMETOOLONG)
     throw Error(formatted("cannot create {}: {}", path.text(),
                           std::generic_category().message(ENAMETOOLONG)));
@@ -232,8 +227,7 @@ class NoSpace : public Error, public Hints {
 };
 
 // Throws Error with what a user can do. The command line adds the hints at the end of the message.
-[[noreturn]] void refuse_space(const DiskDemand& demand, std::uint64_t available,
-                               const FileSizes& sizes, const Outputs& outputs) {
+[[noreturn]] void refuse(const DiskSpace& space, const FileSizes& sizes, const Outputs& outputs) {
   std::string advice = "use a larger spacing";
   std::vector<std::string> hints;
   if (outputs.dielectric && !outputs.gzip) {
@@ -245,22 +239,21 @@ class NoSpace : public Error, public Hints {
     hints.emplace_back("write edges,areas");
   }
   throw NoSpace(
-      formatted("the files need about {}, but {} has {} free; {}", bytes_text(demand.expected),
-                demand.directory.string(), bytes_text(available), advice),
+      formatted("the files need about {}, but {} has {} free; {}", bytes_text(space.expected),
+                space.directory.string(), bytes_text(space.available), advice),
       std::move(hints));
 }
 
 }  // namespace
 
-DiskSpace require_disk_space(const FileSizes& sizes, const Outputs& outputs,
-                             const std::filesystem::path& directory) {
-  DiskSpace space;
-  for (const DiskDemand& demand : disk_demands(sizes, outputs, directory)) {
-    const std::uint64_t available = available_disk(existing_part(demand.directory));
-    if (demand.certain > available) refuse_space(demand, available, sizes, outputs);
-    space.file_systems.push_back({demand.directory, available, demand.expected});
+std::vector<DiskSpace> require_disk_space(const FileSizes& sizes, const Outputs& outputs,
+                                          const std::filesystem::path& directory) {
+  std::vector<DiskSpace> spaces = disk_demands(sizes, outputs, directory);
+  for (DiskSpace& space : spaces) {
+    space.available = available_disk(existing_part(space.directory));
+    if (space.certain > space.available) refuse(space, sizes, outputs);
   }
-  return space;
+  return spaces;
 }
 
 std::string mesh_directory_of(const MeshOptions& mesh) {
@@ -287,10 +280,13 @@ std::vector<FilePath> all_paths(const Outputs& choice, const std::filesystem::pa
 
 }  // namespace
 
-std::vector<std::string> final_paths(const Outputs& choice,
-                                     const std::filesystem::path& directory) {
-  std::vector<std::string> paths;
-  for (const FilePath& path : all_paths(choice, directory)) paths.push_back(path.text());
+OutputPaths output_paths(const Outputs& choice, const std::filesystem::path& directory) {
+  OutputPaths paths;
+  for (const auto& [parent, name] : all_paths(choice, directory)) paths.add(parent, name);
+  if (!file_names(choice).empty()) paths.locks.push_back(lock_path(directory));
+  if (choice.mesh)
+    for (const auto& [parent, name] : mesh_paths(*choice.mesh))
+      paths.locks.push_back(lock_path(parent, name));
   return paths;
 }
 
@@ -309,23 +305,6 @@ void require_writable_files(const Outputs& choice, const std::filesystem::path& 
   for (const FilePath& path : paths) require_free_name(path);
   require_different(paths);
   for (const std::string& path : stale_paths(choice, directory)) require_replaceable(path);
-}
-
-std::vector<std::string> temporary_paths(const Outputs& choice,
-                                         const std::filesystem::path& directory) {
-  std::vector<std::string> paths;
-  for (const auto& [parent, name] : all_paths(choice, directory))
-    paths.push_back(path_in(parent, temporary_name(name, getpid())));
-  return paths;
-}
-
-std::vector<std::string> lock_paths(const Outputs& choice, const std::filesystem::path& directory) {
-  std::vector<std::string> paths;
-  if (!file_names(choice).empty()) paths.push_back(lock_path(directory));
-  if (choice.mesh)
-    for (const auto& [parent, name] : mesh_paths(*choice.mesh))
-      paths.push_back(lock_path(parent, name));
-  return paths;
 }
 
 OutputFiles::OutputFiles(const Outputs& choice, const std::filesystem::path& path,
@@ -352,25 +331,15 @@ void OutputFiles::open_mesh(const MeshOptions& choice) {
 }
 
 void OutputFiles::commit(const std::function<void()>& check) {
-  std::vector<OutputFile*> files;  // the bounding box first
-  for (auto& file : files_) {
+  for (const auto& file : files_) {
     if (!file) continue;
-    files.push_back(&*file);
     file->close();
     check();
   }
-  try {
-    for (OutputFile* file : files) file->remove_older();
-    for (const std::string& name : stale_) directory_->remove(name);
-    std::reverse(files.begin(), files.end());
-    for (OutputFile* file : files) {
-      file->commit();
-      check();
-    }
-  } catch (...) {
-    for (OutputFile* file : files) file->withdraw();
-    throw;
-  }
+  for (const auto& file : files_)
+    if (file) file->remove_older();
+  for (const std::string& name : stale_) directory_->remove(name);
+  commit_all(files_, check);
 }
 
 // Removes the checksum files first, which mark chunks as complete, and the file that identifies the

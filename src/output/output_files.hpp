@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -53,8 +54,8 @@ constexpr RunFile file_of(MapQuantity quantity) {
 /// Names of the chosen files, without the mesh.
 std::vector<std::string> file_names(const Outputs& choice);
 
-/// Final paths of the chosen files and of the mesh.
-std::vector<std::string> final_paths(const Outputs& choice, const std::filesystem::path& directory);
+/// Paths of the chosen files and of the mesh.
+OutputPaths output_paths(const Outputs& choice, const std::filesystem::path& directory);
 
 /// Paths of the chosen text files and maps of the dielectric in their other form, plain or
 /// compressed. `commit` removes them.
@@ -68,28 +69,19 @@ std::string mesh_directory_of(const MeshOptions& mesh);
 /// regular file, or if two of the output files are the same file, perhaps by symbolic links.
 void require_writable_files(const Outputs& choice, const std::filesystem::path& directory);
 
-/// Paths under which this process writes the files until they are complete.
-std::vector<std::string> temporary_paths(const Outputs& choice,
-                                         const std::filesystem::path& directory);
-
-/// Paths of the lock files of a run.
-std::vector<std::string> lock_paths(const Outputs& choice, const std::filesystem::path& directory);
-
-/// Available and expected disk space, for each file system of the output.
+/// The bytes that a run writes to a file system, and the space that is available there.
 struct DiskSpace {
-  struct FileSystem {
-    std::filesystem::path directory;
-    std::uint64_t available = 0;  ///< bytes; the largest number if it is not known
-    std::uint64_t expected = 0;   ///< bytes, including temporary data
-  };
-  /// The output directory; then the directory of the mesh if it is in another file system.
-  std::vector<FileSystem> file_systems;
+  std::filesystem::path directory;
+  std::uint64_t certain = 0;    ///< bytes of files whose sizes are known
+  std::uint64_t expected = 0;   ///< estimate of all bytes, including temporary data
+  std::uint64_t available = 0;  ///< bytes; the largest number if it is not known
 };
 
-/// Returns the disk space for files of these sizes. The output directory and the directory of the
-/// mesh need not exist yet. Throws Error if the files whose sizes are known do not fit.
-DiskSpace require_disk_space(const FileSizes& sizes, const Outputs& outputs,
-                             const std::filesystem::path& directory);
+/// Returns the space for files of these sizes: in the file system of the output directory, and in
+/// that of the mesh if it is another one. The directories need not exist yet. Throws Error if the
+/// files whose sizes are known do not fit.
+std::vector<DiskSpace> require_disk_space(const FileSizes& sizes, const Outputs& outputs,
+                                          const std::filesystem::path& directory);
 
 /// The open output files of a run. Only `commit` changes files that have final names.
 class OutputFiles {
@@ -99,10 +91,7 @@ class OutputFiles {
   OutputFiles(const Outputs& choice, const std::filesystem::path& path, const FileSizes& sizes);
 
   /// Returns a file, or null if it is not chosen.
-  OutputFile* find(RunFile file) {
-    auto& found = files_[static_cast<std::size_t>(file)];
-    return found ? &*found : nullptr;
-  }
+  OutputFile* find(RunFile file) { return files_[static_cast<std::size_t>(file)].get(); }
 
   /// Gives all files their final names. Older files are removed first, so that old and new files
   /// never exist together. The bounding box is renamed last, so that its presence means that all
@@ -114,8 +103,8 @@ class OutputFiles {
   void remove_checkpoint() noexcept;
 
  private:
-  OutputFile& open(const OutputDirectory& directory, RunFile file, const std::string& name) {
-    return files_[static_cast<std::size_t>(file)].emplace(directory, name);
+  void open(const OutputDirectory& directory, RunFile file, const std::string& name) {
+    files_[static_cast<std::size_t>(file)] = std::make_unique<OutputFile>(directory, name);
   }
   void open_mesh(const MeshOptions& choice);
 
@@ -124,7 +113,7 @@ class OutputFiles {
   /// Directories of the mesh file and of the separate file of its triangles, if the format has one.
   /// Each is locked for its file alone.
   std::array<std::optional<OutputDirectory>, 2> mesh_directories_;
-  std::array<std::optional<OutputFile>, run_file_count> files_;  ///< by RunFile
+  std::array<std::unique_ptr<OutputFile>, run_file_count> files_;  ///< by RunFile
   /// Names of the chosen files in their other form, see stale_paths.
   std::vector<std::string> stale_;
 };

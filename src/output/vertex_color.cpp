@@ -20,20 +20,13 @@ Color distinct_color(std::uint64_t number) {
   const auto up = static_cast<std::uint8_t>(low + rise);
   const auto down = static_cast<std::uint8_t>(high - rise);
   constexpr auto none = static_cast<std::uint8_t>(low), full = static_cast<std::uint8_t>(high);
-  switch (hue >> 32) {
-    case 0:
-      return {full, up, none};
-    case 1:
-      return {down, full, none};
-    case 2:
-      return {none, full, up};
-    case 3:
-      return {none, down, full};
-    case 4:
-      return {up, none, full};
-    default:
-      return {full, none, down};
-  }
+  const std::array<Color, 6> sixths{{{full, up, none},
+                                     {down, full, none},
+                                     {none, full, up},
+                                     {none, down, full},
+                                     {up, none, full},
+                                     {full, none, down}}};
+  return sixths[hue >> 32];
 }
 
 // The colours are those of scripts/lib/viewer/data.js.

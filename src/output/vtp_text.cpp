@@ -3,51 +3,21 @@
 #include <bit>
 #include <string>
 
-#include "output/text_lines.hpp"
+#include "output/text_buffer.hpp"
 #include "system/formatted.hpp"
 
 namespace eses::detail::mesh {
 namespace {
 
-struct Array {
-  const char* name;
-  const char* type;
-  std::size_t components;  // number of values per point or cell
-  std::size_t bytes;       // size of the values in a record
-};
-
-// Returns the arrays in the order of the values in a vertex record, see MeshText::put_record.
-std::vector<Array> vertex_arrays(const VtpFields& fields) {
-  std::vector<Array> arrays{{"Points", "Float64", 3, 3 * sizeof(double)},
-                            {"Normals", "Float32", 3, 3 * sizeof(float)}};
-  if (fields.has_colors) arrays.push_back({"color", "UInt8", 3, 3});
-  arrays.push_back({"patch", "UInt8", 1, 1});
-  arrays.push_back({"atom", "UInt32", 1, sizeof(std::uint32_t)});
-  if (fields.has_groups) {
-    arrays.push_back({"chain", "UInt32", 1, sizeof(std::uint32_t)});
-    arrays.push_back({"residue", "UInt32", 1, sizeof(std::uint32_t)});
-  }
-  if (fields.has_potential) arrays.push_back({"potential", "Float32", 1, sizeof(float)});
-  if (fields.has_components) arrays.push_back({"component", "UInt32", 1, sizeof(std::uint32_t)});
-  return arrays;
-}
-
-std::vector<Array> triangle_arrays() {
-  return {{"connectivity", "Int32", 1, 3 * sizeof(std::int32_t)},
-          {"offsets", "Int64", 1, sizeof(std::int64_t)}};
-}
-
-// Returns the columns of some records at the offset `bytes`, and adds their sizes to `bytes`.
-ColumnTable table_of(const std::vector<Array>& arrays, std::uint64_t records,
-                     std::uint64_t& bytes) {
-  ColumnTable table;
-  table.record_count = records;
-  for (const Array& array : arrays) {
-    table.columns.push_back({bytes + sizeof(std::uint64_t), table.record_bytes, array.bytes});
-    table.record_bytes += array.bytes;
-    bytes += sizeof(std::uint64_t) + records * array.bytes;
-  }
-  return table;
+// Adds the column of the next field of the records after `bytes` bytes of data, and adds its size
+// to them.
+void add_column(ColumnTable& table, Column column, std::uint64_t& bytes) {
+  bytes += sizeof(std::uint64_t);
+  column.begin = bytes;
+  column.record_offset = table.record_bytes;
+  table.record_bytes += column.bytes;
+  bytes += table.record_count * column.bytes;
+  table.columns.push_back(column);
 }
 
 // Pads the attribute with blanks to the length of the longest value.
@@ -56,28 +26,58 @@ std::string attribute(std::string_view name, std::uint64_t value) {
   return formatted("{:<{}}", formatted("{}=\"{}\"", name, value), name.size() + max_digits + 3);
 }
 
-void append_array(BufferedText& text, const Array& array, const Column& column) {
+void append_array(BufferedText& text, const Column& column) {
   text.append(
       "<DataArray type=\"{}\" Name=\"{}\" NumberOfComponents=\"{}\" format=\"appended\" {}/>\n",
-      array.type, array.name, array.components,
+      column.type, column.name, column.components,
       attribute("offset", column.begin - sizeof(std::uint64_t)));
 }
 
 }  // namespace
 
-std::string_view comment_of(const VtpFields& fields) {
+std::string_view comment_of(const OptionalFields& fields) {
   if (fields.has_potential) return "; potential: kT/e";
   return fields.has_components ? "; component: 0 outside, cavities from 1" : "";
 }
 
-VtpData vtp_data(const MeshCounts& counts, const VtpFields& fields) {
+std::vector<VertexField> vertex_fields(const OptionalFields& optional) {
+  constexpr NumberType float64{"double", "Float64", sizeof(double)},
+      float32{"float", "Float32", sizeof(float)}, uint8{"uchar", "UInt8", sizeof(std::uint8_t)},
+      uint32{"uint", "UInt32", sizeof(std::uint32_t)};
+  std::vector<VertexField> fields{{"Points", float64, {"x", "y", "z"}},
+                                  {"Normals", float32, {"nx", "ny", "nz"}}};
+  if (optional.has_colors) fields.push_back({"color", uint8, {"red", "green", "blue"}});
+  fields.push_back({"patch", uint8, {"patch"}});
+  fields.push_back({"atom", uint32, {"atom"}});
+  if (optional.has_groups) {
+    fields.push_back({"chain", uint32, {"chain"}});
+    fields.push_back({"residue", uint32, {"residue"}});
+  }
+  if (optional.has_potential) fields.push_back({"potential", float32, {"potential"}});
+  if (optional.has_components) fields.push_back({"component", uint32, {"component"}});
+  return fields;
+}
+
+VtpData vtp_data(const MeshCounts& counts, const OptionalFields& fields) {
   VtpData data;
-  data.vertices = table_of(vertex_arrays(fields), counts.vertices, data.bytes);
-  data.triangles = table_of(triangle_arrays(), counts.triangles, data.bytes);
+  data.vertices.record_count = counts.vertices;
+  for (const auto& [name, type, components] : vertex_fields(fields))
+    add_column(data.vertices,
+               {.name = name,
+                .type = type.vtp_name,
+                .components = components.size(),
+                .bytes = components.size() * type.bytes},
+               data.bytes);
+  data.triangles.record_count = counts.triangles;
+  add_column(data.triangles,
+             {.name = "connectivity", .type = "Int32", .bytes = 3 * sizeof(std::int32_t)},
+             data.bytes);
+  add_column(data.triangles, {.name = "offsets", .type = "Int64", .bytes = sizeof(std::int64_t)},
+             data.bytes);
   return data;
 }
 
-void append_vtp_begin(BufferedText& text, const VtpFields& fields, std::uint64_t chains) {
+void append_vtp_begin(BufferedText& text, const OptionalFields& fields, std::uint64_t chains) {
   constexpr bool is_little = std::endian::native == std::endian::little;
   text.append(
       "<?xml version=\"1.0\"?>\n"
@@ -92,7 +92,7 @@ void append_vtp_begin(BufferedText& text, const VtpFields& fields, std::uint64_t
         chains);
 }
 
-void append_vtp_before_residues(BufferedText& text, const VtpFields& fields,
+void append_vtp_before_residues(BufferedText& text, const OptionalFields& fields,
                                 std::uint64_t residues) {
   if (!fields.has_groups) return;
   text.append(
@@ -101,7 +101,8 @@ void append_vtp_before_residues(BufferedText& text, const VtpFields& fields,
       residues);
 }
 
-void append_vtp_before_data(BufferedText& text, const VtpFields& fields, const MeshCounts& counts) {
+void append_vtp_before_data(BufferedText& text, const OptionalFields& fields,
+                            const MeshCounts& counts) {
   const VtpData data = vtp_data(counts, fields);
   if (fields.has_groups) text.append("</DataArray>\n</FieldData>\n");
   text.append(
@@ -109,14 +110,12 @@ void append_vtp_before_data(BufferedText& text, const VtpFields& fields, const M
       "<PointData Scalars=\"{}\" Normals=\"Normals\">\n",
       attribute("NumberOfPoints", counts.vertices), attribute("NumberOfPolys", counts.triangles),
       fields.has_colors ? "color" : "patch");
-  const std::vector<Array> of_vertices = vertex_arrays(fields), of_triangles = triangle_arrays();
-  for (std::size_t i = 1; i < of_vertices.size(); ++i)
-    append_array(text, of_vertices[i], data.vertices.columns[i]);
+  const std::span<const Column> columns = data.vertices.columns;
+  for (const Column& column : columns.subspan(1)) append_array(text, column);
   text.append("</PointData>\n<Points>\n");
-  append_array(text, of_vertices[0], data.vertices.columns[0]);
+  append_array(text, columns.front());
   text.append("</Points>\n<Polys>\n");
-  for (std::size_t i = 0; i < of_triangles.size(); ++i)
-    append_array(text, of_triangles[i], data.triangles.columns[i]);
+  for (const Column& column : data.triangles.columns) append_array(text, column);
   text.append("</Polys>\n</Piece>\n</PolyData>\n<AppendedData encoding=\"raw\">\n_");
 }
 

@@ -19,22 +19,40 @@
 
 namespace eses::detail::mesh {
 
-/// The optional values of the vertices.
-struct VtpFields {
+/// The optional fields of the vertices.
+struct OptionalFields {
   bool has_colors = false;
   bool has_groups = false;  ///< chain and residue
   bool has_potential = false;
   bool has_components = false;
 };
 
-/// Returns what the comment of a file says about optional values, with a semicolon before it.
-std::string_view comment_of(const VtpFields& fields);
+/// Returns what the comment of a file says about optional fields, with a semicolon before it.
+std::string_view comment_of(const OptionalFields& fields);
+
+/// A type of numbers and its names in PLY and VTP files.
+struct NumberType {
+  const char *ply_name, *vtp_name;
+  std::size_t bytes;
+};
+
+/// A field of the record of a vertex.
+struct VertexField {
+  const char* name;  ///< in VTP files
+  NumberType type;
+  std::vector<const char*> components;  ///< names of the numbers in PLY files
+};
+
+/// Returns the fields of a vertex record in binary PLY files, which is also the record for VTP.
+std::vector<VertexField> vertex_fields(const OptionalFields& optional);
 
 /// A column: the same field of all records.
 struct Column {
-  std::uint64_t begin = 0;        ///< offset of the first value in the data
-  std::size_t record_offset = 0;  ///< offset of the field in a record
+  const char *name, *type;        ///< of the array
+  std::size_t components = 1;     ///< number of values per point or cell
   std::size_t bytes = 0;          ///< size of the field
+  std::size_t record_offset = 0;  ///< offset of the field in a record
+  std::uint64_t begin = 0;        ///< offset of the first value in the data
 };
 
 /// All columns of the vertices or of the triangles.
@@ -50,15 +68,16 @@ struct VtpData {
   std::uint64_t bytes = 0;
 };
 
-VtpData vtp_data(const MeshCounts& counts, const VtpFields& fields);
+VtpData vtp_data(const MeshCounts& counts, const OptionalFields& fields);
 
 /// Append the three parts of the XML before the data: up to the chain names, between the chain
 /// names and the residue names, and after the residue names. Only files with groups have names.
 /// The length of the last part does not depend on the counts.
-void append_vtp_begin(BufferedText& text, const VtpFields& fields, std::uint64_t chains);
-void append_vtp_before_residues(BufferedText& text, const VtpFields& fields,
+void append_vtp_begin(BufferedText& text, const OptionalFields& fields, std::uint64_t chains);
+void append_vtp_before_residues(BufferedText& text, const OptionalFields& fields,
                                 std::uint64_t residues);
-void append_vtp_before_data(BufferedText& text, const VtpFields& fields, const MeshCounts& counts);
+void append_vtp_before_data(BufferedText& text, const OptionalFields& fields,
+                            const MeshCounts& counts);
 /// The XML after the data.
 inline constexpr std::string_view vtp_end = "\n</AppendedData>\n</VTKFile>\n";
 

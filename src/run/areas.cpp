@@ -11,7 +11,6 @@
 #include "distributed/shared_file.hpp"
 #include "output/area_table_writer.hpp"
 #include "output/eses_writer.hpp"
-#include "output/sequential_writer.hpp"
 #include "solve/region_totals.hpp"
 #include "system/formatted.hpp"
 #include "system/gzip.hpp"
@@ -135,11 +134,10 @@ class TableState {
 // Adds the residues that this process has read, and writes the lines of complete residues.
 void append_residues_read(const RunPlan& plan, std::span<const double> areas,
                           const Processes& processes, SharedFile& file, TableState& state) {
-  const TextSink sink = [&](std::string_view text) {
+  BufferedText table([&](std::string_view text) {
     file.write_at(text, state.bytes);
     state.bytes += text.size();
-  };
-  BufferedText table(sink);
+  });
   if (processes.is_first()) append_residue_header(table);
   add_residues(state.tables, plan.names.residues(), areas, table);
   const bool is_last = processes.rank() + 1 == processes.count();
@@ -216,10 +214,10 @@ std::uint64_t write_area_tables(const AreasOfRange& areas, const RunPlan& plan,
   std::uint64_t chain_bytes = 0;
   processes.all_or_throw([&] {
     if (!processes.is_first()) return;
-    SequentialWriter file(*chains, false);
-    write_chain_table(all.tables.chains.chains(),
-                      [&](std::string_view piece) { file.append(piece); });
-    chain_bytes = file.size();
+    BufferedText table([&](std::string_view text) { chains->append(text); });
+    append_chains(table, all.tables.chains.chains());
+    table.flush();
+    chain_bytes = chains->size();
   });
   return all.bytes + processes.sum(chain_bytes);
 }

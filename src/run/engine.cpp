@@ -11,10 +11,10 @@
 #include <utility>
 
 #include "eses/error.hpp"
+#include "output/eses_writer.hpp"
 #include "output/mesh_writer.hpp"
 #include "output/msms_text.hpp"
 #include "output/output_files.hpp"
-#include "output/sequential_writer.hpp"
 #include "run/areas.hpp"
 #include "run/exact_measures.hpp"
 #include "run/merge.hpp"
@@ -23,6 +23,7 @@
 #include "surface/measure_patches.hpp"
 #include "system/file_descriptor.hpp"
 #include "system/formatted.hpp"
+#include "system/gzip.hpp"
 #include "system/parallel.hpp"
 #include "system/resources.hpp"
 #include "system/stopwatch.hpp"
@@ -46,7 +47,7 @@ std::unique_ptr<OutputFiles> open_files(const RunTask& task, const RunPlan& plan
 // files are merged.
 void require_shared_directories(const RunTask& task, const Processes& processes) {
   if (processes.count() == 1) return;
-  const RunPaths paths = paths_of(task, processes);
+  const OutputPaths paths = paths_of(task, processes);
   const auto require = [&](const std::filesystem::path& path, int mode) {
     if (!FileDescriptor(::open(path.c_str(), mode | O_CLOEXEC)).is_open())
       throw Error(
@@ -178,8 +179,14 @@ std::uint64_t commit_files(const RunTask& task, const RunPlan& plan, OutputFiles
   std::uint64_t box_bytes = 0;
   processes.all_or_throw([&] {
     if (files == nullptr) return;
-    if (OutputFile* const box = files->find(RunFile::box))
-      box_bytes = write_box(*box, plan.grid, task.outputs.gzip);
+    if (OutputFile* const box = files->find(RunFile::box)) {
+      const std::string text = bounding_box_text(plan.grid);
+      if (task.outputs.gzip)
+        box->append(Gzip().member(text));
+      else
+        box->append(text);
+      box_bytes = box->size();
+    }
     require_memory_within(task.parameters.max_memory);
     files->commit(check);
     if (plan.checkpoint)
@@ -206,12 +213,12 @@ bool has_faults(const Summary& summary) {
   return summary.verification && !summary.verification->faults.empty();
 }
 
-RunPaths paths_of(const RunTask& task, const Processes& processes) {
-  RunPaths paths;
-  if (processes.is_first())
-    paths = {temporary_paths(task.outputs, task.output_directory),
-             lock_paths(task.outputs, task.output_directory)};
-  return {processes.gather_texts(paths.temporaries), processes.gather_texts(paths.locks)};
+OutputPaths paths_of(const RunTask& task, const Processes& processes) {
+  OutputPaths paths;
+  if (processes.is_first()) paths = output_paths(task.outputs, task.output_directory);
+  for (auto* const lines : {&paths.final, &paths.temporaries, &paths.locks})
+    *lines = processes.gather_texts(*lines);
+  return paths;
 }
 
 RunResult execute(const RunTask& task, const RunPlan& plan, const Callbacks& callbacks,

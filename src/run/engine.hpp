@@ -9,12 +9,12 @@
 
 #include <cstdint>
 #include <optional>
-#include <string>
 #include <vector>
 
 #include "distributed/processes.hpp"
 #include "eses/measure.hpp"
 #include "grid/plane_range.hpp"
+#include "output/output_directory.hpp"
 #include "run/run_plan.hpp"
 #include "run/task.hpp"
 
@@ -41,13 +41,8 @@ struct RunResult {
 /// Returns whether the verification has found faults. Then no file was written.
 bool has_faults(const Summary& summary);
 
-/// The temporary files and locks of a run, which are removed if the run fails.
-struct RunPaths {
-  std::vector<std::string> temporaries, locks;
-};
-
-/// Returns the paths of the first process. All processes must call it.
-RunPaths paths_of(const RunTask& task, const Processes& processes);
+/// Returns the paths of the first process, which makes the files. All processes must call it.
+OutputPaths paths_of(const RunTask& task, const Processes& processes);
 
 /// Computes the surface and writes the files of a plan. All processes must call it. A SharedError
 /// is thrown in all processes. Any other exception is thrown only in the process that failed, whose

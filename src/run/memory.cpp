@@ -184,8 +184,7 @@ double expected_memory(const SurfaceSurvey& survey, const MemoryBudget& budget, 
     names += ChainAreas::memory_bytes(static_cast<double>(labels.chain_runs),
                                       static_cast<double>(labels.chain_text_bytes));
   const double solving = survey.patch_bytes(height, schedule.threads) +
-                         GridText::memory_bytes(grid) +
-                         (outputs.mesh ? coordinate_text_bytes(grid) : 0) +
+                         GridText::memory_bytes(grid) + (outputs.mesh ? token_bytes(grid) : 0) +
                          threads * bytes_of_thread(survey, grid, schedule, outputs) +
                          std::max({held, bytes_per_area * atoms, improving});
   return min_expected_memory(survey.atom_count()) + names + solving;

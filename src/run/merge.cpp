@@ -47,7 +47,7 @@ void read_parts(const ScratchFile& from, std::uint64_t begin, std::uint64_t leng
   std::vector<char> part, next;
   const auto load = [&](std::uint64_t offset) {
     next.resize(std::min(step, length - offset));
-    from.read_at(std::as_writable_bytes(std::span(next)), offset);
+    from.read_at(next, offset);
     loaded(std::span<const char>(next), offset);
   };
   const auto how = threads > 1 ? std::launch::async | std::launch::deferred : std::launch::deferred;
@@ -232,25 +232,22 @@ std::uint64_t Merge::write_values(GridMap& map) const {
   map.transpose_tiles(static_cast<std::int64_t>(range.begin), static_cast<std::int64_t>(range.end),
                       threads_of_shared_file(), check_);
   if (processes_.is_first()) map.write_ends();
-  return map.file_bytes();
+  return map.layout().file_bytes();
 }
 
 // Each process compresses some cells of the map, which are consecutive in the file. The members
 // replace the words.
 std::uint64_t Merge::write_compressed_values(GridMap& map, SharedFile& to) const {
   ScratchFile text(task_.output_directory);
-  const auto append = [&](const std::vector<char>& bytes) {
-    text.append(std::as_bytes(std::span(bytes)));
-  };
   const IndexRange range =
       processes_.range_of(static_cast<std::uint64_t>(map.cells_of_row()), 1, processes_.rank());
-  if (processes_.is_first()) append(map.compressed_header());
+  if (processes_.is_first()) text.append(Gzip().member(map.layout().header));
   {
     ScratchFile members(task_.output_directory);
     map.compress_cells(static_cast<std::int64_t>(range.begin), static_cast<std::int64_t>(range.end),
                        threads_of_shared_file(), check_, members, text);
   }
-  if (processes_.rank() + 1 == processes_.count()) append(map.compressed_footer());
+  if (processes_.rank() + 1 == processes_.count()) text.append(Gzip().member(map.layout().footer));
   const std::uint64_t length = text.size();
   // The sum is known when all processes have read their words. Only then may members replace these.
   const std::uint64_t all = processes_.sum(length);
@@ -319,7 +316,7 @@ MeshQuality Merge::improve_mesh(const mesh::MeshText& text) {
     const auto sink_of = [&](ChunkText which) {
       improved.text(which) = std::make_unique<ScratchFile>(mesh_directory_of(*task_.outputs.mesh));
       return [file = improved.text(which).get()](std::span<const char> bytes, std::uint64_t) {
-        file->append(std::as_bytes(bytes));
+        file->append(bytes);
       };
     };
     pass.emplace(text, plan_.grid, plan_.tiling.region_with_halo,
@@ -461,7 +458,7 @@ std::uint64_t Merge::write_triangles(SharedFile& file, std::uint64_t begin,
 // the file. Returns the end of the footer.
 std::uint64_t Merge::write_columns(SharedFile& file, std::uint64_t begin,
                                    const mesh::MeshText& text) {
-  const mesh::VtpData data = text.columns(mesh_);
+  const mesh::VtpData data = mesh::vtp_data(mesh_, text.optional_fields());
   ColumnWriter vertices(file, begin, data.vertices), triangles(file, begin, data.triangles);
   TextBuffer records;
   for (MergedChunk& chunk : mesh_chunks()) {
@@ -473,10 +470,12 @@ std::uint64_t Merge::write_columns(SharedFile& file, std::uint64_t begin,
     close(chunk, ChunkText::vertices);
     for_triangles(chunk, [&](std::span<const mesh::LocalTriangle> locals, std::uint64_t first) {
       records.clear();
+      char* out = records.reserve(mesh::vtp_triangle_bytes * locals.size());
       std::uint64_t number = first;
       for (const mesh::LocalTriangle& local : locals)
-        text.append_triangle_record(records, mesh::global_triangle(chunk.before.vertices, local),
-                                    number++);
+        out = mesh::put_vtp_triangle(out, mesh::global_triangle(chunk.before.vertices, local),
+                                     number++);
+      records.advance_to(out);
       triangles.write(records.text(), first);
     });
     close(chunk, ChunkText::triangles);
@@ -485,9 +484,9 @@ std::uint64_t Merge::write_columns(SharedFile& file, std::uint64_t begin,
   if (processes_.is_first()) {
     vertices.write_lengths();
     triangles.write_lengths();
-    file.write_at(text.footer(), end);
+    file.write_at(mesh::vtp_end, end);
   }
-  return end + text.footer().size();
+  return end + mesh::vtp_end.size();
 }
 
 }  // namespace eses::detail

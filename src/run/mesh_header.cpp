@@ -1,34 +1,25 @@
 #include "run/mesh_header.hpp"
 
-#include <span>
 #include <string_view>
 
 namespace eses::detail {
-namespace {
-
-template <class AppendName>
-void append_names(std::span<const AtomLabel> labels, std::uint64_t first, const TextSink& sink,
-                  AppendName append_name) {
-  BufferedText text(sink);
-  for (const AtomLabel& label : labels) append_name(text, first++, label);
-  text.flush();
-}
-
-}  // namespace
 
 void write_header_part(std::size_t part, const mesh::MeshText& text, const GroupNames& names,
                        bool is_first_process, const MeshCounts& counts, const mesh::VertexBox& box,
                        const TextSink& sink) {
+  BufferedText buffer(sink);
   if (part == 1)
-    append_names(names.chains, names.first_chain, sink,
-                 [&](auto&&... name) { text.append_chain_name(name...); });
+    for (std::size_t i = 0; i < names.chains.size(); ++i)
+      text.append_chain_name(buffer, names.first_chain + i, names.chains[i]);
   if (part == 3)
-    append_names(names.residues, names.first_residue, sink,
-                 [&](auto&&... name) { text.append_residue_name(name...); });
-  if (!is_first_process) return;
-  if (part == 0) text.write_header_begin(sink);
-  if (part == 2) text.write_header_middle(sink);
-  if (part == 4) text.write_header_end(counts, box, sink);
+    for (std::size_t i = 0; i < names.residues.size(); ++i)
+      text.append_residue_name(buffer, names.first_residue + i, names.residues[i]);
+  if (is_first_process) {
+    if (part == 0) text.append_header_begin(buffer);
+    if (part == 2) text.append_header_middle(buffer);
+    if (part == 4) text.append_header_end(buffer, counts, box);
+  }
+  buffer.flush();
 }
 
 std::uint64_t mesh_header_bytes(const mesh::MeshText& text, const GroupNames& names) {
@@ -41,7 +32,9 @@ std::uint64_t mesh_header_bytes(const mesh::MeshText& text, const GroupNames& na
 
 std::string face_header(const mesh::MeshText& text, const MeshCounts& counts) {
   std::string header;
-  text.write_face_header(counts, [&](std::string_view piece) { header += piece; });
+  BufferedText buffer([&](std::string_view piece) { header += piece; });
+  text.append_face_header(buffer, counts);
+  buffer.flush();
   return header;
 }
 

@@ -40,7 +40,7 @@ OrderedOutput::WriteAt sink_of(OutputFile& file, std::uint64_t begin) {
 // `checksum` is null without a checkpoint.
 OrderedOutput::WriteAt sink_of(ScratchFile& file, TextChecksum* checksum) {
   return [&file, checksum](std::span<const char> text, std::uint64_t offset) {
-    file.write_at(std::as_bytes(text), offset);
+    file.write_at(text, offset);
     if (checksum != nullptr) checksum->add(text, offset);
   };
 }

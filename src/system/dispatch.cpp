@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdlib>
+#include <optional>
 #include <string_view>
 
 namespace eses::detail {
@@ -31,13 +32,16 @@ InstructionSet widest_available() {
 constexpr std::array<std::string_view, 4> instruction_set_names{"baseline", "sse4", "avx2",
                                                                 "avx512"};
 
+std::optional<InstructionSet> set_named(std::string_view name) {
+  const auto* const found =
+      std::find(instruction_set_names.begin(), instruction_set_names.end(), name);
+  if (found == instruction_set_names.end()) return std::nullopt;
+  return static_cast<InstructionSet>(found - instruction_set_names.begin());
+}
+
 InstructionSet widest_allowed() {
   const char* const wish = std::getenv(instruction_set_variable);
-  const auto* const name = std::find(instruction_set_names.begin(), instruction_set_names.end(),
-                                     wish != nullptr ? wish : "");
-  return name == instruction_set_names.end()
-             ? InstructionSet::avx512
-             : static_cast<InstructionSet>(name - instruction_set_names.begin());
+  return set_named(wish != nullptr ? wish : "").value_or(InstructionSet::avx512);
 }
 
 }  // namespace
@@ -51,9 +55,6 @@ std::string_view name_of(InstructionSet set) {
   return instruction_set_names[static_cast<std::size_t>(set)];
 }
 
-bool is_instruction_set(std::string_view name) {
-  return std::find(instruction_set_names.begin(), instruction_set_names.end(), name) !=
-         instruction_set_names.end();
-}
+bool is_instruction_set(std::string_view name) { return set_named(name).has_value(); }
 
 }  // namespace eses::detail
