@@ -11,6 +11,7 @@ TOP, BOTTOM = 0.87, 0.25  # share of the height: the axes, between legend and ca
 BLUE = {"color": "#0072B2", "marker": "o"}
 ORANGE = {"color": "#D55E00", "marker": "s"}
 GREEN = {"color": "#009E73", "marker": "^"}
+GREY = {"color": "#555555", "marker": "v"}
 
 GUIDE_STYLES = {
     -1: {"linestyle": "--", "label": "ideal"},

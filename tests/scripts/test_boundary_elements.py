@@ -1,6 +1,6 @@
-"""Tests of scripts/benchmarks/boundary-elements: exact energies, messages and plotting.
+"""Tests of scripts/benchmarks/boundary-elements: exact energies, the solver, messages and plotting.
 
-The solver itself is not run: bempp-cl compiles for minutes.
+bempp-cl is not run: it compiles for minutes.
 """
 
 import importlib.machinery
@@ -10,7 +10,7 @@ import sys
 import unittest
 import xml.etree.ElementTree
 
-from support import PROJECT, SCRIPTS, TestCase, can_import, has_matplotlib, interpreter_of
+from support import PROGRAM, PROJECT, SCRIPTS, TestCase, can_import, has_matplotlib, interpreter_of
 
 SCRIPT = SCRIPTS / "benchmarks" / "boundary-elements"
 
@@ -47,6 +47,21 @@ class ExactEnergies(TestCase):
         selves = 1.5**2 * 5 / (2 * (25 - 9)) + 5 / (2 * (25 - 4))
         expected = script.COULOMB * (-selves - potential_at_second)
         self.assertAlmostEqual(script.kirkwood(5.0, charges), expected, places=6)
+
+
+@unittest.skipUnless(all(map(importlib.util.find_spec, ("fmm3dpy", "numba", "scipy"))),
+                     "fmm3dpy, numba or scipy is not installed")
+class Energies(TestCase):
+    def test_curved_triangles_give_the_energy_of_a_sphere(self):
+        script = load_script()
+        atoms, charges = script.read_case("sphere", self.folder)
+        exact = script.exact_energy("sphere")
+        for name, max_error in (("curved", 1e-3), ("plain", 1e-3), ("flat", 0.04)):
+            with self.subTest(series=name):
+                is_quality = script.SERIES[name].is_quality
+                mesh = script.make_mesh(PROGRAM, atoms, is_quality, 1.4, self.folder)
+                energy, _ = script.solve(mesh, charges, name)
+                self.assertLess(abs(energy / exact - 1), max_error)
 
 
 @unittest.skipUnless(has_matplotlib(SCRIPT), "python3-matplotlib is not installed")
