@@ -189,22 +189,34 @@ void for_whole_lines(const ReadText& read, const std::function<void(std::string_
   }
 }
 
+template <class Value>
+void grow(std::size_t added, std::vector<Value>& list) {
+  const std::size_t wanted = list.size() + added;
+  if (wanted > list.capacity()) list.reserve(std::max(wanted, 2 * list.capacity()));
+}
+
 /// Returns an upper bound of the number of atoms. Blank lines are not counted.
 std::size_t estimate_atoms(std::string_view text) {
   const auto lines = static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n')) + 1;
   return std::min(lines, text.size() / min_atom_line_length + 1);
 }
 
-/// Throws Error if the atoms of a text that begins at `line` exceed the memory limit.
-void require_room(std::string_view text, const AtomLines& lines, const ReadingLimit& limit,
-                  std::uint64_t line, const std::vector<Atom>& atoms) {
+/// Reserves memory for the atoms of a text that begins at `line`. Throws Error if it exceeds the
+/// limit.
+void make_room(std::string_view text, const AtomLines& lines, const ReadingLimit& limit,
+               std::uint64_t line, AtomFile& result) {
   const bool has_labels = lines.options.with_labels && lines.options.format == AtomFormat::pqr;
   const std::uint64_t atom_bytes =
       sizeof(Atom) + sizeof(std::uint64_t) + (has_labels ? sizeof(AtomLabel) + sizeof(double) : 0);
-  const std::size_t added = estimate_atoms(text);
-  const bool is_copied = atoms.size() + added > atoms.capacity();
-  limit.require(atom_bytes * (is_copied ? atoms.size() + added : added),
-                formatted("{}:{}: reading more than {} atoms", lines.name, line, atoms.size()));
+  const std::size_t added = estimate_atoms(text), atoms = result.atoms.size();
+  const bool is_copied = atoms + added > result.atoms.capacity();
+  limit.require(atom_bytes * (is_copied ? atoms + added : added),
+                formatted("{}:{}: reading more than {} atoms", lines.name, line, atoms));
+  grow(added, result.atoms);
+  grow(added, result.lines);
+  if (!has_labels) return;
+  grow(added, result.labels);
+  grow(added, result.charges);
 }
 
 }  // namespace
@@ -214,7 +226,7 @@ LinesRead read_atom_lines(const ReadText& read, const AtomLines& lines, AtomFile
   const ReadingLimit limit(lines.options.max_memory);
   LinesRead counts;
   for_whole_lines(read, [&](std::string_view text) {
-    require_room(text, lines, limit, lines.first_line + counts.lines, result.atoms);
+    make_room(text, lines, limit, lines.first_line + counts.lines, result);
     parse_lines(text, lines, counts, result);
     if (after_part) after_part();
   });
