@@ -160,8 +160,8 @@ def near_corrections(polynomials, lengths, points, first, starts, targets):
         for pair in range(starts[i], starts[i + 1]):
             target = points[targets[pair]]
             # A point has no contribution to its own sum.
-            own = targets[pair] - (first + i) * COUNT
-            integrate(p, 0.0, 0.0, 1.0, target, -1.0, own, corrections[pair])
+            same_point = targets[pair] - (first + i) * COUNT
+            integrate(p, 0.0, 0.0, 1.0, target, -1.0, same_point, corrections[pair])
             integrate_near(p, lengths[first + i], target, parts, corrections[pair])
     return corrections
 

@@ -18,7 +18,7 @@ struct DiagnosticText {
     AtomIndex atom = 0;
     std::uint64_t line = 0;
     std::optional<std::string> label = {};  ///< such as A/LYS 33/CE
-    // Of the other atom, if there is one.
+    // The other atom of a pair, if the diagnostic has one.
     std::optional<AtomIndex> other_atom = {};
     std::optional<std::uint64_t> other_line = {};
     std::optional<std::string> other_label = {};

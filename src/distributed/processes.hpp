@@ -34,7 +34,7 @@ class SharedError : public Error, public Hints {
 /// The MPI processes of a run. All functions except `rank`, `count`, `is_first`, `range_of`,
 /// `become_reporter`, `abort` and the static ones are collective: all processes must call them,
 /// from their main threads and outside of parallel loops (MPI_THREAD_FUNNELED). Elements are copied
-/// as bytes. In a single process all functions return at once.
+/// as bytes. In a single process no function communicates.
 class Processes {
  public:
   /// Makes a single process, independent of any launcher. Never uses MPI.

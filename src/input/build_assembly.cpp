@@ -271,7 +271,7 @@ std::vector<OtherAssembly> find_other_assemblies(const gemmi::Structure& structu
     if (operator_count > max_operators) break;
     OtherAssembly other = measure(assembly, model);
     if (other.atoms == 0 || (other.operators == 1 && other.atoms == atoms)) continue;
-    // A list of assemblies that are described at once is known by the first one.
+    // The id of a list of assemblies is the id of the first one.
     other.id = without_trailing_blanks(assembly.name.substr(0, assembly.name.find(',')));
     others.push_back(std::move(other));
   }

@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <gemmi/pdb.hpp>
 #include <gemmi/resinfo.hpp>
+#include <limits>
 #include <optional>
 #include <string>
 #include <system_error>
@@ -59,8 +60,8 @@ std::string type_of(std::string_view record) {
 
 bool is_hetatm_record(std::string_view record) { return starts_with_ignoring_case(record, "heta"); }
 
-/// Looks at four characters, because records of more than 99999 atoms may have a
-/// serial number in the sixth column.
+/// Looks at four characters, because records of more than 99999 atoms may have a serial number in
+/// the sixth column.
 bool is_atom_record(std::string_view record) {
   return starts_with_ignoring_case(record, "atom") || is_hetatm_record(record);
 }
@@ -197,7 +198,7 @@ class PdbReader {
  private:
   void add_record(std::string_view line, const std::string& type) {
     check_characters(line);
-    // The fields of gemmi need all columns.
+    // gemmi's readers of fields need records with all columns.
     record_.assign(line.substr(0, record_width)).resize(record_width, ' ');
     if (is_atom_record(line)) {
       add_atom(line);
@@ -272,6 +273,8 @@ class PdbReader {
     if (!is_in_model_) begin_model({});
     has_atoms_ = true;
     gemmi::Residue& residue = residue_of(line);
+    if (lines_.number() > std::numeric_limits<int>::max())
+      lines_.fail("too many lines for a PDB file");
     atom.serial = static_cast<int>(lines_.number());
     atom.name = field_of(line, name_columns);
     atom.altloc = gemmi::pdb_impl::read_altloc(record_[altloc_column]);
@@ -318,8 +321,8 @@ class PdbReader {
     const std::string_view columns = line.substr(name_columns.first, name_columns.width);
     const std::string symbol = element_by_name(columns, residue, layout().is_left_aligned);
     if (!symbol.empty()) return gemmi::Element(symbol);
-    // As in gemmi: names of hydrogens may fill all columns, and a digit may stand before or after a
-    // symbol of one letter.
+    // gemmi has the same rule: names of hydrogens may fill all columns, and a digit may be before
+    // or after a symbol of one letter.
     if (gemmi::alpha_up(columns[0]) == 'H' && columns[3] != ' ') return gemmi::El::H;
     for (const std::size_t i : {0, 1})
       if (is_digit(columns[i])) return gemmi::impl::find_single_letter_element(columns[1 - i]);

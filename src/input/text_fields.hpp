@@ -57,7 +57,7 @@ std::size_t count_fields(std::string_view text);
 /// precision is exceeded.
 std::errc parse_number(std::string_view text, double& value);
 
-/// Parses a whole number that is the whole of `text`. Returns whether it is one.
+/// Parses `text` as an integer. Returns false if it has other characters.
 template <class Integer>
 bool parse_integer(std::string_view text, Integer& value) {
   const char* const end = text.data() + text.size();

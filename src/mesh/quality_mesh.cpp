@@ -546,7 +546,7 @@ void QualityMesh::collapse_short_edges(std::int32_t plane) {
     operations_.clear();
     if (min_squared_edge < max_squared_tiny_edge) {
       list_ring_to_improve(vertex);
-      limits_.min_quality /= 4;  // a squared sine
+      limits_.min_quality /= 4;  // half of the angle, as the quality is a squared sine
     } else {
       list_ring(vertex);
       limits_.min_quality = min_quality;

@@ -44,6 +44,9 @@ class File {
   /// `name` and `read`, the verb for reading, are used in messages.
   explicit File(std::string name, const char* read = "read")
       : name_(std::move(name)), read_(read) {}
+  File(File&&) = default;
+  File& operator=(File&&) = default;
+  ~File() = default;
   [[noreturn]] void fail(const char* verb, int error) const;
 
   FileDescriptor file_;

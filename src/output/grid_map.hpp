@@ -19,9 +19,9 @@ struct MapFile {
   std::function<void(std::span<char> bytes, std::uint64_t offset)> read_at;
 };
 
-/// Returns access to `file`, which may be an OutputFile. Keeps a reference to it.
-template <class File>
-MapFile map_file(File& file) {
+/// Returns access to an OutputFile or SharedFile. Keeps a reference to it.
+template <class AnyFile>
+MapFile map_file(AnyFile& file) {
   return {
       [&file](std::span<const char> bytes, std::uint64_t offset) { file.write_at(bytes, offset); },
       [&file](std::span<char> bytes, std::uint64_t offset) { file.read_at(bytes, offset); }};

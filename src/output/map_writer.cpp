@@ -52,13 +52,13 @@ MapLayout dx_layout(const MapChoice& map, const Grid& grid, const GridRegion& re
       "object 3 class array type double rank 0 items {} data follows\n",
       title_of(map), counts, scientific(origin), scientific({h, 0, 0}), scientific({0, h, 0}),
       scientific({0, 0, h}), counts, layout.points);
-  layout.footer = layout.points % dx_values_per_line != 0 ? "\n" : "";
-  layout.footer +=
-      "attribute \"dep\" string \"positions\"\n"
+  layout.footer = formatted(
+      "{}attribute \"dep\" string \"positions\"\n"
       "object \"regular positions regular connections\" class field\n"
       "component \"positions\" value 1\n"
       "component \"connections\" value 2\n"
-      "component \"data\" value 3\n";
+      "component \"data\" value 3\n",
+      layout.points % dx_values_per_line != 0 ? "\n" : "");
   return layout;
 }
 

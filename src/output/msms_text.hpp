@@ -20,7 +20,7 @@ namespace eses::detail::mesh {
 /// and the mean of the sum over all directions is 3/2.
 inline constexpr double plain_vertices_per_area = 1.5;
 /// The same for a mesh of quality, as measured; see doc/msms.md.
-inline constexpr double quality_vertices_per_area = 0.84;
+inline constexpr double quality_vertices_per_area = 0.86;
 
 /// Appends the three header lines of NAME.vert or NAME.face with this number of vertices or
 /// triangles, on which their length does not depend. `density` is the expected number of vertices

@@ -1,7 +1,7 @@
 #include "run/areas.hpp"
 
 #include <algorithm>
-#include <cstdlib>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -9,6 +9,7 @@
 
 #include "distributed/packed_texts.hpp"
 #include "distributed/shared_file.hpp"
+#include "input/text_fields.hpp"
 #include "output/area_table_writer.hpp"
 #include "output/eses_writer.hpp"
 #include "solve/region_totals.hpp"
@@ -31,6 +32,7 @@ IndexRange atoms_of(int rank, const RunPlan& plan, const Processes& processes) {
 std::vector<AreaShare> exchange_shares(AtomShares shares, const RunPlan& plan,
                                        const Processes& processes) {
   std::vector<std::vector<AtomSum>> to(static_cast<std::size_t>(processes.count()));
+  if (processes.count() == 1) to.front().reserve(plan.atoms);
   auto send = [&, rank = 0](const AtomSum& sum) mutable {
     while (as_number(sum.atom) < atoms_of(rank, plan, processes).begin) --rank;
     while (as_number(sum.atom) >= atoms_of(rank, plan, processes).end) ++rank;
@@ -80,6 +82,13 @@ std::vector<double> areas_of_read_atoms(const AreasOfRange& known, const RunPlan
   return processes.exchange(std::move(to));
 }
 
+// Returns the area in a text that a rank has sent. The result does not depend on the locale.
+double area_in(std::string_view text) {
+  double area = 0;
+  parse_number(text, area);
+  return area;
+}
+
 // The message from each rank to the next one: the length of the residue table, the open residue and
 // the sums of the chains so far. Areas are added in the order of the atoms, because floating-point
 // sums depend on the order.
@@ -88,8 +97,12 @@ class TableState {
   explicit TableState(const std::string& packed) : texts_(unpack(packed)) {
     auto text = texts_.begin();
     const auto next = [&]() -> std::string& { return *text++; };
-    const auto next_count = [&] { return std::strtoll(next().c_str(), nullptr, 10); };
-    const auto next_area = [&] { return std::strtod(next().c_str(), nullptr); };
+    const auto next_count = [&] {
+      std::int64_t count = 0;
+      parse_integer(next(), count);
+      return count;
+    };
+    const auto next_area = [&] { return area_in(next()); };
     if (texts_.empty()) return;
     bytes = static_cast<std::uint64_t>(next_count());
     if (next() == open_mark) {
@@ -186,9 +199,8 @@ AreasOfRange add_up_areas(AtomShares shares, const RunPlan& plan, const Processe
 }
 
 double total_area(const AreasOfRange& areas, const Processes& processes) {
-  const auto number = [](const std::string& text) { return std::strtod(text.c_str(), nullptr); };
-  return number(processes.chain("0", [&](const std::string& before) {
-    double sum = number(before);
+  return area_in(processes.chain("0", [&](const std::string& before) {
+    double sum = area_in(before);
     for (const double area : areas.areas) sum += area;
     return formatted("{}", sum);  // has exactly the value of the sum
   }));

@@ -175,7 +175,7 @@ double expected_memory(const SurfaceSurvey& survey, const MemoryBudget& budget, 
                                                      crossings_of_plane, budget.is_in_place)
                          : 0;
   if (budget.is_in_place) held += std::exchange(improving, 0);
-  constexpr double bytes_per_area = sizeof(double) + list_growth * sizeof(AtomSum);
+  constexpr double bytes_per_area = 2 * sizeof(double) + list_growth * sizeof(AtomSum);
   double names = 0;
   if (budget.has_groups)
     names += GroupNumbering::memory_bytes(

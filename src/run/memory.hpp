@@ -63,7 +63,7 @@ double halo_growth(const BlockTiling& tiling);
 double min_expected_memory(std::size_t atoms);
 
 /// Returns an estimate of the peak memory of the process in bytes, intended as an upper bound. It
-/// lacks the memory that `budget` says is held, and that of the caller.
+/// excludes `budget.held` and the memory of the caller.
 double expected_memory(const SurfaceSurvey& survey, const MemoryBudget& budget, const Grid& grid,
                        const Schedule& schedule, const Outputs& outputs);
 

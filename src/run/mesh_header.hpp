@@ -12,8 +12,9 @@
 
 namespace eses::detail {
 
-/// Number of parts of the header of the mesh file. In the file, the texts of a part follow each
-/// other in the order of ranks.
+/// Number of parts of the header of the mesh file: 0 beginning, 1 names of chains, 2 middle, 3
+/// names of residues, 4 end. In the file, the texts of a part follow each other in the order of
+/// ranks.
 inline constexpr std::size_t mesh_header_parts = 5;
 
 /// Passes the text of this process for a part of the header to a sink. Its length does not depend

@@ -190,8 +190,10 @@ void PocketFinder::find_mouths(std::int64_t z) {
   const Plane& here = plane(z);
   if (here.center.empty()) return;
   std::vector<std::uint64_t> mouths(here.centers.size());
-  for (std::int64_t y = 0; y < grid_.size[1]; ++y)
+  for (std::int64_t y = 0; y < grid_.size[1]; ++y) {
+    if (here.has_centers[static_cast<std::size_t>(y)] == 0) continue;
     for (std::size_t w = 0; w < words_; ++w) mouths[row_begin(y) + w] = at_mouth(y, z, w);
+  }
   find_sets(z, mouths, mouths_, &Plane::mouth,
             [&](std::int64_t x, std::int64_t y, Element, bool is_new) {
               if (is_new) center_of_mouth_.push_back(element_at(here.center, x, y));

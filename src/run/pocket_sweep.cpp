@@ -73,7 +73,8 @@ class ProbeSweep {
     sinks.maps = std::move(maps);
     sinks.extras = extras_;
     sinks.block = std::move(block);
-    Plan plan = plan_;
+    // A single process has the schedule of the run.
+    Plan plan = static_cast<const Plan&>(plan_);
     plan.tiling =
         make_tiling(plan.grid, plan.tiling.block_size, with_planes(plan.tiling.region, planes));
     Pipeline pipeline(patches_->schedule, plan, std::move(sinks), report);

@@ -13,10 +13,10 @@
 
 namespace eses::detail {
 
-/// A batch of a mesh for QualityPass has its length in bytes and the number of its vertices; the
-/// vertices with their text in the mesh's format; and triangles as mesh::LocalTriangle. The corners
-/// of a triangle are in its batch or before it.
-///
+// A batch of a mesh for QualityPass has its length in bytes and the number of its vertices; the
+// vertices with their text in the mesh's format; and triangles as mesh::LocalTriangle. The corners
+// of a triangle are in its batch or before it.
+
 /// Begins a batch in an empty buffer. Vertices and then triangles follow.
 void begin_batch(TextBuffer& batch);
 /// Appends a vertex. `y` is its row in the region of the mesh.

@@ -21,8 +21,9 @@
 
 namespace eses::detail {
 
-/// The plan of a run, whose memory and schedule are maxima over the processes; and the part of the
-/// run that belongs to this process.
+/// The plan of a whole run, and the part of the run that belongs to this process. In the plan of
+/// the whole run, `threads`, `blocks_ahead`, `memory_bytes` and the block size are maxima over the
+/// processes. A process uses `process_schedule`.
 struct RunPlan : Plan {
   Schedule process_schedule;  ///< for the slab
   Slab slab;

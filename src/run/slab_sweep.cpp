@@ -65,7 +65,7 @@ TakeRows rows_of_map(OutputFile& file, const MapChoice& choice, const Plan& plan
 }
 
 // Returns the output file of a text that is not a map.
-RunFile file_of(ChunkText text) {
+RunFile run_file_of(ChunkText text) {
   constexpr std::array files{RunFile::grid, RunFile::edges, RunFile::mesh, RunFile::mesh_faces};
   return files.at(static_cast<std::size_t>(text));
 }
@@ -162,7 +162,7 @@ ComponentOfCrossing SlabSweep::component_of_crossing() const {
 
 // Returns the plan of a range with this number of points, and of edges, to verify.
 Plan SlabSweep::plan_of(const PlaneRange& planes, std::int64_t checks) const {
-  Plan plan = plan_;
+  Plan plan = static_cast<const Plan&>(plan_);
   static_cast<Schedule&>(plan) = plan_.process_schedule;
   plan.tiling = tiling_of(plan_, planes);
   plan.parameters.verify = checks;
@@ -187,7 +187,8 @@ std::optional<std::uint64_t> SlabSweep::begin_in_place(ChunkText text) const {
 
 // Returns the receiver of a text: its output file, or a new scratch file of the chunk.
 OrderedOutput::WriteAt SlabSweep::open_text(ChunkText text, PlaneChunk& chunk) {
-  if (const auto begin = begin_in_place(text)) return sink_of(*files_->find(file_of(text)), *begin);
+  if (const auto begin = begin_in_place(text))
+    return sink_of(*files_->find(run_file_of(text)), *begin);
   std::unique_ptr<ScratchFile>& file = chunk.text(text);
   if (plan_.checkpoint) {
     file = plan_.checkpoint->create(chunk.info.planes, text);
@@ -205,10 +206,13 @@ MeshSinks SlabSweep::mesh_sinks(PlaneChunk& chunk, std::optional<QualityPass>& p
   const bool has_local_triangles =
       (!plan_.is_in_place || mesh_->has_columns()) && !mesh_->has_corner_positions();
   MeshSinks sinks{.vertices = open_text(ChunkText::vertices, chunk),
-                  .triangles = open_text(ChunkText::triangles, chunk),
+                  .triangles = {},
                   .has_local_triangles = has_local_triangles,
                   .is_stream = task_.outputs.mesh->quality};
-  if (!plan_.is_in_place || !sinks.is_stream) return sinks;
+  // The stream has the triangles, too.
+  if (!plan_.is_in_place && sinks.is_stream) return sinks;
+  sinks.triangles = open_text(ChunkText::triangles, chunk);
+  if (!sinks.is_stream) return sinks;
   pass.emplace(*mesh_, plan_.grid, plan_.tiling.region_with_halo,
                QualityPass::Sinks{.vertices = std::move(sinks.vertices),
                                   .triangles = std::move(sinks.triangles),

@@ -69,7 +69,7 @@ class SlabSweep {
   const Callbacks& callbacks_;
   ProgressReport& report_;
   double check_count_;  // number of points, and of edges, that this process verifies
-  // Of the texts of the current chunk, if there is a checkpoint.
+  // Checksums of the texts of the current chunk; empty without a checkpoint.
   std::optional<std::array<TextChecksum, chunk_text_count>> checksums_;
 };
 
