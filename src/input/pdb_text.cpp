@@ -324,7 +324,7 @@ class PdbReader {
     // gemmi has the same rule: names of hydrogens may fill all columns, and a digit may be before
     // or after a symbol of one letter.
     if (gemmi::alpha_up(columns[0]) == 'H' && columns[3] != ' ') return gemmi::El::H;
-    for (const std::size_t i : {0, 1})
+    for (const std::size_t i : {std::size_t{0}, std::size_t{1}})
       if (is_digit(columns[i])) return gemmi::impl::find_single_letter_element(columns[1 - i]);
     return gemmi::Element(columns.data());
   }

@@ -25,7 +25,7 @@ constexpr std::string_view too_few_fields =
     "expected at least {} fields, the last five being x y z charge radius, found {}";
 constexpr std::string_view extra_number =
     "more than five numbers, expected x y z charge radius; remove the fields after the radius";
-constexpr std::string_view residue_number =
+constexpr std::string_view likely_residue_number =
     "{} seems to be the residue number; expected x y z charge radius at the end";
 
 using PqrFields = std::array<std::string_view, pqr_quantities.size()>;
@@ -129,7 +129,7 @@ Problem parse_pqr_fields(std::string_view line, Record& record) {
   if (!problem && has_extra_number(leading)) return {extra_number, {}, fields.back()};
   // If two errors apply, the one about text that is not a number is clearer.
   if (problem.pattern != not_a_number && looks_like_residue_number(fields[0], leading)) {
-    return {residue_number, quantity_x.name, fields[0]};
+    return {likely_residue_number, quantity_x.name, fields[0]};
   }
   if (!problem) record.label = label_of_fields(leading);
   return problem;
