@@ -21,7 +21,7 @@ struct Record {
 /// The fault of a line. Its message is made only when the line is rejected, because the PQR reader
 /// tries two layouts.
 struct Problem {
-  /// What is wrong, with {} for the field; empty if nothing is.
+  /// Message of the fault, with {} for the field; empty if there is no fault.
   std::string_view pattern;
   std::string_view quantity;  ///< name of the quantity; empty if the whole line is wrong
   std::string_view text;      ///< the field, a view of the line even if empty
