@@ -317,7 +317,8 @@ bool QualityMesh::are_neighbors(Index one, Index other) const {
   return false;
 }
 
-// Performs an operation if the mesh stays a manifold without intersections.
+// Performs an operation if there are no intersections. The mesh stays a manifold: collapses that
+// would break it are not considered, and flips are checked here.
 //
 // If all triangles in the box of the old triangles face one direction, the surface in the box has a
 // single sheet, which is a graph over a plane: two sheets of a closed surface that face the same
