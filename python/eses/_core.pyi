@@ -2,7 +2,7 @@
 
 import os
 from types import TracebackType
-from typing import Any, Callable, Iterator, Literal, Optional, Sequence, Tuple, Type, Union
+from typing import Any, Callable, Iterable, Iterator, Literal, Optional, Sequence, Tuple, Type, Union
 
 import numpy as np
 import numpy.typing as npt
@@ -388,7 +388,7 @@ class Surface:
     ) -> list[dict[str, Any]]: ...
 
 def measure_frames(
-    frames: npt.ArrayLike,
+    frames: Union[npt.ArrayLike, Iterable[npt.ArrayLike]],
     radii: npt.ArrayLike,
     probe_radius: float = 1.4,
     *,

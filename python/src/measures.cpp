@@ -69,7 +69,9 @@ Parameters
 ----------
 frames : array_like
     (F, N, 3) centres of the atoms, in angstrom. Arrays of float64 and float32 in native byte order
-    are read in place, also if they are mapped from a file. Other real types are converted.
+    are read in place, also if they are mapped from a file. Other real types are converted. Another
+    iterable of (N, 3) arrays, such as a generator or a trajectory of MDAnalysis, is copied frame by
+    frame before the first one is measured.
 radii : array_like
     (N,) van der Waals radii of the atoms, in angstrom.
 probe_radius : float, optional
@@ -222,11 +224,23 @@ Record<Kind> MeasureArrays::take() const {
   return record;
 }
 
+// Returns the frames as one array. A reader of trajectories may yield the same buffer for each frame,
+// so the frames of everything but an array are copied one by one.
+py::array frames_array(const py::object& frames) {
+  constexpr const char* name = "frames";
+  if (py::hasattr(frames, "__array__") || !py::isinstance<py::iterable>(frames))
+    return real_array(frames, name);
+  py::list copies;
+  for (const py::handle frame : frames)
+    copies.append(real_array(py::reinterpret_borrow<py::object>(frame), name).attr("copy")());
+  return real_array(copies, name);
+}
+
 // The centres of the atoms by frame, which can be read without the interpreter's lock.
 class Frames {
  public:
   // Raises TypeError and ValueError.
-  explicit Frames(const py::object& frames) : array_(real_array(frames, "frames")) {
+  explicit Frames(const py::object& frames) : array_(frames_array(frames)) {
     if (array_.ndim() != 3 || array_.shape(2) != 3)
       throw py::value_error("frames must have shape (F, N, 3), not " + shape_text(array_));
     is_single_ = py::isinstance<py::array_t<float>>(array_);
@@ -300,8 +314,9 @@ Record<MeasuresKind> measure_surface(const Surface& surface, std::optional<doubl
 Record<FrameMeasuresKind> measure_all_frames(const py::object& frames, const py::object& radii,
                                              double probe_radius, bool van_der_waals, bool by_atom,
                                              bool derivatives, const py::object& weights,
-                                             const FillChoice& fill_cavities, int threads) {
+                                             const py::object& fill_cavities, int threads) {
   const Frames source(frames);
+  const SurfaceOptions surface{.max_filled_void = max_filled_void(fill_cavities)};
   const std::vector<double> radius_of =
       make_atom_values(radii, "radii", static_cast<std::size_t>(source.atom_count()));
   const std::vector<double> weight_of = make_weights(weights, radius_of.size());
@@ -318,7 +333,7 @@ Record<FrameMeasuresKind> measure_all_frames(const py::object& frames, const py:
         [&arrays](std::size_t frame, const eses::Measures& measures) {
           arrays.store(frame, measures);
         },
-        options, {.max_filled_void = max_filled_void(fill_cavities)});
+        options, surface);
   }
   return arrays.take<FrameMeasuresKind>();
 }

@@ -12,7 +12,6 @@
 #include <string>
 #include <tuple>
 #include <utility>
-#include <variant>
 
 #include "arrays.hpp"
 #include "block_stream.hpp"
@@ -173,20 +172,20 @@ constexpr const char* diagnostic_text =
 constexpr double default_margin = 0.8;  // angstrom
 
 // Returns the value of the argument `fill_cavities` for a surface.
-FillChoice fill_choice(const Surface& surface) {
+py::object fill_choice(const Surface& surface) {
   const std::optional<double> max_void = surface.max_filled_void();
-  if (!max_void) return false;
-  if (std::isinf(*max_void)) return true;
-  return *max_void;
+  if (max_void && !std::isinf(*max_void)) return py::float_(*max_void);
+  return py::bool_(max_void.has_value());
 }
 
 Surface make_surface(const py::object& centers, const py::object& radii, double probe_radius,
-                     const FillChoice& fill_cavities, int threads) {
+                     const py::object& fill_cavities, int threads) {
   std::vector<Atom> atoms = make_atoms(centers, radii);
+  const std::optional<double> max_void = max_filled_void(fill_cavities);
   const py::gil_scoped_release unlocked;
   Interrupts interrupts;
   return Surface(std::move(atoms), {.probe_radius = probe_radius,
-                                    .max_filled_void = max_filled_void(fill_cavities),
+                                    .max_filled_void = max_void,
                                     .threads = usable_threads(threads),
                                     .check = [&interrupts] { interrupts.check(); }});
 }
@@ -309,9 +308,19 @@ void bind_diagnostic(py::module_& module) {
 
 }  // namespace
 
-std::optional<double> max_filled_void(const FillChoice& fill_cavities) {
-  if (const double* const volume = std::get_if<double>(&fill_cavities)) return *volume;
-  if (!std::get<bool>(fill_cavities)) return std::nullopt;
+// A boolean is also a real number, so it is recognized first.
+std::optional<double> max_filled_void(const py::object& fill_cavities) {
+  const bool is_boolean = py::isinstance<py::bool_>(fill_cavities) ||
+                          py::isinstance(fill_cavities, py::module_::import("numpy").attr("bool_"));
+  if (!is_boolean) {
+    const double volume = PyFloat_AsDouble(fill_cavities.ptr());
+    if (PyErr_Occurred() == nullptr) return volume;
+    if (PyErr_ExceptionMatches(PyExc_TypeError) == 0) throw py::error_already_set();
+    PyErr_Clear();
+    throw py::type_error("fill_cavities must be a boolean or a volume in cubic angstrom, not " +
+                         py::repr(fill_cavities).cast<std::string>());
+  }
+  if (PyObject_IsTrue(fill_cavities.ptr()) == 0) return std::nullopt;
   return std::numeric_limits<double>::infinity();
 }
 
@@ -368,7 +377,7 @@ void bind_surface(py::module_& module) {
           },
           [](const py::tuple& state) {
             const auto [centers, radii, probe_radius, fill_cavities] =
-                unpack_state<std::tuple<py::object, py::object, double, FillChoice>>(state);
+                unpack_state<std::tuple<py::object, py::object, double, py::object>>(state);
             return make_surface(centers, radii, probe_radius, fill_cavities, 1);
           }));
   protect_instances(type);

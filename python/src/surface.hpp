@@ -4,16 +4,13 @@
 #include <pybind11/pybind11.h>
 
 #include <optional>
-#include <variant>
 
 namespace eses::python {
 
-/// The argument `fill_cavities`: whether all cavities are filled, or the maximum volume of the
-/// voids that are, in cubic angstrom.
-using FillChoice = std::variant<double, bool>;
-
-/// Returns the value of SurfaceOptions::max_filled_void.
-std::optional<double> max_filled_void(const FillChoice& fill_cavities);
+/// Returns the value of SurfaceOptions::max_filled_void for the argument `fill_cavities`: whether all
+/// cavities are filled, or the maximum volume of the voids that are, in cubic angstrom. Raises
+/// TypeError if it is neither a boolean nor a real number.
+std::optional<double> max_filled_void(const pybind11::object& fill_cavities);
 
 void bind_surface(pybind11::module_& module);
 

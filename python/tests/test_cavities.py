@@ -38,7 +38,8 @@ def test_filled_cavities_are_inside():
     assert plain.fill_cavities is False
     sphere = 4 / 3 * math.pi * probe**3
     for choice, is_filled in ((True, True), (sphere * 1.001, True), (sphere * 0.999, False),
-                              (False, False)):
+                              (False, False), (np.bool_(True), True), (np.bool_(False), False),
+                              (np.float64(sphere * 0.999), False)):
         surface = eses.Surface(centers, radii, probe_radius=probe, fill_cavities=choice)
         assert surface.fill_cavities == choice
         change = surface.measure().ses_volume - plain.measure().ses_volume
@@ -48,6 +49,9 @@ def test_filled_cavities_are_inside():
         assert bool(surface.compute(grid).inside[0, 0, 0]) == is_filled
     with pytest.raises(ValueError, match="void"):
         eses.Surface(centers, radii, fill_cavities=-1.0)
+    for wrong in ("yes", None, [1.0]):
+        with pytest.raises(TypeError, match="^fill_cavities must be a boolean or a volume"):
+            eses.Surface(centers, radii, fill_cavities=wrong)
 
 
 def test_cavities_of_frames_are_filled():

@@ -240,6 +240,24 @@ def test_frames_can_be_mapped_from_a_file(tmp_path):
     assert_close(eses.measure_frames(frames, [1.7, 1.7]).sas_area, 4 * PI * 3.1 * (3.1 + np.arange(1, 7) / 2))
 
 
+@pytest.mark.parametrize("distances", [[3, 6], [3], []])
+def test_frames_may_share_a_buffer(distances):
+    """Readers of trajectories yield the same buffer for each frame."""
+    def read():
+        buffer = np.zeros((2, 3))
+        for distance in distances:
+            buffer[1] = 0, 0, distance
+            yield buffer
+
+    if not distances:
+        with pytest.raises(ValueError, match="shape"):
+            eses.measure_frames(read(), [1.7, 1.7])
+        return
+    areas = {3: 66.0779806211, 6: 72.7000761036}
+    np.testing.assert_allclose(eses.measure_frames(read(), [1.7, 1.7]).ses_area,
+                               [areas[distance] for distance in distances], rtol=1e-10)
+
+
 def test_no_frames():
     measures = eses.measure_frames(np.zeros((0, 2, 3)), [1, 1], by_atom=True)
     assert len(measures) == 0 and measures.ses_area.shape == (0,) and measures.by_atom.sas.shape == (0, 2)
