@@ -10,6 +10,9 @@ make_debian_root() {
   read -r mirror < <(apt-get indextargets --format '$(REPO_URI)' 'Created-By: Packages' 'Label: Debian') || true
   debootstrap --variant=minbase "$suite" "$root" ${mirror:+"$mirror"} >"$log" 2>&1 || return 1
   cp --no-clobber --recursive /etc/apt/apt.conf.d "$root/etc/apt/"
+  # The system is temporary, so that dpkg need not wait for the disk.
+  echo force-unsafe-io >"$root/etc/dpkg/dpkg.cfg.d/temporary"
+  echo "127.0.0.1 localhost $(hostname)" >"$root/etc/hosts"
 }
 
 # in_debian_root DIRECTORY [--userspec=USER] COMMAND...: runs a command in the system, without this
