@@ -2,6 +2,7 @@
 
 import json
 import re
+import shutil
 import subprocess
 import unittest
 import urllib.parse
@@ -20,10 +21,11 @@ VARIABLE_LINES = ("blocks: ", "expected: ", "time: ", "peak memory: ")
 
 def pages():
     """Returns all Markdown files of the project."""
-    done = subprocess.run(["git", "ls-files", "--cached", "--others", "--exclude-standard", "*.md"],
-                          cwd=PROJECT, capture_output=True, text=True, check=False)
-    if done.returncode == 0 and done.stdout:
-        return [PROJECT / name for name in done.stdout.splitlines() if (PROJECT / name).is_file()]
+    if shutil.which("git"):
+        done = subprocess.run(["git", "ls-files", "--cached", "--others", "--exclude-standard", "*.md"],
+                              cwd=PROJECT, capture_output=True, text=True, check=False)
+        if done.returncode == 0 and done.stdout:
+            return [PROJECT / name for name in done.stdout.splitlines() if (PROJECT / name).is_file()]
     # A source archive has no git repository.
     folders = [PROJECT, *(PROJECT / name for name in ("doc", "data", "scripts", "src", ".github"))]
     return sorted({path for folder in folders
