@@ -1,59 +1,7 @@
-# Manual pages, completions, and the reference of the library. help2man makes the manual pages from
-# --help if it is installed. The completions read --help when they are used.
+# Manual pages, completions, and the reference of the library. scripts/dev/make-manual makes the manual
+# pages from --help. The completions read --help when they are used.
 
-find_program(ESES_HELP2MAN help2man)
-if(ESES_HELP2MAN AND ESES_BUILD_PROGRAM AND NOT ESES_SANITIZE AND NOT CMAKE_CROSSCOMPILING)
-  set(pages)
-  foreach(page IN ITEMS
-      "eses-blocks|eses-blocks|solvent excluded surface of a molecule on a grid"
-      "eses-blocks-diff|eses-blocks diff|compares two directories of ESES's files"
-      "eses-blocks-measure|eses-blocks measure|areas and volumes of molecular surfaces without a grid"
-      "eses-msms|eses-blocks msms|molecular surfaces with the options and files of MSMS")
-    string(REPLACE "|" ";" parts "${page}")
-    list(GET parts 0 name)
-    list(GET parts 1 command)
-    list(GET parts 2 title)
-    string(REPLACE "eses-blocks" "./eses-blocks" command "${command}")
-    add_custom_command(
-      OUTPUT ${PROJECT_BINARY_DIR}/${name}.1
-      COMMAND ${ESES_HELP2MAN} --no-info --section 1 --name "${title}"
-              --version-string "eses-blocks ${PROJECT_VERSION}"
-              --include ${PROJECT_SOURCE_DIR}/packaging/eses-blocks.h2m
-              --output ${PROJECT_BINARY_DIR}/${name}.1 ${command}
-      DEPENDS eses-blocks ${PROJECT_SOURCE_DIR}/packaging/eses-blocks.h2m
-      WORKING_DIRECTORY ${PROJECT_BINARY_DIR}
-      VERBATIM)
-    list(APPEND pages ${PROJECT_BINARY_DIR}/${name}.1)
-  endforeach()
-  # The scripts are called by their installed names, which their help shows.
-  foreach(page IN ITEMS
-      "apbs|electrostatic energies with APBS on maps of the molecular surface"
-      "assemble|builds a large complex from copies of one structure"
-      "pdbbind|molecular surfaces of all structures below a folder"
-      "render|pictures of meshes of molecular surfaces"
-      "report|pages with the results of many structures"
-      "view|pages that show molecular surfaces in a browser")
-    string(REPLACE "|" ";" parts "${page}")
-    list(GET parts 0 script)
-    list(GET parts 1 title)
-    set(name ${PROJECT_BINARY_DIR}/manual/eses-${script})
-    file(MAKE_DIRECTORY ${PROJECT_BINARY_DIR}/manual)
-    file(CREATE_LINK ${PROJECT_SOURCE_DIR}/scripts/${script} ${name} SYMBOLIC)
-    add_custom_command(
-      OUTPUT ${name}.1
-      COMMAND ${ESES_HELP2MAN} --no-info --section 1 --name "${title}"
-              --version-string "eses-${script} (eses-blocks) ${PROJECT_VERSION}"
-              --include ${PROJECT_SOURCE_DIR}/packaging/scripts.h2m --output ${name}.1 ${name}
-      DEPENDS ${PROJECT_SOURCE_DIR}/scripts/${script} ${PROJECT_SOURCE_DIR}/packaging/scripts.h2m
-      VERBATIM)
-    list(APPEND pages ${name}.1)
-  endforeach()
-  add_custom_target(manual ALL DEPENDS ${pages})
-  install(FILES ${pages} DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 COMPONENT program)
-elseif(NOT ESES_HELP2MAN)
-  message(NOTICE "help2man is not installed: manual pages are left out")
-endif()
-
+install(DIRECTORY packaging/man/ DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 COMPONENT program)
 install(FILES packaging/completions/eses-blocks.bash
         DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions COMPONENT program
         RENAME eses-blocks)

@@ -6,7 +6,7 @@ set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME eses-blocks)
 set(CPACK_PACKAGE_VENDOR "eses-blocks")
 set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "")  # each package has its own
-set(CPACK_PACKAGE_CONTACT "The eses-blocks authors <eses-blocks@example.org>")
+set(CPACK_PACKAGE_CONTACT "" CACHE STRING "Maintainer of the Debian packages, as NAME <ADDRESS>")
 set(CPACK_STRIP_FILES ON)
 set(CPACK_COMPONENTS_ALL program development)
 if(ESES_BUILD_PYTHON)

@@ -37,7 +37,7 @@ std::string output_of(const std::optional<std::string>& set, const std::string& 
 
 InstructionSet chosen(const std::optional<std::string>& set) {
   const TemporaryDirectory directory;
-  const std::string printed = output_of(set, ESES_PRINT_INSTRUCTION_SET, directory.path());
+  const std::string printed = output_of(set, "'" ESES_PRINT_INSTRUCTION_SET "'", directory.path());
   return static_cast<InstructionSet>(std::stoi(printed));
 }
 

@@ -57,13 +57,6 @@ def _page_atoms(centers, radii, areas, atoms):
 
 
 def _make_page(mesh, atoms, color, style, title, height):
-    for name, value, known in (("color", color, _page.SCHEMES), ("style", style, _page.STYLES)):
-        if value is not None and value not in known:
-            raise ValueError(f"{name} must be one of {', '.join(known)}")
-    if len(mesh.faces) == 0:
-        raise ValueError("the mesh has no triangles")
-    if color == "component" and mesh.component is None:
-        raise ValueError("the mesh has no components; make it with component=True")
     indices = mesh.atoms.astype(np.int64)
     if atoms is None:
         found, indices = np.unique(indices, return_inverse=True)
@@ -105,9 +98,19 @@ ImportError
     If k3d is chosen and not installed."""
 
 
-def _show(mesh, atoms, color, style, backend, title, height):
+def _check_choices(color, style, backend):
     if backend not in ("page", "k3d"):
         raise ValueError("backend must be page or k3d")
+    for name, value, known in (("color", color, _page.SCHEMES), ("style", style, _page.STYLES)):
+        if value is not None and value not in known:
+            raise ValueError(f"{name} must be one of {', '.join(known)}")
+
+
+def _show(mesh, atoms, color, style, backend, title, height):
+    if len(mesh.faces) == 0:
+        raise ValueError("the mesh has no triangles")
+    if color == "component" and mesh.component is None:
+        raise ValueError("the mesh has no components; make it with component=True")
     return (_k3d_plot(mesh) if backend == "k3d"
             else _make_page(mesh, atoms, color, style, title, height))
 
@@ -124,6 +127,7 @@ def mesh_show(self, color=None, *, backend="page", title="surface", height=560):
     ValueError
         If the mesh has no triangles, or an argument is unknown.
     """
+    _check_choices(color, "none", backend)
     return _show(self, None, color, "none", backend, title, height)
 
 
@@ -146,6 +150,7 @@ def surface_show(self, spacing=0.4, atoms=None, *, color=None, style="none", bac
     ValueError
         If the number of atoms is not that of the surface, or an argument is unknown.
     """
+    _check_choices(color, style, backend)
     result = self.compute(self.grid(spacing, 2 * spacing))  # does not cut the surface
     shown = _page_atoms(self.centers, self.radii, result.atom_areas, atoms)
     return _show(result.mesh(component=True), shown, color, style, backend, title, height)
@@ -219,11 +224,12 @@ def result_to_xarray(self):
     ValueError
         If the surface was computed with ``inside=False``.
     """
+    inside = self.inside
     xarray = _require("xarray", "to_xarray")
     low, high = self.region
     coordinates = {name: self.grid.coordinates(axis)[low[axis]:high[axis]]
                    for axis, name in enumerate("xyz")}
-    return xarray.Dataset({"inside": (("x", "y", "z"), self.inside)}, coordinates,
+    return xarray.Dataset({"inside": (("x", "y", "z"), inside)}, coordinates,
                           {"area": self.area, "volume": self.volume,
                            "spacing": self.grid.spacing})
 
@@ -250,13 +256,13 @@ def result_residue_table(self, atoms):
     ValueError
         If the number of atoms is not that of the surface, or the atoms have no names.
     """
-    pandas = _require("pandas", "residue_table")
     areas = self.atom_areas
     if len(atoms) != len(areas):
         raise ValueError(f"the surface has {len(areas)} atoms, but {len(atoms)} are given")
     labels = atoms.labels
     if labels is None:
         raise ValueError("the atoms have no names of residues")
+    pandas = _require("pandas", "residue_table")
     names = [labels.chain, labels.residue_number, labels.residue]
     is_first = np.ones(len(areas), bool)
     is_first[1:] = np.any([name[1:] != name[:-1] for name in names], axis=0)

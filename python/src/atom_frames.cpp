@@ -90,11 +90,11 @@ py::object frame_of(const std::shared_ptr<AtomFile>& file) {
 }
 
 py::object table_of(const std::shared_ptr<ComputedResult>& result, const AtomFile* atoms) {
-  const py::object frame = frame_type("atom_table"), self = py::cast(result);
   const std::span<const Atom> own = result->surface.atoms();
   if (atoms != nullptr && atoms->atoms.size() != own.size())
     throw py::value_error("the surface has " + std::to_string(own.size()) + " atoms, but " +
                           std::to_string(atoms->atoms.size()) + " are given");
+  const py::object frame = frame_type("atom_table"), self = py::cast(result);
   const AtomFile unnamed;
   py::dict columns = name_columns(own.size(), atoms != nullptr ? *atoms : unnamed);
   columns["radius"] = radii_view(own, self);

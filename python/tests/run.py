@@ -22,7 +22,7 @@ class Outcomes:
     def pytest_runtest_logreport(self, report):
         if report.skipped:
             reason = report.longrepr[2].removeprefix("Skipped: ")
-            print(f"\ntest skipped: {reason}")  # for scripts/dev/list-skips
+            print(f"\ntest skipped: {reason}")  # for scripts/dev/summarize-tests
         elif report.when == "call":
             self.done += 1
 

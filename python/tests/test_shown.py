@@ -44,10 +44,17 @@ def test_mesh_shows_itself(result):
     assert molecule["triangles"] == len(mesh.faces)
 
 
-def test_unknown_arguments_are_refused(fasciculin_surface, result):
+def test_unknown_arguments_are_refused(fasciculin_surface, result, monkeypatch):
+    """Arguments are checked before optional packages are imported."""
     surface = fasciculin_surface
+    for name in ("k3d", "pandas", "xarray"):
+        monkeypatch.setitem(sys.modules, name, None)  # hides the package
+    points_only = surface.compute(surface.grid(2.0), inside=False, crossings=False)
     for call in (lambda: result.mesh().show("blue"), lambda: surface.show(1.0, style="dots"),
                  lambda: surface.show(1.0, backend="paper"),
+                 lambda: result.mesh().show("blue", backend="k3d"),
+                 lambda: result.mesh().show("component", backend="k3d"), points_only.to_xarray,
+                 lambda: result.atom_table(eses.read_atoms(DATA / "c60.xyzr")),
                  lambda: surface.show(1.0, eses.read_atoms(DATA / "c60.xyzr")),
                  lambda: result.residue_table(eses.read_atoms(DATA / "c60.xyzr"))):
         with pytest.raises(ValueError):
@@ -101,7 +108,9 @@ def test_plots_of_k3d_have_the_mesh(result):
     assert plot.objects[0].vertices.shape == result.mesh().vertices.shape
 
 
-def test_missing_packages_are_named():
+def test_missing_packages_are_named(tmp_path):
+    ion = tmp_path / "ion.pqr"
+    ion.write_text("ATOM 1 C1 ION 1 0.000 0.000 0.000 0.0000 1.7000\n")
     program = (
         "import sys\n"
         "for name in ('trimesh', 'pyvista', 'xarray', 'k3d', 'pandas'): sys.modules[name] = None\n"
@@ -109,11 +118,12 @@ def test_missing_packages_are_named():
         "surface = eses.Surface([[0, 0, 0]], [1.7])\n"
         "result = surface.compute(surface.grid(0.8))\n"
         "mesh = result.mesh()\n"
+        "atoms = eses.read_atoms(sys.argv[1])\n"
         "for call in (mesh.to_trimesh, mesh.to_pyvista, result.to_xarray,\n"
-        "             lambda: mesh.show(backend='k3d'), lambda: result.residue_table([])):\n"
+        "             lambda: mesh.show(backend='k3d'), lambda: result.residue_table(atoms)):\n"
         "    try: call()\n"
         "    except ImportError as error: print(error)\n")
-    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True,
+    done = subprocess.run([sys.executable, "-c", program, ion], capture_output=True, text=True,
                           check=False)
     assert done.returncode == 0, done.stderr
     assert [line.partition(";")[0] for line in done.stdout.splitlines()] == [

@@ -5,12 +5,17 @@
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/../.."
 
-# The Debian packages that CMakeLists.txt and tests/CMakeLists.txt need.
-packages=(g++ cmake make pkg-config libcli11-dev nlohmann-json3-dev libfmt-dev libhwy-dev
-  zlib1g-dev catch2 gemmi-dev tao-pegtl-dev)
+# Lists of Debian packages. A|B is the first of these packages that the release of Debian has. A
+# package with a ? is optional: it is left out where the release does not have it.
 
-# The Debian packages that python/CMakeLists.txt and the tests of the Python package need.
+# What the program needs.
+packages=(g++ cmake make pkg-config libcli11-dev nlohmann-json3-dev libfmt-dev libhwy-dev
+  zlib1g-dev 'gemmi-dev|libgemmi-dev?' 'tao-pegtl-dev?')
+
+# What the tests and the Python package need in addition.
 # shellcheck disable=SC2034  # used by the scripts that source this file
+test_packages=(catch2 python3)
+# shellcheck disable=SC2034
 python_packages=(pybind11-dev python3-dev python3-numpy python3-pytest python3-venv)
 
 # Build on all cores, unless the caller has set another number.
@@ -23,36 +28,84 @@ fail() {
   exit 1
 }
 
+is_installed() {
+  [[ $(dpkg-query --show --showformat '${db:Status-Status}' "$1" 2>/dev/null) == installed ]]
+}
+
+is_available() {
+  [[ $(LC_ALL=C apt-cache policy "$1" 2>/dev/null) =~ 'Candidate: '[^\(] ]]
+}
+
+# first_package TEST A|B|...: prints the first of these packages that passes the test.
+first_package() {
+  local names name
+  IFS='|' read -ra names <<<"${2%\?}"
+  for name in "${names[@]}"; do
+    if "$1" "$name"; then
+      echo "$name"
+      return
+    fi
+  done
+  return 1
+}
+
+# choose_packages PACKAGE...: sets `required` and `optional` to the names of the packages in this
+# release, and `absent` to the optional packages that it does not have.
+choose_packages() {
+  local package name
+  required=() optional=() absent=()
+  for package in "$@"; do
+    name=$(first_package is_available "$package") || name=''
+    case $package in
+      *\?) if [[ $name ]]; then optional+=("$name"); else absent+=("${package%\?}"); fi ;;
+      *) required+=("${name:-${package%%|*}}") ;;
+    esac
+  done
+}
+
 # install_packages PACKAGE...: installs missing packages, as root if there are any.
 install_packages() {
-  local package missing=() as_root=()
+  local package missing=() required optional absent as_root=() install
   if ! command -v apt-get >/dev/null; then
     echo "No apt-get here; going on in the hope that these are installed: $*" >&2
     return
   fi
   for package in "$@"; do
-    # dpkg also lists packages that were removed but not purged, so their status is checked.
-    if ! dpkg -s "$package" 2>/dev/null | grep -q '^Status: .* installed$'; then
-      missing+=("$package")
-    fi
+    if ! first_package is_installed "$package" >/dev/null; then missing+=("$package"); fi
   done
   if ((${#missing[@]} == 0)); then return; fi
 
-  if ((EUID != 0)); then
-    if ! command -v sudo >/dev/null; then
-      fail "missing packages, and neither root nor sudo to install them. Run as root:
-  apt-get install ${missing[*]}"
+  choose_packages "${missing[@]}"
+  if ((${#required[@]} + ${#optional[@]} > 0 || EUID == 0)); then
+    if ((EUID != 0)); then
+      if ! command -v sudo >/dev/null; then
+        fail "missing packages, and neither root nor sudo to install them. Run as root:
+  apt-get install ${required[*]} ${optional[*]}"
+      fi
+      as_root=(sudo)
+      # Without a terminal no password can be typed, so fail at once.
+      if [[ ! -t 0 ]]; then as_root+=(-n); fi
     fi
-    as_root=(sudo)
-    # Without a terminal no password can be typed, so fail at once.
-    if [[ ! -t 0 ]]; then as_root+=(-n); fi
+    as_root+=(env DEBIAN_FRONTEND=noninteractive apt-get -o DPkg::Lock::Timeout=300)
+    "${as_root[@]}" -qq update </dev/null || echo "apt-get update failed; trying what it knows" >&2
+    choose_packages "${missing[@]}"
+    install=("${as_root[@]}" -qq -y --no-install-recommends install)
+    if ((${#required[@]} + ${#optional[@]} > 0)); then
+      echo "Installing ${required[*]} ${optional[*]}"
+    fi
+    if ! "${install[@]}" "${required[@]}" "${optional[@]}" </dev/null; then
+      # One optional package, whose dependencies may be missing, must not prevent the others.
+      if ((${#optional[@]} == 0)) || ! "${install[@]}" "${required[@]}" </dev/null; then
+        fail "could not install ${required[*]}"
+      fi
+      for package in "${optional[@]}"; do
+        "${install[@]}" "$package" </dev/null || absent+=("$package")
+      done
+    fi
   fi
-  as_root+=(env DEBIAN_FRONTEND=noninteractive apt-get -o DPkg::Lock::Timeout=300)
-
-  echo "Installing ${missing[*]}"
-  "${as_root[@]}" -qq update </dev/null || echo "apt-get update failed; trying what it knows" >&2
-  "${as_root[@]}" -qq -y --no-install-recommends install "${missing[@]}" </dev/null ||
-    fail "could not install ${missing[*]}"
+  if ((${#absent[@]} > 0)); then
+    echo "Going on without optional packages that cannot be installed here: ${absent[*]}" >&2
+  fi
 }
 
 # configure DIRECTORY [CMAKE ARGUMENT...]
@@ -67,9 +120,10 @@ build() {
   cmake --build "$directory" ${1:+--target "$@"}
 }
 
-# Builds the program alone, as a release build in build/.
+# Builds what `cmake --install` needs, as a release build in build/: the program and the library,
+# which is an archive of the same objects.
 build_release() {
   install_packages "${packages[@]}"
-  configure build -DCMAKE_BUILD_TYPE=Release
-  build build eses-blocks
+  configure build -DCMAKE_BUILD_TYPE=Release -DESES_BUILD_TESTS=OFF
+  build build eses-blocks eses
 }

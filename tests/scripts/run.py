@@ -12,6 +12,6 @@ result = unittest.TextTestRunner(verbosity=2).run(
 if not result.wasSuccessful() or result.testsRun == 0:
     sys.exit(1)
 for _, reason in result.skipped:
-    print(f"test skipped: {reason}")  # for scripts/dev/list-skips
+    print(f"test skipped: {reason}")  # for scripts/dev/summarize-tests
 if len(result.skipped) == result.testsRun:
     sys.exit(77)

@@ -19,7 +19,7 @@ BASH_COMPLETION = pathlib.Path("/usr/share/bash-completion/bash_completion")
 COMPLETE = """
 shopt -s progcomp extglob
 source {library}
-source {file}
+source '{file}'
 COMP_WORDS=({words}) COMP_CWORD=$((${{#COMP_WORDS[@]}} - 1))
 COMP_LINE="${{COMP_WORDS[*]}}" COMP_POINT=${{#COMP_LINE}}
 compopt() {{ :; }}
@@ -32,7 +32,7 @@ printf '%s\\n' "${{COMPREPLY[@]}}"
 # with -A, -D or -O only ask which words match.
 ZSH_SETUP = """
 unsetopt prompt_cr prompt_sp beep
-fpath=({completions} $fpath)
+fpath=('{completions}' $fpath)
 autoload -U compinit && compinit -u -d {folder}/dump
 compadd() {{
   local -a offered
@@ -59,10 +59,14 @@ class Bash(TestCase):
     def complete(self, *words):
         if not BASH_COMPLETION.is_file():
             self.skipTest("bash-completion is not installed")
-        script = COMPLETE.format(library=BASH_COMPLETION, file=COMPLETIONS / "eses-blocks.bash",
-                                 words=" ".join(f"'{word}'" for word in (PROGRAM, *words)))
-        done = subprocess.run(["bash", "--norc", "-c", script], capture_output=True, text=True,
-                              cwd=self.folder, check=False)
+        with tempfile.TemporaryDirectory() as folder:
+            # Bash has the words as they are typed, where a blank in the path is escaped.
+            program = pathlib.Path(folder, PROGRAM.name)
+            program.symlink_to(PROGRAM)
+            script = COMPLETE.format(library=BASH_COMPLETION, file=COMPLETIONS / "eses-blocks.bash",
+                                     words=" ".join(f"'{word}'" for word in (program, *words)))
+            done = subprocess.run(["bash", "--norc", "-c", script], capture_output=True, text=True,
+                                  cwd=self.folder, check=False)
         self.assertEqual(done.stderr, "")
         return set(done.stdout.split())
 

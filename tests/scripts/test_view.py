@@ -8,12 +8,13 @@ import base64
 import gzip
 import json
 import math
+import os
 import re
 import subprocess
 import unittest
 
 from support import (PROGRAM, SCRIPTS, TestCase, accessibility_faults, browser_errors, can_import,
-                     has_browser, open_browser, write_map)
+                     has_browser, open_browser, run, write_map)
 
 SCRIPT = SCRIPTS / "view"
 RADIUS = 1.7
@@ -49,6 +50,23 @@ def first_row(page, name):
                         for plane in range(one["width"])) for column in range(one["columns"])]
         at += one["width"] * count
     raise KeyError(name)
+
+
+class WithoutPackages(TestCase):
+    def test_arguments_are_checked_before_packages_are_imported(self):
+        for name in ("numpy", "vtk"):
+            (self.folder / f"{name}.py").write_text("raise ImportError\n")
+        environment = {**os.environ, "PYTHONPATH": str(self.folder)}
+        for script, arguments, code, message in (
+                ("view", ["a.txt"], 2, "neither a structure nor a mesh"),
+                ("view", ["a.ply", "--color", "blue"], 2, "--color: blue is none of patch"),
+                ("view", ["a.ply"], 1, "install python3-numpy"),
+                ("render", ["a.txt"], 1, "not a .ply"),
+                ("render", ["a.ply", "b.ply", "--cavities"], 2, "--cavities needs a single mesh")):
+            with self.subTest(script=script, arguments=arguments):
+                done = run(script, *arguments, "-o", self.folder / "c", env=environment)
+                self.assertDone(done, code)
+                self.assertIn(message, done.stderr)
 
 
 @unittest.skipUnless(can_import(SCRIPT, "numpy"), "needs python3-numpy")
