@@ -3,7 +3,8 @@
 
 set(project ${CMAKE_CURRENT_LIST_DIR}/..)
 # Packages whose headers are compiled into the program and the library.
-set(used_packages libcli11-dev libfmt-dev libhwy-dev nlohmann-json3-dev gemmi-dev tao-pegtl-dev)
+set(used_packages libcli11-dev libfmt-dev libhwy-dev libnanoflann-dev nlohmann-json3-dev gemmi-dev
+  tao-pegtl-dev)
 if(CPACK_COMPONENTS_ALL MATCHES "python")
   list(APPEND used_packages pybind11-dev)
 endif()

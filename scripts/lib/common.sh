@@ -7,7 +7,7 @@ cd "$(dirname "${BASH_SOURCE[0]}")/../.."
 
 # The Debian packages that CMakeLists.txt and tests/CMakeLists.txt need.
 packages=(g++ cmake make pkg-config libcli11-dev nlohmann-json3-dev libfmt-dev libhwy-dev
-  zlib1g-dev catch2 gemmi-dev tao-pegtl-dev)
+  zlib1g-dev libnanoflann-dev catch2 gemmi-dev tao-pegtl-dev)
 
 # The Debian packages that python/CMakeLists.txt and the tests of the Python package need.
 # shellcheck disable=SC2034  # used by the scripts that source this file
