@@ -102,7 +102,7 @@ TEST_CASE("large atoms do not widen the look-ups of small ones", "[crowded]") {
       const CellList cells(atoms);
       std::vector<AtomIndex> found;
       for (const Atom& atom : gas) {
-        cells.find_reaching(atom.center, atom.radius + 2 * probe, found);
+        cells.find_reaching({atom.center, atom.center}, atom.radius + 2 * probe, found);
         // The atom's neighbours along the axes and diagonals may be in the same cells.
         CHECK(found.size() <= 27 + 1);
       }

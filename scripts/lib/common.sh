@@ -10,7 +10,7 @@ cd "$(dirname "${BASH_SOURCE[0]}")/../.."
 
 # What the program needs.
 packages=(g++ cmake make pkg-config libcli11-dev nlohmann-json3-dev libfmt-dev libhwy-dev
-  zlib1g-dev 'gemmi-dev|libgemmi-dev?' 'tao-pegtl-dev?')
+  libnanoflann-dev zlib1g-dev 'gemmi-dev|libgemmi-dev?' 'tao-pegtl-dev?')
 
 # What the tests and the Python package need in addition.
 # shellcheck disable=SC2034  # used by the scripts that source this file

@@ -169,15 +169,8 @@ void collect_features(const Patches& patches, const Box& box, BlockFeatures& fea
   // The slack exceeds rounding errors, so that all blocks near a patch have it.
   const double probe = surface.probe_radius + box_slack;
   const double squared_probe = probe * probe;
-  surface.cells().find_reaching(box, 2 * probe, features.nearby);
-  std::erase_if(features.nearby, [&](AtomIndex i) {
-    const double reach = surface.atoms[i].radius + 2 * probe;
-    return squared_distance(box, surface.atoms[i].center) > reach * reach ||
-           surface.molecule.is_contained(i);
-  });
-  // The order of the search result depends on the block. Sorting makes the choice between equally
-  // near patches independent of it.
-  std::sort(features.nearby.begin(), features.nearby.end());
+  surface.tree().find_reaching(box, 2 * probe, features.nearby);
+  std::erase_if(features.nearby, [&](AtomIndex i) { return surface.molecule.is_contained(i); });
   for (const AtomIndex i : features.nearby) {
     const Atom& atom = surface.atoms[i];
     const double sas_radius = atom.radius + probe;

@@ -32,11 +32,7 @@ void cover_points(const SurfaceModel& surface, double ion_radius, BlockWorkspace
                   PointBits& covered) {
   const Box& box = workspace.grid.box;
   std::vector<AtomIndex>& nearby = workspace.features.nearby;
-  surface.cells().find_reaching(box, ion_radius + look_up_slack, nearby);
-  std::erase_if(nearby, [&](AtomIndex i) {
-    const double reach = surface.atoms[i].radius + ion_radius + look_up_slack;
-    return squared_distance(box, surface.atoms[i].center) > reach * reach;
-  });
+  surface.tree().find_reaching(box, ion_radius + look_up_slack, nearby);
   if (nearby.empty())
     covered.reset_empty(workspace.grid.block.points);
   else

@@ -17,7 +17,7 @@ void find_free_points(const SurfaceModel& surface, const BlockGrid& grid, Filled
   PointBits& bits = scratch.left;
   near.clear();
   for (const Box& box : scratch.boxes) {
-    surface.cells().find_reaching(box, surface.probe_radius + look_up_slack, scratch.found);
+    surface.tree().find_reaching(box, surface.probe_radius + look_up_slack, scratch.found);
     near.insert(near.end(), scratch.found.begin(), scratch.found.end());
   }
   std::sort(near.begin(), near.end());

@@ -36,7 +36,7 @@ DisjointSets connect_atoms(const SurfaceModel& surface) {
   std::vector<AtomIndex> found;
   const auto connect_neighbours = [&](AtomIndex i) {
     if (i != given && sets.shorten(i) == sets.shorten(given)) return;
-    surface.cells().find_reaching(
+    surface.tree().find_reaching(
         surface.atoms[i].center, surface.atoms[i].radius + 2 * surface.probe_radius + look_up_slack,
         found);
     for (const AtomIndex k : found) connect(i, k);

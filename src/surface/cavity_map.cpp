@@ -118,7 +118,8 @@ void CavityMap::add_surroundings(const SurfaceModel& surface) {
   std::vector<std::uint8_t> is_near(surface.atoms.size());
   for (const auto& [atom, position] : index_) {
     const SasSphere sphere = surface.sas_sphere(atom);
-    surface.cells().find_reaching(sphere.center, sphere.radius + surface.probe_radius, found);
+    surface.tree().find_reaching(
+        sphere.center, sphere.radius + surface.probe_radius + look_up_slack, found);
     for (const AtomIndex i : found) is_near[i] = 1;
   }
   std::vector<Atom> balls;
@@ -247,7 +248,7 @@ CavityMap::Location CavityMap::locate(Vec3 center, std::vector<AtomIndex>& found
   double reach = 0.5 * first_reach;
   do {
     reach *= 2;
-    balls_->cells.find_reaching(center, reach + same, found);
+    balls_->tree.find_reaching(center, reach + same, found);
     for (const AtomIndex i : found) min_gap = std::min(min_gap, gap_to(i));
   } while (min_gap > reach);
   Location location{0, std::max(0.0, min_gap)};

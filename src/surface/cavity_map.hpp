@@ -16,7 +16,7 @@
 
 #include "eses/cavities.hpp"
 #include "geometry/box.hpp"
-#include "surface/cell_list.hpp"
+#include "surface/atom_tree.hpp"
 #include "surface/components.hpp"
 #include "surface/surface_model.hpp"
 
@@ -115,9 +115,9 @@ class CavityMap {
   // SAS balls with a spatial index, which refers to them.
   struct Balls {
     std::vector<Atom> balls;
-    CellList cells;
+    AtomTree tree;
 
-    explicit Balls(std::vector<Atom> of) : balls(std::move(of)), cells(balls) {}
+    explicit Balls(std::vector<Atom> of) : balls(std::move(of)), tree(balls) {}
   };
 
   void add_atoms(const SurfaceModel& surface, const Components& components,

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <numeric>
 #include <utility>
 
@@ -17,12 +16,6 @@ std::int64_t cell_index(double coordinate, double side) {
   return static_cast<std::int64_t>(std::clamp(std::floor(coordinate / side), -limit, limit));
 }
 
-// Class 0 includes all real atoms.
-int class_of(double radius) {
-  constexpr double first_limit = 4;  // angstrom
-  return radius_class(radius, first_limit);
-}
-
 }  // namespace
 
 CellList::Cell CellList::cell_of(Vec3 point) {
@@ -34,7 +27,8 @@ CellList::CellList(std::span<const Atom> atoms) : atoms_(atoms) {
   std::vector<AtomIndex> members(atoms.size());
   std::iota(members.begin(), members.end(), AtomIndex{0});
   all_ = sorted(std::move(members));
-  make_classes();
+  for (std::vector<AtomIndex>& members_of_class : divide_by_radius(atoms))
+    classes_.push_back(sorted(std::move(members_of_class)));
 }
 
 CellList::SortedAtoms CellList::sorted(std::vector<AtomIndex> members) const {
@@ -61,24 +55,11 @@ CellList::SortedAtoms CellList::sorted(std::vector<AtomIndex> members) const {
   return result;
 }
 
-void CellList::make_classes() {
-  if (class_of(all_.max_radius) == 0) return;
-  std::map<int, std::vector<AtomIndex>> members;
-  for (AtomIndex i = 0; i < atoms_.size(); ++i) members[class_of(atoms_[i].radius)].push_back(i);
-  if (members.size() == 1) return;
-  for (auto& [number, of_class] : members) classes_.push_back(sorted(std::move(of_class)));
-}
-
 void CellList::find_reaching(const Box& box, double distance, std::vector<AtomIndex>& found) const {
   found.clear();
   if (classes_.empty()) find_in_rows(all_, grown(box, distance + all_.max_radius), found);
   for (const SortedAtoms& of_class : classes_)
     find_in_rows(of_class, grown(box, distance + of_class.max_radius), found);
-}
-
-void CellList::find_centers(const Box& box, std::vector<AtomIndex>& found) const {
-  found.clear();
-  find_in_rows(all_, box, found);
 }
 
 void CellList::find_in_rows(const SortedAtoms& atoms, const Box& reach,

@@ -14,9 +14,6 @@
 
 namespace eses::detail {
 
-/// Distance that is added to searches (angstrom). It is far above rounding errors and tolerances.
-inline constexpr double look_up_slack = 1e-3;
-
 /// The list is sorted by z, y and x of the cells, and by index within a cell. The distance of a
 /// search depends on the maximum radius of the atoms. Atoms are therefore divided into classes of
 /// radii that are searched separately, so that a few large atoms do not slow down the search for
@@ -37,12 +34,6 @@ class CellList {
   /// Replaces `found` by all atoms whose ball is nearer to `box` than `distance` (angstrom), and
   /// some that are farther away. They are sorted by class of radii, and by cell within a class.
   void find_reaching(const Box& box, double distance, std::vector<AtomIndex>& found) const;
-  void find_reaching(Vec3 point, double distance, std::vector<AtomIndex>& found) const {
-    find_reaching({point, point}, distance, found);
-  }
-
-  /// Replaces `found` by all atoms whose centre is in `box`, and some whose centre is outside.
-  void find_centers(const Box& box, std::vector<AtomIndex>& found) const;
 
   /// Returns the number of cells that contain atoms.
   std::size_t cell_count() const { return all_.cells.size() - 1; }
@@ -76,7 +67,6 @@ class CellList {
 
   static Cell cell_of(Vec3 point);
   SortedAtoms sorted(std::vector<AtomIndex> members) const;
-  void make_classes();
   static void find_in_rows(const SortedAtoms& atoms, const Box& reach,
                            std::vector<AtomIndex>& found);
   static void find_in_row(const SortedAtoms& atoms, const Row& row, std::int64_t first_x,

@@ -155,7 +155,7 @@ std::optional<RayHit> first_hit(const SurfaceModel& surface, Vec3 from, Vec3 alo
   for (double begin = 0; begin < length; begin += ray_step) {
     Box box{from + begin * along, from + begin * along};
     box.include(from + (begin + ray_step) * along);
-    surface.cells().find_reaching(box, surface.probe_radius + look_up_slack, found);
+    surface.tree().find_reaching(box, surface.probe_radius + look_up_slack, found);
     double min_distance = begin + ray_step;
     std::optional<AtomIndex> first;
     for (const AtomIndex k : found) {
@@ -184,7 +184,7 @@ enum class Access : std::uint8_t { accessible, covered, uncertain };
 // Returns whether a point on the SAS sphere of an atom is outside of all other SAS balls.
 Access access_at(const SurfaceModel& surface, AtomIndex atom, Vec3 point) {
   std::vector<AtomIndex> found;
-  surface.cells().find_reaching(point, surface.probe_radius + look_up_slack, found);
+  surface.tree().find_reaching(point, surface.probe_radius + look_up_slack, found);
   double min_gap = std::numeric_limits<double>::infinity();
   for (const AtomIndex k : found) {
     if (k == atom || surface.molecule.is_contained(k)) continue;
@@ -228,7 +228,7 @@ Box united(const Box& a, const Box& b) {
 
 std::vector<AtomIndex> touched_atoms(const SurfaceModel& surface, Vec3 center) {
   std::vector<AtomIndex> found;
-  surface.cells().find_reaching(center, surface.probe_radius + look_up_slack, found);
+  surface.tree().find_reaching(center, surface.probe_radius + look_up_slack, found);
   std::erase_if(found, [&](AtomIndex i) {
     const SasSphere sphere = surface.sas_sphere(i);
     return std::fabs(norm(center - sphere.center) - sphere.radius) > tolerance::touching ||

@@ -62,10 +62,9 @@ void CrowdedCaps::reset(const CapList& caps, std::span<const AtomIndex> neighbou
 void CrowdedCaps::choose_near(const SurfaceModel& surface, AtomIndex neighbour) {
   const Atom& atom = surface.atoms[neighbour];
   const double distance = atom.radius + 2 * surface.probe_radius + look_up_slack;
-  surface.cells().find_reaching(atom.center, distance, found_);
+  surface.tree().find_reaching(atom.center, distance, found_);
   near_.clear();
   for (const AtomIndex j : found_) {
-    if (norm(surface.atoms[j].center - atom.center) > distance + surface.atoms[j].radius) continue;
     const auto number = std::lower_bound(numbers_.begin(), numbers_.end(), std::pair(j, 0U));
     if (number != numbers_.end() && number->first == j) near_.push_back(number->second);
   }

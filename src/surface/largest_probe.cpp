@@ -100,7 +100,7 @@ class Search {
     for (const AtomIndex i : adjacent)
       max_gap = std::min(max_gap, near_atom(i, true).max_gap_to(middle, half));
     std::vector<AtomIndex> found;
-    surface.cells().find_reaching(centers, max_gap + look_up_slack, found);
+    surface.tree().find_reaching(centers, max_gap + look_up_slack, found);
     for (const AtomIndex i : found)
       if (!surface.molecule.is_contained(i))
         all_.push_back(near_atom(i, std::binary_search(adjacent.begin(), adjacent.end(), i)));

@@ -826,7 +826,7 @@ double PatchMeasurement::face_angle(AtomIndex i, std::vector<AtomIndex>& found) 
     if (is_filled_face(i, direction)) return false;
     const SasSphere sphere = surface_.sas_sphere(i);
     const Vec3 point = sphere.center + sphere.radius * direction;
-    surface_.cells().find_reaching(point, probe() + look_up_slack, found);
+    surface_.tree().find_reaching(point, probe() + look_up_slack, found);
     return std::none_of(found.begin(), found.end(), [&](AtomIndex k) {
       const SasSphere other = surface_.sas_sphere(k);
       return k != i && !surface_.molecule.is_contained(k) &&

@@ -15,6 +15,7 @@
 #include "geometry/box.hpp"
 #include "geometry/tolerances.hpp"
 #include "surface/atom_loops.hpp"
+#include "surface/atom_tree.hpp"
 #include "surface/atomic_update.hpp"
 #include "surface/cell_list.hpp"
 #include "surface/diagnostic_finder.hpp"
@@ -107,9 +108,9 @@ void record_contained(std::span<const Atom> atoms, AtomIndex i, std::span<const 
 }
 
 // Returns whether atom `i` is contained in a preceding atom that is itself not contained.
-bool is_in_kept_atom(std::span<const Atom> atoms, const CellList& cells, AtomIndex i,
+bool is_in_kept_atom(std::span<const Atom> atoms, const AtomTree& tree, AtomIndex i,
                      std::span<const std::uint8_t> is_contained, std::vector<AtomIndex>& found) {
-  cells.find_reaching(atoms[i].center, 2 * tolerance::containment, found);
+  tree.find_reaching(atoms[i].center, 2 * tolerance::containment, found);
   return std::any_of(found.begin(), found.end(), [&](AtomIndex j) {
     return is_contained[j] == 0 && precedes(atoms[j], atoms[i]) && contains(atoms[j], atoms[i]);
   });
@@ -118,7 +119,7 @@ bool is_in_kept_atom(std::span<const Atom> atoms, const CellList& cells, AtomInd
 // Marks the atoms that are contained in an atom that is itself not contained. So each of them
 // extends beyond an unmarked atom by at most the tolerance, even in long chains of atoms that
 // contain each other.
-void mark_contained(std::span<const Atom> atoms, const CellList& cells,
+void mark_contained(std::span<const Atom> atoms, const AtomTree& tree,
                     const Containers& containers, std::vector<std::uint8_t>& is_contained) {
   std::vector<AtomIndex> inner, found;
   for (AtomIndex i = 0; i < atoms.size(); ++i)
@@ -127,7 +128,7 @@ void mark_contained(std::span<const Atom> atoms, const CellList& cells,
             [&](AtomIndex a, AtomIndex b) { return precedes(atoms[a], atoms[b]); });
   for (const AtomIndex i : inner)
     is_contained[i] =
-        is_contained[containers[i]] == 0 || is_in_kept_atom(atoms, cells, i, is_contained, found);
+        is_contained[containers[i]] == 0 || is_in_kept_atom(atoms, tree, i, is_contained, found);
 }
 
 // Returns the maximum distance between the centres of an atom and of another one that it contains,
@@ -137,15 +138,10 @@ double vicinity_radius(const Atom& atom) {
 }
 
 // Replaces `near` by the other atoms in the vicinity of atom `i`, without duplicates.
-void find_vicinity(std::span<const Atom> atoms, const CellList& cells, AtomIndex i,
+void find_vicinity(std::span<const Atom> atoms, const AtomTree& tree, AtomIndex i,
                    std::span<const AtomIndex> first_equal, std::vector<AtomIndex>& near) {
-  const Vec3 center = atoms[i].center;
-  const double radius = vicinity_radius(atoms[i]), squared_radius = radius * radius;
-  cells.find_centers(ball_box(center, radius), near);
-  std::erase_if(near, [&](AtomIndex j) {
-    return squared_norm(atoms[j].center - center) >= squared_radius || j == i ||
-           first_equal[j] != j;
-  });
+  tree.find_centers(atoms[i].center, vicinity_radius(atoms[i]), near);
+  std::erase_if(near, [&](AtomIndex j) { return j == i || first_equal[j] != j; });
 }
 
 // Returns the number of threads to use. For few atoms, one thread is faster than the query for the
@@ -172,6 +168,7 @@ struct Molecule::Parts {
     SerialCheck serial_check(check_callback);
     const CheckCallback check = [&serial_check] { serial_check(); };
     check();
+    tree.emplace(atoms);
     cells.emplace(atoms);
     const std::vector<AtomIndex> first_equal = find_first_equal(atoms, *cells, threads, check);
     for (AtomIndex i = 0; i < atoms.size(); ++i) is_contained[i] = first_equal[i] != i;
@@ -189,7 +186,7 @@ struct Molecule::Parts {
       inspect_range(begin, end, first_equal, containers, finder, tallies[range]);
       check();
     });
-    mark_contained(atoms, *cells, containers, is_contained);
+    mark_contained(atoms, *tree, containers, is_contained);
     diagnostics = finder.found(tallies);
   }
 
@@ -201,7 +198,7 @@ struct Molecule::Parts {
         finder.inspect_duplicate(i, first_equal[i], tally);
         continue;
       }
-      find_vicinity(atoms, *cells, i, first_equal, near);
+      find_vicinity(atoms, *tree, i, first_equal, near);
       record_contained(atoms, i, near, containers);
       finder.inspect(i, near, tally);
     }
@@ -209,6 +206,7 @@ struct Molecule::Parts {
 
   std::vector<Atom> atoms;
   std::vector<AtomLabel> labels;
+  std::optional<AtomTree> tree;
   std::optional<CellList> cells;
   std::vector<std::uint8_t> is_contained;
   std::vector<Diagnostic> diagnostics;
@@ -233,6 +231,7 @@ Molecule Molecule::part(std::vector<Atom> atoms, const std::function<bool(const 
 std::span<const Atom> Molecule::atoms() const { return parts_->atoms; }
 std::span<const AtomLabel> Molecule::labels() const { return parts_->labels; }
 std::span<const Diagnostic> Molecule::diagnostics() const { return parts_->diagnostics; }
+const AtomTree& Molecule::tree() const { return *parts_->tree; }
 const CellList& Molecule::cells() const { return *parts_->cells; }
 
 }  // namespace eses::detail

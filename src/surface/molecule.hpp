@@ -13,6 +13,7 @@
 
 namespace eses::detail {
 
+class AtomTree;
 class CellList;
 
 /// Immutable atoms with a spatial index and diagnostics. Copies share their data.
@@ -50,6 +51,9 @@ class Molecule {
   /// any probe radius, and the atom has no influence on the surface. The first of several equal
   /// atoms is not contained in the others.
   bool is_contained(AtomIndex atom) const { return is_contained_[atom] != 0; }
+
+  /// A k-d tree of all atoms.
+  const AtomTree& tree() const;
 
   /// A cell list of all atoms.
   const CellList& cells() const;

@@ -1,133 +1,140 @@
-#undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "surface/point_tree.cpp"
 #include "surface/point_tree.hpp"
 
-#include <hwy/foreach_target.h>
-#include <hwy/highway.h>
-
 #include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
 #include <limits>
+#include <nanoflann.hpp>
+#include <utility>
 
-#include "system/dispatch.hpp"
-#include "system/lanes-inl.hpp"
-
-HWY_BEFORE_NAMESPACE();
-namespace eses::detail::HWY_NAMESPACE {
-
-// Returns the lanes in which the sum of `squares_along(axis, lane)` is less than `limit`, as bits.
-template <class Squares>
-HWY_INLINE std::uint32_t lanes_within(double limit, Squares&& squares_along) {
-  std::uint32_t bits = 0;
-  for (std::size_t lane = 0; lane < tree_fan_out; lane += hn::Lanes(Doubles())) {
-    const auto squared = squares_along(0, lane) + squares_along(1, lane) + squares_along(2, lane);
-    bits |= mask_bits(Doubles(), squared < broadcast(limit)) << lane;
-  }
-  return bits;
-}
-
-std::uint32_t boxes_within(const TreeBoxes& boxes, Vec3 center, double limit) {
-  return lanes_within(limit, [&](std::size_t axis, std::size_t lane) {
-    const auto c = broadcast(center[axis]);
-    const auto outside =
-        hn::Max(load(&boxes.low[axis][lane]) - c, c - load(&boxes.high[axis][lane]));
-    const auto distance = hn::Max(outside, broadcast(0));
-    return distance * distance;
-  });
-}
-
-std::uint32_t points_within(const TreePoints& points, Vec3 center, double limit) {
-  return lanes_within(limit, [&](std::size_t axis, std::size_t lane) {
-    const auto offset = load(&points.coordinates[axis][lane]) - broadcast(center[axis]);
-    return offset * offset;
-  });
-}
-
-}  // namespace eses::detail::HWY_NAMESPACE
-HWY_AFTER_NAMESPACE();
-
-#if HWY_ONCE
 namespace eses::detail {
 namespace {
 
-// Side of the cells by which the points are sorted (angstrom).
-constexpr double cell_side = 2;
-constexpr double max_cell = 0x1fffff;  // 21 bits
+// Maximum number of points in a leaf of a tree. Smaller leaves take more memory.
+constexpr std::size_t points_per_leaf = 16;
 
-// Moves bit k to bit 3 k, for 21 bits.
-std::uint64_t spread(std::uint64_t bits) {
-  bits = (bits | bits << 32) & 0x1f00000000ffff;
-  bits = (bits | bits << 16) & 0x1f0000ff0000ff;
-  bits = (bits | bits << 8) & 0x100f00f00f00f00f;
-  bits = (bits | bits << 4) & 0x10c30c30c30c30c3;
-  return (bits | bits << 2) & 0x1249249249249249;
-}
+// Relative amount by which a search extends beyond its distance. It exceeds the rounding errors of
+// the middle of a box, and of squared distances of nodes, to which nanoflann adds and subtracts
+// squares on the way from the root.
+constexpr double search_rounding = 1e-12;
 
-// Returns the index of a point's cell along a curve on which neighbouring cells mostly have similar
-// indices (G. M. Morton, IBM Technical Report, 1966).
-std::uint64_t morton_key(Vec3 point, Vec3 low) {
-  std::uint64_t key = 0;
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    const double cell = std::clamp((point[axis] - low[axis]) / cell_side, 0.0, max_cell);
-    key |= spread(static_cast<std::uint64_t>(cell)) << axis;
+// Points as nanoflann reads them: three of `stride` consecutive numbers.
+struct PointView {
+  const double* first = nullptr;
+  std::size_t stride = 0, count = 0;
+
+  Vec3 at(std::size_t i) const { return {of(i, 0), of(i, 1), of(i, 2)}; }
+  double of(std::size_t i, std::size_t axis) const { return first[stride * i + axis]; }
+
+  // These names are nanoflann's.
+  std::size_t kdtree_get_point_count() const { return count; }
+  double kdtree_get_pt(std::size_t i, std::size_t axis) const { return of(i, axis); }
+  template <class Bounds>
+  bool kdtree_get_bbox(Bounds&) const {
+    return false;  // nanoflann computes them
   }
-  return key;
-}
+};
+
+// A result set of nanoflann: passes the points in a ball, and some that are a little farther away,
+// to `action(squared distance, index)`.
+template <class Action>
+class BallVisitor {
+ public:
+  BallVisitor(double radius, Action action)
+      : max_squared_((1 + search_rounding) * radius * radius + std::numeric_limits<double>::min()),
+        action_(std::move(action)) {}
+
+  // These names are nanoflann's.
+  double worstDist() const { return max_squared_; }
+  bool addPoint(double squared, std::uint32_t index) {
+    action_(squared, index);
+    return true;  // go on
+  }
+  std::size_t size() const { return 0; }
+  bool full() const { return true; }
+  void sort() const {}
+
+ private:
+  double max_squared_;
+  Action action_;
+};
+
+using NanoflannTree =
+    nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<double, PointView>, PointView,
+                                        3>;
 
 }  // namespace
 
-PointTree::Kernels PointTree::best_kernels() {
-  return {ESES_BEST_VERSION(boxes_within), ESES_BEST_VERSION(points_within)};
-}
+struct PointTree::Index {
+  PointView points;
+  NanoflannTree tree;
+
+  explicit Index(const PointView& of)
+      : points(of), tree(3, points, nanoflann::KDTreeSingleIndexAdaptorParams(points_per_leaf)) {}
+
+  template <class Visitor>
+  void search(Vec3 center, Visitor& visitor) const {
+    const std::array<double, 3> query{center.x, center.y, center.z};
+    tree.radiusSearchCustomCallback(query.data(), visitor);
+  }
+};
+
+PointTree::PointTree() = default;
+PointTree::PointTree(PointTree&&) noexcept = default;
+PointTree& PointTree::operator=(PointTree&&) noexcept = default;
+PointTree::~PointTree() = default;
 
 void PointTree::reset(std::span<const Vec3> points) {
-  constexpr double infinity = std::numeric_limits<double>::infinity();
-  keys_.clear();
-  points_.clear();
-  boxes_.clear();
-  levels_.clear();
+  static_assert(sizeof(Vec3) == 3 * sizeof(double) && offsetof(Vec3, x) == 0);
+  index_.reset();
   if (points.empty()) return;
-  Box all{points.front(), points.front()};
-  for (const Vec3 point : points) all.include(point);
-  for (std::uint32_t k = 0; k < points.size(); ++k)
-    keys_.emplace_back(morton_key(points[k], all.low), k);
-  std::sort(keys_.begin(), keys_.end());
+  const auto* const first = reinterpret_cast<const double*>(points.data());
+  index_ = std::make_unique<const Index>(PointView{first, 3, points.size()});
+}
 
-  for (std::size_t k = 0; k < keys_.size(); ++k) {
-    const std::size_t lane = k % tree_fan_out;
-    const std::uint32_t index = keys_[k].second;
-    const Vec3 point = points[index];
-    if (lane == 0) {
-      TreePoints& added = points_.emplace_back();
-      for (TreeLanes& lanes : added.coordinates) lanes.fill(infinity);
-      boxes_.push_back({point, point});
-    }
-    for (std::size_t axis = 0; axis < 3; ++axis)
-      points_.back().coordinates[axis][lane] = point[axis];
-    points_.back().indices[lane] = index;
-    boxes_.back().include(point);
+void PointTree::reset(std::span<const Atom> atoms) {
+  static_assert(sizeof(Atom) == 4 * sizeof(double) && offsetof(Atom, center) == 0);
+  index_.reset();
+  if (atoms.empty()) return;
+  const auto* const first = reinterpret_cast<const double*>(atoms.data());
+  index_ = std::make_unique<const Index>(PointView{first, 4, atoms.size()});
+}
+
+void PointTree::visit(Vec3 center, double distance,
+                      void (*action)(void* context, std::uint32_t index), void* context) const {
+  if (!index_) return;
+  const double max_squared = distance * distance;
+  BallVisitor visitor(distance, [&](double squared, std::uint32_t index) {
+    if (squared < max_squared) action(context, index);
+  });
+  if (std::isfinite(visitor.worstDist())) {
+    index_->search(center, visitor);
+    return;
   }
-  do {
-    std::vector<TreeBoxes> level((boxes_.size() + tree_fan_out - 1) / tree_fan_out);
-    for (TreeBoxes& boxes : level)
-      for (std::size_t axis = 0; axis < 3; ++axis) {
-        boxes.low[axis].fill(infinity);
-        boxes.high[axis].fill(-infinity);
-      }
-    std::vector<Box> around;
-    for (std::size_t k = 0; k < boxes_.size(); ++k) {
-      const Box& box = boxes_[k];
-      if (k % tree_fan_out == 0) around.push_back(box);
-      around.back().include(box.low);
-      around.back().include(box.high);
-      for (std::size_t axis = 0; axis < 3; ++axis) {
-        level[k / tree_fan_out].low[axis][k % tree_fan_out] = box.low[axis];
-        level[k / tree_fan_out].high[axis][k % tree_fan_out] = box.high[axis];
-      }
-    }
-    boxes_ = std::move(around);
-    levels_.push_back(std::move(level));
-  } while (boxes_.size() > 1);
+  // The squares of distances are too large for a number.
+  for (std::uint32_t i = 0; i < index_->points.count; ++i) {
+    const Vec3 offset = index_->points.at(i) - center;
+    if (std::hypot(offset.x, offset.y, offset.z) < distance) action(context, i);
+  }
+}
+
+// Searches the ball around the box, and tests for each point in it how far it is from the box.
+void PointTree::find_near(const Box& box, double distance,
+                          std::vector<std::uint32_t>& found) const {
+  if (!index_) return;
+  const Vec3 middle = 0.5 * box.low + 0.5 * box.high;
+  const double half_diagonal = std::max(norm(box.high - middle), norm(middle - box.low));
+  const double max_squared = distance * distance;
+  const auto test = [&](double, std::uint32_t index) {
+    if (squared_distance(box, index_->points.at(index)) <= max_squared) found.push_back(index);
+  };
+  BallVisitor visitor(half_diagonal + distance, test);
+  if (std::isfinite(visitor.worstDist())) {
+    index_->search(middle, visitor);
+    return;
+  }
+  for (std::uint32_t i = 0; i < index_->points.count; ++i) test(0, i);
 }
 
 }  // namespace eses::detail
-#endif  // HWY_ONCE

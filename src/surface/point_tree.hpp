@@ -1,85 +1,54 @@
 #pragma once
-/// A hierarchy of boxes around points, to find the points near another one.
+/// A k-d tree of points, to find the points near another one (Bentley, Commun. ACM 18, 509, 1975,
+/// doi:10.1145/361002.361007). The tree itself is nanoflann's.
 
-#include <array>
-#include <bit>
-#include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <span>
-#include <utility>
+#include <type_traits>
 #include <vector>
 
+#include "eses/atoms.hpp"
 #include "geometry/box.hpp"
 
 namespace eses::detail {
 
-/// Number of points or boxes in a node of a PointTree.
-inline constexpr std::size_t tree_fan_out = 8;
-/// One coordinate of each point or box of a node.
-using TreeLanes = std::array<double, tree_fan_out>;
-
-/// Boxes of a PointTree. Unused ones are empty.
-struct TreeBoxes {
-  std::array<TreeLanes, 3> low, high;
-};
-
-/// Points of a node of a PointTree. The coordinates of unused ones are infinite.
-struct TreePoints {
-  std::array<TreeLanes, 3> coordinates;
-  std::array<std::uint32_t, tree_fan_out> indices;
-};
-
-/// Boxes around a few points that are near each other, boxes around such boxes, and so on. Unlike a
-/// search in cells, the time of a search does not depend on the distance but on the number of
-/// points within it.
+/// A k-d tree of points. Unlike a search in cells, the time of a search does not depend on the
+/// distance but on the number of points within it. Several threads may search at the same time.
 class PointTree {
  public:
-  /// Replaces the points.
+  PointTree();
+  PointTree(PointTree&&) noexcept;
+  PointTree& operator=(PointTree&&) noexcept;
+  ~PointTree();
+
+  /// Replaces the points. Keeps a view of them.
   void reset(std::span<const Vec3> points);
+  /// Replaces the points by the centres of atoms. Keeps a view of them.
+  void reset(std::span<const Atom> atoms);
 
   /// Calls `action(index)` for all points whose distance from `center` is less than `distance`
   /// (angstrom). The order depends on the points only.
   template <class Action>
   void for_each_within(Vec3 center, double distance, Action&& action) const {
-    if (levels_.empty()) return;
-    visit({center, distance * distance, best_kernels()}, levels_.size(), 0, action);
+    using Callable = std::remove_reference_t<Action>;
+    visit(
+        center, distance,
+        [](void* callable, std::uint32_t index) { (*static_cast<Callable*>(callable))(index); },
+        std::addressof(action));
   }
+
+  /// Appends to `found` the points that are at most `distance` (angstrom) away from `box`.
+  void find_near(const Box& box, double distance, std::vector<std::uint32_t>& found) const;
 
  private:
-  // Functions that return the boxes or points within a distance as bits, from its square.
-  struct Kernels {
-    std::uint32_t (*boxes_within)(const TreeBoxes& boxes, Vec3 center, double squared);
-    std::uint32_t (*points_within)(const TreePoints& points, Vec3 center, double squared);
-  };
-  struct Search {
-    Vec3 center;
-    double squared_distance;
-    Kernels kernels;
-  };
+  struct Index;
 
-  static Kernels best_kernels();
+  // Calls `action(context, index)` for the points within a distance.
+  void visit(Vec3 center, double distance, void (*action)(void* context, std::uint32_t index),
+             void* context) const;
 
-  // Level 0 has the points, and level n + 1 the boxes around the nodes of level n.
-  template <class Action>
-  void visit(const Search& search, std::size_t level, std::size_t node, Action&& action) const {
-    const auto& [center, squared, kernels] = search;
-    if (level == 0) {
-      const TreePoints& points = points_[node];
-      for (std::uint32_t bits = kernels.points_within(points, center, squared); bits != 0;
-           bits &= bits - 1)
-        action(points.indices[static_cast<std::size_t>(std::countr_zero(bits))]);
-      return;
-    }
-    for (std::uint32_t bits = kernels.boxes_within(levels_[level - 1][node], center, squared);
-         bits != 0; bits &= bits - 1)
-      visit(search, level - 1,
-            node * tree_fan_out + static_cast<std::size_t>(std::countr_zero(bits)), action);
-  }
-
-  std::vector<std::pair<std::uint64_t, std::uint32_t>> keys_;  // of the points, sorted
-  std::vector<TreePoints> points_;
-  std::vector<std::vector<TreeBoxes>> levels_;  // the last one has one element
-  std::vector<Box> boxes_;                      // of the nodes of the last level
+  std::unique_ptr<const Index> index_;  // null if there are no points
 };
 
 }  // namespace eses::detail

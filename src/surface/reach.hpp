@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "geometry/box.hpp"
-#include "surface/cell_list.hpp"
+#include "surface/atom_tree.hpp"
 
 namespace eses::detail {
 

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "geometry/contact_circle.hpp"
+#include "surface/atom_tree.hpp"
 #include "surface/cell_list.hpp"
 #include "surface/molecule.hpp"
 #include "surface/reach.hpp"
@@ -39,6 +40,7 @@ struct SurfaceModel {
   /// Returns whether the patches of an atom are needed.
   bool needs_patches(AtomIndex i) const { return !reach || reach->contains(atoms[i]); }
 
+  const AtomTree& tree() const { return molecule.tree(); }
   const CellList& cells() const { return molecule.cells(); }
 
   /// Returns the SAS sphere of an atom.

@@ -346,7 +346,7 @@ SurfaceSurvey::AtomsNear SurfaceSurvey::max_atoms_near(Vec3 half_sides) const {
   for (std::size_t s = 0; s < box_count; ++s) {
     const Vec3 center = surface_.atoms[patched_atom((2 * s + 1) * count / (2 * box_count))].center;
     const Box box{center - half_sides, center + half_sides};
-    surface_.cells().find_reaching(box, 2 * probe, found);
+    surface_.tree().find_reaching(box, 2 * probe, found);
     const auto reaching = std::count_if(found.begin(), found.end(), [&](AtomIndex i) {
       const Atom& atom = surface_.atoms[i];
       return overlap(box, ball_box(atom.center, atom.radius + probe));

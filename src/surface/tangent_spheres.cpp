@@ -93,7 +93,7 @@ bool has_tangent_spheres(const SurfaceModel& surface, const AreaWeights& weights
     box.include(surface.atoms[i].center);
     radius = std::max(radius, surface.atoms[i].radius);
   }
-  surface.cells().find_reaching(box, radius + 2 * surface.probe_radius + look_up_slack, near);
+  surface.tree().find_reaching(box, radius + 2 * surface.probe_radius + look_up_slack, near);
   TangentSphereFinder finder(surface, weights, std::move(near));
   return std::any_of(exposed.begin(), exposed.end(),
                      [&](AtomIndex i) { return finder.has_tangent(i); });

@@ -24,7 +24,7 @@ class Configure(TestCase):
 
     def test_all_missing_packages_are_named(self):
         names = {"nlohmann_json": "nlohmann-json3-dev", "CLI11": "libcli11-dev", "fmt": "libfmt-dev",
-                 "ZLIB": "zlib1g-dev", "PkgConfig": "pkg-config"}
+                 "nanoflann": "libnanoflann-dev", "ZLIB": "zlib1g-dev", "PkgConfig": "pkg-config"}
         found = self.missing_packages(
             *(f"-DCMAKE_DISABLE_FIND_PACKAGE_{name}=ON" for name in names))
         self.assertEqual(found, {*names.values(), "libhwy-dev"})

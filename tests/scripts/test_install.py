@@ -21,7 +21,7 @@ NESTED = r"(?:N[rVKRO]*)?"
 STANDARD = r"S[tabsiod]|9__gnu_cxx|10__cxxabiv1"
 OURS = re.compile(f"_Z{SPECIAL}{NESTED}4eses")
 OTHERS = re.compile(
-    f"_Z{SPECIAL}{NESTED}(?:{STANDARD}|3fmt|3hwy|5gemmi|3tao|10fast_float)"
+    f"_Z{SPECIAL}{NESTED}(?:{STANDARD}|3fmt|3hwy|9nanoflann|5gemmi|3tao|10fast_float)"
     r"|_ZT[IS]P?K?F"                           # the type of a function, as std::function asks for
     r"|_Zn[wa]mPv$|_Zd[la]PvS_$"               # placement new, an inline function
     r"|DW\.ref\.|__clang_call_terminate$")     # made by the compiler
