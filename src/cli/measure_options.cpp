@@ -108,7 +108,7 @@ void check_pocket_options(const CLI::App& app, const MeasureCommandOptions& opti
   }
 }
 
-void add_options(CLI::App& app, MeasureCommandOptions& options) {
+void add_measure_options(CLI::App& app, MeasureCommandOptions& options) {
   set_up(app, "eses-blocks measure [OPTIONS] FILE...", measure_footer);
   begin_group(app, "Surface");
   app.add_option("FILE")
@@ -190,7 +190,7 @@ MeasureCommandOptions parse_measure_arguments(const Arguments& arguments) {
   CLI::App app("Areas and volumes of molecular surfaces in closed form, without a grid.",
                "eses-blocks measure");
   MeasureCommandOptions options;
-  add_options(app, options);
+  add_measure_options(app, options);
   parse(app, arguments, "FILE...");
   options.pocket_options.probe_radius = options.probe_radius;
   check_pocket_options(app, options);
