@@ -1,8 +1,16 @@
 // Tests of the public functions of eses/eses.hpp.
 
+#include <linux/filter.h>
+#include <linux/seccomp.h>
+#include <sys/prctl.h>
+#include <sys/syscall.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <functional>
@@ -20,6 +28,7 @@
 #include "support/eses_files.hpp"
 #include "support/mesh_files.hpp"
 #include "support/other_threads.hpp"
+#include "support/sanitizers.hpp"
 #include "support/temporary_directory.hpp"
 
 namespace eses::detail::test {
@@ -53,6 +62,19 @@ std::string grid_text(const Result& result) {
         text += std::to_string(x) + ' ' + std::to_string(y) + ' ' + std::to_string(z) +
                 (result.inside()[place++] != 0 ? " 1\n" : " -1\n");
   return text;
+}
+
+/// From now on, these system calls end the process. Returns false if the system cannot do so.
+bool forbid(const std::vector<unsigned>& calls) {
+  std::vector<sock_filter> filter{BPF_STMT(BPF_LD | BPF_W | BPF_ABS, offsetof(seccomp_data, nr))};
+  for (const unsigned call : calls) {
+    filter.push_back(BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, call, 0, 1));
+    filter.push_back(BPF_STMT(BPF_RET | BPF_K, SECCOMP_RET_KILL_PROCESS));
+  }
+  filter.push_back(BPF_STMT(BPF_RET | BPF_K, SECCOMP_RET_ALLOW));
+  const sock_fprog program{static_cast<unsigned short>(filter.size()), filter.data()};
+  return prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) == 0 &&
+         prctl(PR_SET_SECCOMP, SECCOMP_MODE_FILTER, &program) == 0;
 }
 
 std::string number_text(double value) {
@@ -241,6 +263,23 @@ TEST_CASE("api: one surface serves several spacings and threads", "[api]") {
   }
   CHECK(is_fine_equal);
   CHECK(is_coarse_equal);
+}
+
+TEST_CASE("api: small results in memory neither open files nor give memory back", "[api]") {
+  if (holds_shadow_memory) SKIP("memory cannot be measured with a sanitizer");
+  const Surface surface(std::vector<Atom>{{{0, 0, 0}, 1.7}});
+  const Grid grid = make_grid(surface, {.spacing = 0.5, .margin = 1});
+  const double area = compute(surface, grid).summary().area;  // the first call reads the quota
+  const std::vector<unsigned> calls{SYS_openat, SYS_statfs, SYS_getrusage, SYS_madvise};
+  const pid_t child = fork();
+  if (child == 0) {
+    if (!forbid(calls)) _exit(2);
+    _exit(compute(surface, grid).summary().area == area ? 0 : 1);
+  }
+  int status = 0;
+  REQUIRE(waitpid(child, &status, 0) == child);
+  if (WIFEXITED(status) && WEXITSTATUS(status) == 2) SKIP("system calls cannot be forbidden");
+  CHECK(status == 0);
 }
 
 TEST_CASE("api: any grid is accepted, also that of another surface", "[api]") {

@@ -39,7 +39,7 @@ constexpr std::uint64_t plenty = std::uint64_t{1} << 42;
 Plan plan_within(std::uint64_t available, const std::vector<Atom>& atoms,
                  const Parameters& parameters) {
   Plan plan = plan_grid(sphere_bounds(atoms), parameters);
-  plan_schedule({.available = available}, atoms, {}, plan);
+  plan_schedule({.available = [available] { return available; }}, atoms, {}, plan);
   return plan;
 }
 

@@ -136,16 +136,16 @@ TEST_CASE("memory limits of version 1 are read below their controller", "[resour
 }
 
 TEST_CASE("there are as many threads as OpenMP offers, up to the quota", "[resources]") {
-  const int offered = available_threads(FakeRoot({}).path());
+  const int offered = available_threads(quota({}));
   CHECK(available_threads() == std::min(offered, processor_quota()));
   for (const int processors : {1, 2, 3, 1000}) {
     const FakeRoot root({{"proc/self/cgroup", "0::/\n"},
                          {"sys/fs/cgroup/cpu.max", std::to_string(1000 * processors) + " 1000\n"}});
-    CHECK(available_threads(root.path()) == std::min(offered, processors));
+    CHECK(available_threads(processor_quota(root.path())) == std::min(offered, processors));
   }
   const FakeRoot nothing(
       {{"proc/self/cgroup", "0::/\n"}, {"sys/fs/cgroup/cpu.max", "1 1000000\n"}});
-  CHECK(available_threads(nothing.path()) == 1);
+  CHECK(available_threads(processor_quota(nothing.path())) == 1);
 }
 
 TEST_CASE("a program has no more threads than processors to which it is bound", "[resources]") {

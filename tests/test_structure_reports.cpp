@@ -202,6 +202,7 @@ TEST_CASE("options of structure files are refused for xyzr files", "[structure][
                                              {"--model", "0"},
                                              {"--altloc", "AB"},
                                              {"--chains", "A,,B"},
+                                             {"--chains", "A,"},
                                              {"--hydrogens", "some"},
                                              {"--radii", ""},
                                              {"--format", "mol2"}}) {

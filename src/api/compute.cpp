@@ -249,10 +249,13 @@ constexpr std::uint32_t comparisons_between_checks = 1 << 17;
 // Calls `check` from time to time, as millions of crossings take seconds.
 void sort_crossings(std::vector<Crossing>& crossings, const CheckCallback& check) {
   std::uint32_t comparisons = 0;
-  std::sort(crossings.begin(), crossings.end(), [&](const Crossing& a, const Crossing& b) {
+  const auto is_before = [&](const Crossing& a, const Crossing& b) {
     if (++comparisons % comparisons_between_checks == 0) check();
     return sorting_key(a) < sorting_key(b);
-  });
+  };
+  // The crossings of a block are in order.
+  if (!std::is_sorted(crossings.begin(), crossings.end(), is_before))
+    std::sort(crossings.begin(), crossings.end(), is_before);
 }
 
 }  // namespace

@@ -12,6 +12,12 @@
 namespace eses::detail::cli {
 namespace {
 
+std::string replaced(std::string text, std::string_view from, std::string_view to) {
+  for (std::size_t at = 0; (at = text.find(from, at)) != text.npos; at += to.size())
+    text.replace(at, from.size(), to);
+  return text;
+}
+
 class HelpFormatter : public CLI::Formatter {
  public:
   explicit HelpFormatter(std::string usage) : usage_(std::move(usage)) {
@@ -25,7 +31,7 @@ class HelpFormatter : public CLI::Formatter {
   // flag with an optional value.
   std::string make_option_name(const CLI::Option* option, bool is_positional) const override {
     const std::string name = CLI::Formatter::make_option_name(option, is_positional);
-    return CLI::detail::find_and_replace(name.substr(0, name.find('{')), ",", ", ");
+    return replaced(name.substr(0, name.find('{')), ",", ", ");
   }
   // Writes only the name of the value. The value of a flag follows without a blank.
   std::string make_option_opts(const CLI::Option* option) const override {
@@ -35,7 +41,7 @@ class HelpFormatter : public CLI::Formatter {
   std::string make_help(const CLI::App* app, std::string name,
                         CLI::AppFormatMode mode) const override {
     const std::string help = CLI::Formatter::make_help(app, std::move(name), mode);
-    return CLI::detail::find_and_replace(help, "\n\n\n", "\n\n");
+    return replaced(help, "\n\n\n", "\n\n");
   }
 
  private:
@@ -122,6 +128,17 @@ Format<std::string> text_if(bool (*is_accepted)(const std::string& text), std::s
 
 Format<std::string> any_text(std::string expected) {
   return text_if([](const std::string& text) { return !text.empty(); }, std::move(expected));
+}
+
+std::vector<std::string> split(std::string_view list, char separator) {
+  std::vector<std::string> parts;
+  std::size_t end = 0;
+  while ((end = list.find(separator)) != list.npos) {
+    parts.emplace_back(list.substr(0, end));
+    list.remove_prefix(end + 1);
+  }
+  parts.emplace_back(list);
+  return parts;
 }
 
 void refuse(std::string_view name, std::string_view value, std::string_view expected) {

@@ -55,13 +55,16 @@ Format<Value> one_of(const std::vector<std::pair<std::string, Value>>& choices) 
   return {read, expected};
 }
 
+/// Returns the texts between the separators, one more than there are separators.
+std::vector<std::string> split(std::string_view list, char separator);
+
 /// Sets the members of `choice` that a list of names stands for, such as `atoms,chains`. A name may
 /// stand for several members. Returns nothing if a name is unknown.
 template <class Choice>
 std::optional<Choice> choice_in(
     const std::string& list, Choice choice,
     const std::vector<std::pair<std::string_view, bool Choice::*>>& members) {
-  for (const std::string& name : CLI::detail::split(list, ',')) {
+  for (const std::string& name : split(list, ',')) {
     bool is_known = false;
     for (const auto& [member_name, member] : members)
       if (member_name == name) choice.*member = is_known = true;

@@ -137,13 +137,13 @@ void write_tables(const MeasuredFile& file, const TableChoice& choice,
   commit_all(files);
 }
 
-std::string text_of(const MeasureCommandOptions& options, const MeasuredFile& file) {
+std::string result_text(const MeasureCommandOptions& options, const MeasuredFile& file) {
   if (options.json) return measure_json(options, file);
   return options.inputs.size() > 1 ? measure_line(options, file) : measure_text(options, file);
 }
 
 /// Returns the message of an exception that ends the work on a file, with the name of the file.
-std::string message_of(const std::exception& error, const std::filesystem::path& path) {
+std::string message_with_file(const std::exception& error, const std::filesystem::path& path) {
   const std::string message = error.what(), name = path.string();
   const bool has_name = path == "-" || message.find(name) != std::string::npos;
   return has_name ? message : formatted("{}: {}", name, message);
@@ -160,12 +160,12 @@ Outcome outcome_of(const MeasureCommandOptions& options, const std::filesystem::
         if (!diagnostic.is_usual) lines.push_back(diagnostic.message);
     if (!outcome.errors.empty()) return outcome;
     if (directory != nullptr) write_tables(file, options.tables, *directory);
-    outcome.text = text_of(options, file);
+    outcome.text = result_text(options, file);
     outcome.csv = measure_csv_line(options, file);
   } catch (const Error& error) {
-    outcome.errors.push_back(message_of(error, path));
+    outcome.errors.push_back(message_with_file(error, path));
   } catch (const std::invalid_argument& error) {
-    outcome.errors.push_back(message_of(error, path));
+    outcome.errors.push_back(message_with_file(error, path));
   }
   return outcome;
 }

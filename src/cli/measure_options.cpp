@@ -65,11 +65,10 @@ std::optional<TableChoice> tables_in(const std::string& list) {
 std::optional<PartChoice> parts_in(const std::string& text) {
   if (text == "chains") return PartChoice{.by_chain = true};
   PartChoice choice;
-  for (const std::string& part : CLI::detail::split(text, '|')) {
-    choice.parts.push_back(CLI::detail::split(part, ','));
+  for (const std::string& part : split(text, '|')) {
+    choice.parts.push_back(split(part, ','));
     const std::vector<std::string>& chains = choice.parts.back();
-    if (chains.empty() || std::find(chains.begin(), chains.end(), "") != chains.end())
-      return std::nullopt;
+    if (std::find(chains.begin(), chains.end(), "") != chains.end()) return std::nullopt;
   }
   return choice.parts.size() < 2 ? std::nullopt : std::optional(choice);
 }
@@ -109,13 +108,13 @@ void check_pocket_options(const CLI::App& app, const MeasureCommandOptions& opti
   }
 }
 
-void add_options(CLI::App& app, MeasureCommandOptions& options) {
+void add_measure_options(CLI::App& app, MeasureCommandOptions& options) {
   set_up(app, "eses-blocks measure [OPTIONS] FILE...", measure_footer);
   begin_group(app, "Surface");
   app.add_option("FILE")
       ->option_text("...")
       ->description("input files (xyzr, PQR, PDB or mmCIF); - for standard input")
-      ->expected(1, CLI::detail::expected_max_vector_size)
+      ->expected(1, -1)  // no maximum
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
       ->allow_extra_args()
       ->required()
@@ -191,7 +190,7 @@ MeasureCommandOptions parse_measure_arguments(const Arguments& arguments) {
   CLI::App app("Areas and volumes of molecular surfaces in closed form, without a grid.",
                "eses-blocks measure");
   MeasureCommandOptions options;
-  add_options(app, options);
+  add_measure_options(app, options);
   parse(app, arguments, "FILE...");
   options.pocket_options.probe_radius = options.probe_radius;
   check_pocket_options(app, options);

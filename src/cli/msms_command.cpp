@@ -167,7 +167,7 @@ void warn_about_others(const MsmsOptions& options, const MsmsSurface& surface) {
 
 // ------------------------------------------------------------------------------------- the files
 
-OutputPaths paths_of(const std::filesystem::path& directory,
+OutputPaths paths_in(const std::filesystem::path& directory,
                      const std::vector<std::string>& names) {
   OutputPaths paths{.final = {}, .temporaries = {}, .locks = {lock_path(directory, names.front())}};
   for (const std::string& name : names) paths.add(directory, name);
@@ -178,7 +178,7 @@ OutputPaths paths_of(const std::filesystem::path& directory,
 class Files {
  public:
   Files(const std::filesystem::path& directory, const std::vector<std::string>& names)
-      : interruptible_(paths_of(directory, names)), directory_(directory, names.front()) {
+      : interruptible_(paths_in(directory, names)), directory_(directory, names.front()) {
     directory_.remove_abandoned([&](std::string_view name) {
       return std::find(names.begin(), names.end(), name) != names.end();
     });

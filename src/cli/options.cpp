@@ -111,7 +111,7 @@ std::optional<std::uint64_t> bytes_in(const std::string& text) {
 template <std::size_t count, class Number>
 std::optional<std::array<Number, count>> numbers_in(const std::string& list, char separator,
                                                     Number min, Number max) {
-  const std::vector<std::string> parts = CLI::detail::split(list, separator);
+  const std::vector<std::string> parts = split(list, separator);
   if (parts.size() != count) return std::nullopt;
   std::array<Number, count> numbers{};
   for (std::size_t i = 0; i < count; ++i) {
@@ -142,7 +142,7 @@ std::optional<GridIndex> counts_in(const std::string& text) {
 }
 
 std::optional<BlockRange> blocks_in(const std::string& text) {
-  const std::vector<std::string> axes = CLI::detail::split(text, ',');
+  const std::vector<std::string> axes = split(text, ',');
   if (axes.size() != 3) return std::nullopt;
   BlockRange blocks;
   for (std::size_t axis = 0; axis < 3; ++axis) {

@@ -24,10 +24,10 @@ constexpr char model_option[] = "--model";
 constexpr char structure_group[] = "PDB and mmCIF files";
 
 std::optional<std::vector<std::string>> chains_in(const std::string& list) {
-  const std::vector<std::string> chains = CLI::detail::split(list, ',');
+  const std::vector<std::string> chains = split(list, ',');
   const bool has_empty = std::any_of(chains.begin(), chains.end(),
                                      [](const std::string& chain) { return chain.empty(); });
-  return chains.empty() || has_empty ? std::nullopt : std::optional(chains);
+  return has_empty ? std::nullopt : std::optional(chains);
 }
 
 bool is_altloc(const std::string& text) { return text.size() == 1 && text != " " && text != "."; }

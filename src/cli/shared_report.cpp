@@ -61,7 +61,7 @@ constexpr std::array dropped_counts{
           "images", &StructureReport::dropped_images},
 };
 
-std::string counts_text(const StructureReport& report, const auto& counts) {
+std::string atom_counts_text(const StructureReport& report, const auto& counts) {
   std::vector<std::string> parts;
   for (const Count& count : counts)
     if (const std::uint64_t value = report.*count.member; value > 0)
@@ -131,12 +131,13 @@ std::string other_assemblies_text(const StructureReport& report) {
 }  // namespace
 
 std::string structure_text(const StructureReport& report) {
-  const std::string dropped = counts_text(report, dropped_counts);
-  return formatted(
-      "read: {}{}{}\n{}radii: {}{}{}\n{}", counts_text(report, kept_counts), model_text(report),
-      assembly_text(report), dropped.empty() ? "" : formatted("left out: {}\n", dropped),
-      printable(report.radii), sources_text(report.by_element, "by element"),
-      sources_text(report.unknown, "of unknown radius"), other_assemblies_text(report));
+  const std::string dropped = atom_counts_text(report, dropped_counts);
+  return formatted("read: {}{}{}\n{}radii: {}{}{}\n{}", atom_counts_text(report, kept_counts),
+                   model_text(report), assembly_text(report),
+                   dropped.empty() ? "" : formatted("left out: {}\n", dropped),
+                   printable(report.radii), sources_text(report.by_element, "by element"),
+                   sources_text(report.unknown, "of unknown radius"),
+                   other_assemblies_text(report));
 }
 
 std::string filling_text(std::span<const FilledCavity> filled) {

@@ -166,8 +166,17 @@ void present_result(const Report& report) {
   for (const std::string& fault : fault_lines(report.summary)) print_message("error", fault);
 }
 
-RunResult run_with_progress(const Options& options, const RunPlan& plan,
-                            const Processes& processes) {
+void add_result(RunResult result, std::vector<ProcessFigures> processes, Report& report) {
+  report.summary = std::move(result.summary);
+  report.exact = result.exact;
+  for (const ProcessFigures& figures : processes)
+    report.peak_memory_bytes = std::max(report.peak_memory_bytes, figures.peak_memory_bytes);
+  if (report.process_count > 1 || report.options.resume) report.processes = std::move(processes);
+}
+
+// Computes the surface and adds the results to the report.
+void run_with_progress(const Options& options, const RunPlan& plan, const Processes& processes,
+                       Report& report) {
   const OutputPaths paths = paths_of(options, processes);
   InterruptibleRun interruptible(paths);
   ProgressBar bar(!options.quiet && processes.is_first());
@@ -181,8 +190,8 @@ RunResult run_with_progress(const Options& options, const RunPlan& plan,
   try {
     RunResult result =
         execute(options, plan, {.progress = show_blocks, .verification = show_checks}, processes);
+    add_result(std::move(result), gather_figures(plan, processes), report);
     interruptible.check();
-    return result;
   } catch (const SharedError&) {
     throw;
   } catch (...) {
@@ -190,15 +199,6 @@ RunResult run_with_progress(const Options& options, const RunPlan& plan,
     if (processes.count() > 1) interruptible.remove_leftovers();
     throw;
   }
-}
-
-void add_result(RunResult result, Report& report) {
-  report.summary = std::move(result.summary);
-  report.exact = result.exact;
-  for (const ProcessFigures& figures : result.processes)
-    report.peak_memory_bytes = std::max(report.peak_memory_bytes, figures.peak_memory_bytes);
-  if (report.process_count > 1 || report.options.resume)
-    report.processes = std::move(result.processes);
 }
 
 // Returns the options with the custom grid, if any. Each process reads its file.
@@ -228,7 +228,7 @@ int perform_surface(const Arguments& arguments, const Processes& processes) {
   Report report = report_of(options, plan, processes);
   on_rank_zero(processes, [&] { present_plan(report); });
   if (options.dry_run) return exit_done;
-  add_result(run_with_progress(options, plan, processes), report);
+  run_with_progress(options, plan, processes, report);
   on_rank_zero(processes, [&] { present_result(report); });
   return has_faults(report.summary) ? exit_failure : exit_done;
 }

@@ -33,7 +33,7 @@ Exit codes:
   2  error in the command line)";
 
 /// Returns the input file with the options of the radii of MSMS.
-InputFile parse_options(bool has_names, const Arguments& arguments) {
+InputFile parse_xyzr_arguments(bool has_names, const Arguments& arguments) {
   const std::string name = has_names ? "pdb_to_xyzrn" : "pdb_to_xyzr";
   InputFile input{.path = "-"};
   input.structure.radii = "msms";
@@ -70,7 +70,7 @@ std::string radius_text(double radius) {
 
 /// Prints the spheres of a PDB or mmCIF file.
 int print_spheres(bool has_names, const Arguments& arguments) {
-  const InputFile input = parse_options(has_names, arguments);
+  const InputFile input = parse_xyzr_arguments(has_names, arguments);
   require_standard_output();
   const AtomFile file =
       read_atoms(input.path, {.format = input.format, .structure = input.structure});

@@ -31,12 +31,13 @@
 namespace eses::detail {
 namespace {
 
-// Opens the output files in the first process. Returns null in the others.
+// Opens the output files in the first process. Returns null in the others, and if there are none.
 std::unique_ptr<OutputFiles> open_files(const RunTask& task, const RunPlan& plan,
                                         const Processes& processes) {
   std::unique_ptr<OutputFiles> files;
   processes.all_or_throw([&] {
     if (!processes.is_first()) return;
+    if (!task.outputs.mesh && file_names(task.outputs).empty()) return;
     files = std::make_unique<OutputFiles>(task.outputs, task.output_directory, plan.files);
     if (plan.checkpoint) plan.checkpoint->prepare();
   });
@@ -197,17 +198,13 @@ std::uint64_t commit_files(const RunTask& task, const RunPlan& plan, OutputFiles
   return processes.sum(box_bytes);
 }
 
-void add_figures(const Stopwatch& total, const RunPlan& plan, const Processes& processes,
-                 RunResult& result) {
-  PhaseSeconds& seconds = result.summary.seconds;
-  seconds.total = total.seconds();
-  combine_seconds(seconds, processes);
+}  // namespace
+
+std::vector<ProcessFigures> gather_figures(const RunPlan& plan, const Processes& processes) {
   const ProcessFigures figures{plan.slab.planes, plan.slab.molecule.atoms().size(), cpu_seconds(),
                                peak_memory()};
-  result.processes = processes.gather<ProcessFigures>({&figures, 1});
+  return processes.gather<ProcessFigures>({&figures, 1});
 }
-
-}  // namespace
 
 bool has_faults(const Summary& summary) {
   return summary.verification && !summary.verification->faults.empty();
@@ -244,7 +241,7 @@ RunResult execute(const RunTask& task, const RunPlan& plan, const Callbacks& cal
                   processes);
   SweepResult swept = sweep.run(summary);
   // The heap memory of patches and blocks is too fragmented for the long lists of areas.
-  release_free_memory();
+  if (plan.memory_bytes > small_memory_bytes) release_free_memory();
   AtomShares shares{std::move(swept.atom_shares), {}};
   take_restored(plan, processes, swept.chunks, shares);
   if (summary.verification) combine_verifications(*summary.verification, processes);
@@ -266,7 +263,8 @@ RunResult execute(const RunTask& task, const RunPlan& plan, const Callbacks& cal
         commit_files(task, plan, files.get(), check, processes);
   }
   if (processes.count() == 1) summary.atom_areas = std::move(areas.areas);
-  add_figures(total, plan, processes, result);
+  summary.seconds.total = total.seconds();
+  combine_seconds(summary.seconds, processes);
   return result;
 }
 

@@ -35,8 +35,10 @@ struct RunResult {
   Summary summary;
   /// The whole surface, also if only a part of it was computed; if Parameters::exact is set.
   std::optional<Measures> exact;
-  std::vector<ProcessFigures> processes;  ///< by rank
 };
+
+/// Returns the figures of all processes, by rank. All processes must call it.
+std::vector<ProcessFigures> gather_figures(const RunPlan& plan, const Processes& processes);
 
 /// Returns whether the verification has found faults. Then no file was written.
 bool has_faults(const Summary& summary);

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <span>
 
 #include "run/task.hpp"
@@ -29,7 +30,9 @@ struct LabelTotals {
 
 /// The memory of a process for its part of a run.
 struct MemoryBudget {
-  std::uint64_t available = 0;  ///< free memory in bytes
+  /// Returns the free memory in bytes. It is called if the run may need more than
+  /// `small_memory_bytes`, or cannot be planned.
+  std::function<std::uint64_t()> available;
   /// Bytes that the process holds during the whole run, besides the atoms: labels, and memory of
   /// MPI.
   std::uint64_t held = 0;

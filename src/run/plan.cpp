@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <variant>
@@ -220,8 +221,14 @@ void choose_schedule(const SurfaceSurvey& survey, const MemoryBudget& budget,
                      const Outputs& outputs, Plan& plan) {
   const Parameters& p = plan.parameters;
   const GridRegion region = plan.tiling.region;
-  const std::uint64_t available = budget.available;
-  const std::uint64_t limit = p.max_memory > 0 ? std::min(p.max_memory, available) : available;
+  const double limit = p.max_memory > 0 ? static_cast<double>(p.max_memory)
+                                        : std::numeric_limits<double>::infinity();
+  std::optional<std::uint64_t> available;
+  const auto is_available = [&](double memory) {
+    if (memory <= small_memory_bytes) return true;
+    if (!available) available = budget.available();
+    return memory <= static_cast<double>(*available);
+  };
   const double always = static_cast<double>(budget.held) +
                         budget.caller.per_point * static_cast<double>(region.point_count()) +
                         budget.caller.per_crossing * plan.crossings +
@@ -231,12 +238,12 @@ void choose_schedule(const SurfaceSurvey& survey, const MemoryBudget& budget,
     const double memory = always + expected_memory(survey, budget, plan.grid, schedule, outputs) +
                           Verifier::memory_bytes(p.verify, schedule.threads, plan.crossings);
     smallest = std::min(smallest, memory);
-    if (memory > static_cast<double>(limit)) continue;
+    if (memory > limit || !is_available(memory)) continue;
     static_cast<Schedule&>(plan) = schedule;
     plan.memory_bytes = whole_bytes(memory);
     return;
   }
-  if (smallest > static_cast<double>(available)) refuse_memory(region, p, smallest, available);
+  if (!is_available(smallest)) refuse_memory(region, p, smallest, *available);
   refuse_limit(p, smallest);
 }
 

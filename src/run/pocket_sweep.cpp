@@ -32,7 +32,7 @@ constexpr double margin_spacings = 2;
 // The smallest volume of a pocket, in volumes of the small probe, unless it is chosen.
 constexpr double min_probe_volumes = 2;
 
-void require(bool holds, const std::string& message) {
+void refuse_unless(bool holds, const std::string& message) {
   if (!holds) throw std::invalid_argument(message);
 }
 
@@ -135,24 +135,29 @@ class PocketPlanes {
 }  // namespace
 
 void require_valid(const PocketOptions& options, double probe_radius) {
-  require(probe_radius >= min_probe_radius && probe_radius <= max_probe_radius,
-          formatted("the probe radius must be between {} and {} angstrom for pockets, and is {}",
-                    min_probe_radius, max_probe_radius, probe_radius));
+  refuse_unless(
+      probe_radius >= min_probe_radius && probe_radius <= max_probe_radius,
+      formatted("the probe radius must be between {} and {} angstrom for pockets, and is {}",
+                min_probe_radius, max_probe_radius, probe_radius));
   const double large = options.large_probe_radius;
-  require(large > probe_radius && large <= max_probe_radius,
-          formatted("the radius of the large probe must be more than that of the probe, {}, and at "
-                    "most {} angstrom, and is {}",
-                    probe_radius, max_probe_radius, large));
+  refuse_unless(
+      large > probe_radius && large <= max_probe_radius,
+      formatted("the radius of the large probe must be more than that of the probe, {}, and at "
+                "most {} angstrom, and is {}",
+                probe_radius, max_probe_radius, large));
   const double min_spacing = probe_radius / max_probe_spacings;
-  require(options.spacing >= min_spacing && options.spacing <= probe_radius,
-          formatted("the spacing must be between {:.4g} and {} angstrom for pockets with a probe "
-                    "radius of {}, and is {}",
-                    min_spacing, probe_radius, probe_radius, options.spacing));
-  require(!options.min_volume || (*options.min_volume >= 0 && std::isfinite(*options.min_volume)),
-          formatted("the minimum volume of a pocket must be a number of at least 0, and is {}",
-                    options.min_volume.value_or(0)));
-  require(options.threads >= 0,
-          formatted("the number of threads must not be negative, and is {}", options.threads));
+  refuse_unless(
+      options.spacing >= min_spacing && options.spacing <= probe_radius,
+      formatted("the spacing must be between {:.4g} and {} angstrom for pockets with a probe "
+                "radius of {}, and is {}",
+                min_spacing, probe_radius, probe_radius, options.spacing));
+  refuse_unless(
+      !options.min_volume || (*options.min_volume >= 0 && std::isfinite(*options.min_volume)),
+      formatted("the minimum volume of a pocket must be a number of at least 0, and is {}",
+                options.min_volume.value_or(0)));
+  refuse_unless(
+      options.threads >= 0,
+      formatted("the number of threads must not be negative, and is {}", options.threads));
 }
 
 Pockets sweep_pockets(const Molecule& molecule, double probe_radius, const PocketOptions& options) {

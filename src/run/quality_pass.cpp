@@ -1,7 +1,9 @@
 #include "run/quality_pass.hpp"
 
+#include <algorithm>
 #include <cstddef>
 #include <cstring>
+#include <iterator>
 #include <utility>
 
 #include "output/local_triangle.hpp"
@@ -89,7 +91,8 @@ double QualityPass::memory_bytes(const MeshOptions& mesh, const GridRegion& regi
 
 void QualityPass::add(std::span<const char> bytes) {
   if (!rest_.empty()) {
-    rest_.insert(rest_.end(), bytes.begin(), bytes.end());
+    rest_.resize(rest_.size() + bytes.size());
+    std::copy(bytes.begin(), bytes.end(), rest_.end() - std::ssize(bytes));
     bytes = rest_;
   }
   while (const std::size_t length = add_batch(bytes)) bytes = bytes.subspan(length);

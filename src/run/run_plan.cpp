@@ -243,7 +243,7 @@ void plan_schedules(const RunTask& task, const LabelTotals& labels,
   processes.all_or_throw([&] {
     if (run.slab.planes.is_empty()) return;
     const auto sharing = static_cast<std::uint64_t>(machine.processes);
-    plan_schedule({.available = available_memory() / sharing,
+    plan_schedule({.available = [sharing] { return available_memory() / sharing; },
                    .held = processes.mpi_memory() + held_bytes(run),
                    .labels = labels,
                    .has_groups = run.groups.are_known,

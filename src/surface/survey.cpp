@@ -18,10 +18,17 @@ using std::numbers::pi;
 constexpr std::size_t min_samples = 128, max_samples = 1024, atoms_per_sample = 16;
 constexpr std::size_t sampled_boxes = 12;
 constexpr int exposure_frequency = 3;  // 92 directions sample the exposed part of a sphere
-constexpr std::size_t bins = 4096;     // number of bins along z
+// Maximum number of bins along z, and their number for each atom of a small molecule.
+constexpr std::size_t max_bins = 4096, bins_per_atom = 64;
 
 std::size_t sample_size(std::size_t atoms) {
   return std::min(atoms, std::clamp(atoms / atoms_per_sample, min_samples, max_samples));
+}
+
+// Returns the directions that sample a sphere. They are built once.
+const CoveringDirections& exposure_directions() {
+  static const CoveringDirections directions = make_covering_directions(exposure_frequency);
+  return directions;
 }
 
 // Returns the angle of an arc in radians.
@@ -86,7 +93,7 @@ std::vector<Vec3> exposed_directions(const CapList& caps, double radius,
 }
 
 // Converts the differences between consecutive bins to cumulative sums of the values of all bins.
-void integrate(std::vector<double>& steps) {
+void integrate_steps(std::vector<double>& steps) {
   std::partial_sum(steps.begin(), steps.end(), steps.begin());
   std::partial_sum(steps.begin(), steps.end(), steps.begin());
 }
@@ -96,14 +103,14 @@ void integrate(std::vector<double>& steps) {
 SurfaceSurvey::SurfaceSurvey(const Molecule& molecule, double probe_radius)
     : surface_(molecule, probe_radius),
       burial_(burial_patches(probe_radius > 0)),
-      directions_(make_covering_directions(exposure_frequency)) {
+      directions_(exposure_directions()) {
   take_samples();
 }
 
 SurfaceSurvey::SurfaceSurvey(const Molecule& molecule, double probe_radius, const Box& box)
     : surface_(molecule, probe_radius),
       burial_(burial_patches(probe_radius > 0)),
-      directions_(make_covering_directions(exposure_frequency)) {
+      directions_(exposure_directions()) {
   surface_.confine_to(box);
   for (AtomIndex i = 0; i < surface_.atoms.size(); ++i)
     if (surface_.needs_patches(i)) reach_.push_back(i);
@@ -120,6 +127,7 @@ double SurfaceSurvey::size_of(std::size_t patched) const {
 
 void SurfaceSurvey::prepare_bins() {
   const double probe = surface_.probe_radius;
+  const std::size_t bins = std::min(max_bins, bins_per_atom * patched_count());
   low_z_ = surface_.atoms[patched_atom(0)].center.z;
   double high = low_z_;
   for (std::size_t i = 0; i < patched_count(); ++i) {
@@ -189,8 +197,8 @@ void SurfaceSurvey::take_samples() {
       weight += strata.size / size;
     if (weight > 0) visit(patched_atom(i), weight, scratch, patches);
   }
-  integrate(area_);
-  integrate(variance_);
+  integrate_steps(area_);
+  integrate_steps(variance_);
 }
 
 void SurfaceSurvey::visit(AtomIndex i, double weight, AtomPatchScratch& scratch,
@@ -266,7 +274,7 @@ void SurfaceSurvey::add_area(double area, double weight, Box box, double patch_a
   totals_.area += weight * area;
   const auto bin_of = [&](double z) {
     return static_cast<std::size_t>(
-        std::clamp((z - low_z_) / bin_, 0.0, static_cast<double>(bins - 1)));
+        std::clamp((z - low_z_) / bin_, 0.0, static_cast<double>(bin_count() - 1)));
   };
   const std::size_t begin = bin_of(box.low.z), end = bin_of(box.high.z) + 1;
   const auto add = [&](std::vector<double>& steps, double amount) {
@@ -281,7 +289,7 @@ void SurfaceSurvey::add_area(double area, double weight, Box box, double patch_a
 
 double SurfaceSurvey::area_between(double low_z, double high_z) const {
   const auto area_below = [this](double z) {
-    const double position = std::clamp((z - low_z_) / bin_, 0.0, static_cast<double>(bins));
+    const double position = std::clamp((z - low_z_) / bin_, 0.0, static_cast<double>(bin_count()));
     const auto bin = static_cast<std::size_t>(position);
     const double below = bin > 0 ? area_[bin - 1] : 0;
     return below + (position - static_cast<double>(bin)) * (area_[bin] - below);
@@ -306,9 +314,9 @@ double SurfaceSurvey::max_slab_area(double thickness) const {
 // across z that are `thickness` apart.
 double SurfaceSurvey::max_fraction(double thickness) const {
   const auto width = static_cast<std::size_t>(
-      std::min(static_cast<double>(bins), std::ceil(thickness / bin_) + 1));
+      std::min(static_cast<double>(bin_count()), std::ceil(thickness / bin_) + 1));
   std::size_t within = 0, max_within = 0;
-  for (std::size_t end = 0; end < bins; ++end) {
+  for (std::size_t end = 0; end < bin_count(); ++end) {
     within += atoms_[end];
     if (end >= width) within -= atoms_[end - width];
     max_within = std::max(max_within, within);

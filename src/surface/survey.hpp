@@ -65,6 +65,7 @@ class SurfaceSurvey {
   };
   double size_of(std::size_t patched) const;
   void prepare_bins();
+  std::size_t bin_count() const { return atoms_.size(); }
   Strata make_strata() const;
   void visit(AtomIndex i, double weight, AtomPatchScratch& scratch, BuiltPatches& patches);
   void add_convex(AtomIndex i, double weight, const CapList& caps);
@@ -73,7 +74,7 @@ class SurfaceSurvey {
   SurfaceModel surface_;
   std::vector<AtomIndex> reach_;  // atoms with patches; empty if these are all atoms
   const BurialPatches& burial_;
-  CoveringDirections directions_;
+  const CoveringDirections& directions_;
   PatchTotals totals_;
   double low_z_ = 0, bin_ = 1, max_radius_ = 0;
   std::vector<std::size_t> atoms_;  // per bin: number of atoms whose centre is in it

@@ -71,7 +71,8 @@ HWY_INLINE void for_each_lane(DoubleMask mask, Action&& action) {
   for_each_lane(Doubles(), mask, action);
 }
 
-#if HWY_TARGET == HWY_AVX2 || HWY_TARGET == HWY_SSE4
+#if HWY_TARGET == HWY_AVX2 || HWY_TARGET == HWY_SSE4 || \
+    (HWY_ARCH_ARM_A64 && HWY_TARGET != HWY_SCALAR)
 // Stores the elements of a block of eight that are set in `bits` one after another, and returns
 // their number. Writes the whole block.
 template <class Block>
@@ -109,7 +110,7 @@ HWY_INLINE std::size_t compress_store(Lanes lanes, hn::Vec<Lanes> values, hn::Ma
     const std::size_t count = compress_block(block, hn::LowerHalf(block, values), bits & 0xff, to);
     return count + compress_block(block, hn::UpperHalf(block, values), bits >> 8, to + count);
   }
-#elif HWY_TARGET == HWY_SSE4
+#elif HWY_TARGET == HWY_SSE4 || (HWY_ARCH_ARM_A64 && HWY_TARGET != HWY_SCALAR)
   if constexpr (sizeof(Value) == 2)
     return compress_block(lanes, values, mask_bits(lanes, mask), to);
 #endif

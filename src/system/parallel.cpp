@@ -11,8 +11,11 @@
 
 namespace eses::detail {
 
-int available_threads(const std::string& root) {
-  return std::clamp(omp_get_max_threads(), 1, processor_quota(root));
+int available_threads(int quota) { return std::clamp(omp_get_max_threads(), 1, quota); }
+
+int available_threads() {
+  static const int quota = processor_quota();
+  return available_threads(quota);
 }
 
 void parallel_for(std::int64_t count, int threads,

@@ -3,14 +3,14 @@
 
 #include <cstdint>
 #include <functional>
-#include <string>
 
 namespace eses::detail {
 
 /// Returns the number of threads that this process may use: OMP_NUM_THREADS or else the number of
-/// processors to which it is bound, limited by the quota of the control group. See processor_quota
-/// for `root`.
-int available_threads(const std::string& root = "/");
+/// processors to which it is bound, limited by a quota of processors.
+int available_threads(int quota);
+/// Does the same for the quota of the control group, which is read at the first call.
+int available_threads();
 
 /// Starts the threads of OpenMP. OpenMP ends the process if it cannot start them, so this must be
 /// called before any file is written.

@@ -16,6 +16,11 @@ int processor_quota(const std::string& root = "/");
 /// available memory and the remaining memory of the control groups. See processor_quota for `root`.
 std::uint64_t available_memory(const std::string& root = "/");
 
+/// Memory in bytes that a run may take without asking for the available memory, and may keep when
+/// it is freed: a program that calls the library holds as much itself. Asking takes longer than
+/// computing a few atoms.
+inline constexpr std::uint64_t small_memory_bytes = std::uint64_t{16} << 20;
+
 /// Returns the resident memory of this process in bytes, or 0 if it is unknown.
 std::uint64_t resident_memory();
 
