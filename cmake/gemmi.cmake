@@ -23,8 +23,8 @@ if(GEMMI_INCLUDE_DIR AND PEGTL_INCLUDE_DIR)
 endif()
 
 if(NOT eses_has_gemmi AND ESES_WITH_GEMMI STREQUAL "AUTO")
-  message(NOTICE "gemmi is missing, so this build reads xyzr and PQR files, but not PDB and mmCIF. In Debian\n"
-                 "and Ubuntu the package is gemmi-dev, in later releases libgemmi-dev.")
+  message(NOTICE "gemmi is missing, so this build reads xyzr and PQR files, but not PDB and mmCIF. In Debian and\n"
+                 "Ubuntu the packages are gemmi-dev and tao-pegtl-dev, or libgemmi-dev in later releases.")
 elseif(NOT eses_has_gemmi)
-  list(APPEND eses_missing_packages gemmi-dev)
+  list(APPEND eses_missing_packages gemmi-dev tao-pegtl-dev)
 endif()

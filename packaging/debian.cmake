@@ -3,7 +3,13 @@
 
 set(project ${CMAKE_CURRENT_LIST_DIR}/..)
 # Packages whose headers are compiled into the program and the library.
-set(used_packages libcli11-dev libfmt-dev libhwy-dev nlohmann-json3-dev gemmi-dev tao-pegtl-dev)
+set(used_packages libcli11-dev libfmt-dev libhwy-dev nlohmann-json3-dev)
+# gemmi is optional, and the name of its package depends on the release.
+foreach(package gemmi-dev libgemmi-dev tao-pegtl-dev)
+  if(EXISTS /usr/share/doc/${package}/copyright)
+    list(APPEND used_packages ${package})
+  endif()
+endforeach()
 if(CPACK_COMPONENTS_ALL MATCHES "python")
   list(APPEND used_packages pybind11-dev)
 endif()

@@ -17,8 +17,7 @@ namespace {
 constexpr std::array<std::string_view, 100> polymer_residues{
     "ALA", "ARG", "ASN", "ASP", "CYS", "GLN", "GLU", "GLY", "HIS", "ILE", "LEU", "LYS", "MET",
     "PHE", "PRO", "SER", "THR", "TRP", "TYR", "VAL", "ASX", "GLX", "PYL", "SEC", "MSE", "SEP",
-    "TPO", "PTR", "A",   "C",   "G",   "I",     "U",   "DA",  "DC",  "DG",  "DI",  "DT",
-    "DU",
+    "TPO", "PTR", "A",   "C",   "G",   "I",   "U",   "DA",  "DC",  "DG",  "DI",  "DT",  "DU",
     "HID", "HIE", "HIP", "HSD", "HSE", "HSP", "HSC", "HIN", "HDP", "CYX", "CYM", "CYN", "CYH",
     "CYP", "CY2", "ASH", "ASB", "GLH", "LYN", "LYP", "ARN", "TYM", "ACE", "NME", "NMA", "NHE",
     "NH2", "FOR", "CT3", "A3",  "A5",  "AN",  "C3",  "C5",  "CN",  "G3",  "G5",  "GN",  "U3",

@@ -12,7 +12,8 @@ AtomFile read_structure(StructureText text,
                         const std::function<void(AtomFile& atoms)>& /*after_part*/) {
   throw Error(
       formatted("{}: this build reads xyzr and PQR; for PDB and mmCIF install gemmi-dev "
-                "(libgemmi-dev in later releases of Debian and Ubuntu) and build eses-blocks again",
+                "and tao-pegtl-dev (libgemmi-dev in later releases of Debian and Ubuntu) and build "
+                "eses-blocks again",
                 text.name));
 }
 

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <gemmi/select.hpp>
 #include <limits>
 #include <map>
 #include <set>
@@ -260,7 +259,7 @@ OtherAssembly measure(const gemmi::Assembly& assembly, const gemmi::Model& model
 
 std::vector<OtherAssembly> find_other_assemblies(const gemmi::Structure& structure) {
   const gemmi::Model& model = structure.models.front();
-  const std::uint64_t atoms = gemmi::count_atom_sites(model);
+  const std::uint64_t atoms = count_atoms(model);
   std::vector<OtherAssembly> others;
   std::size_t operator_count = 0;
   for (const gemmi::Assembly& assembly : structure.assemblies) {

@@ -42,7 +42,7 @@ class OperatorTable {
     std::vector<std::string> tags{"id"};
     for (const std::string i : {"1", "2", "3"})
       for (const std::string& tag : {"matrix[" + i + "][1]", "matrix[" + i + "][2]",
-                                    "matrix[" + i + "][3]", "vector[" + i + "]"})
+                                     "matrix[" + i + "][3]", "vector[" + i + "]"})
         tags.push_back(tag);
     for (const gemmi::cif::Table::Row row : block.find("_pdbx_struct_oper_list.", tags)) {
       gemmi::Transform& transform = transforms_[row.str(0)];

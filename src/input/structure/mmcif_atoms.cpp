@@ -135,8 +135,9 @@ class TableBuilder {
     if (name.empty()) name = "1";
     if (name == last_model_) return is_chosen_;
     const std::vector<std::string>& known = models_.names;
-    is_chosen_ = std::find(known.begin(), known.end(), name) == known.end() ? models_.add(name)
-                                                                            : name == models_.chosen;
+    is_chosen_ = std::find(known.begin(), known.end(), name) == known.end()
+                     ? models_.add(name)
+                     : name == models_.chosen;
     last_model_ = name;
     return is_chosen_;
   }

@@ -217,8 +217,7 @@ void set_entity_types(gemmi::Structure& structure, bool lists_subchains) {
   for (gemmi::Chain& chain : structure.models.front().chains)
     for (gemmi::Residue& residue : chain.residues) {
       const auto found = types.find(lists_subchains ? residue.subchain : residue.entity_id);
-      residue.entity_type =
-          found == types.end() ? gemmi::EntityType::Unknown : found->second;
+      residue.entity_type = found == types.end() ? gemmi::EntityType::Unknown : found->second;
     }
 }
 
@@ -238,7 +237,7 @@ ParsedStructure convert(Block& block, const StructureDocument& document,
   block.items.clear();
   result.structure = gemmi::make_structure_from_block(atoms.block);
   result.structure.assemblies = std::move(assemblies);
-  if (result.structure.models.empty()) result.structure.models.emplace_back("1");
+  if (result.structure.models.empty()) return result;
   join_runs(result.structure.models.front(), atoms.chains);
   set_entity_types(result.structure, lists_subchains);
   return result;

@@ -37,8 +37,9 @@ struct ModelList {
   }
 };
 
-/// A parsed text. Its structure has one model, whose atoms have their line numbers, from 1, as
-/// serial numbers. The types of entities are unknown unless the file tells them.
+/// A parsed text. Its structure has one model or, without atoms, perhaps none. The atoms have their
+/// line numbers, from 1, as serial numbers. The types of entities are unknown unless the file tells
+/// them.
 struct ParsedStructure {
   gemmi::Structure structure;
   ModelList models;

@@ -7,7 +7,6 @@
 #include <cmath>
 #include <cstddef>
 #include <gemmi/model.hpp>
-#include <gemmi/select.hpp>
 #include <gemmi/version.hpp>
 #include <set>
 #include <string>
@@ -16,12 +15,12 @@
 
 #include "eses/error.hpp"
 #include "eses/surface.hpp"
-#include "input/structure/assign_radii.hpp"
-#include "input/structure/build_assembly.hpp"
 #include "input/other_formats.hpp"
-#include "input/structure/parse_structure.hpp"
 #include "input/pqr_records.hpp"
 #include "input/radii_set.hpp"
+#include "input/structure/assign_radii.hpp"
+#include "input/structure/build_assembly.hpp"
+#include "input/structure/parse_structure.hpp"
 #include "input/structure/select_atoms.hpp"
 #include "input/structure/structure_atoms.hpp"
 #include "input/text_fields.hpp"
@@ -53,7 +52,8 @@ bool keeps_hydrogens(HydrogenChoice choice, const RadiiSet& radii) {
 /// Throws Error if the chosen model does not exist or has no atoms.
 void require_model(const ParsedStructure& parsed, std::string_view file) {
   const ModelList& models = parsed.models;
-  if (!parsed.structure.models.front().chains.empty()) return;
+  const std::vector<gemmi::Model>& parts = parsed.structure.models;
+  if (!parts.empty() && !parts.front().chains.empty()) return;
   if (models.names.empty()) throw Error(formatted("{}: no atoms found", file));
   if (models.wanted == 0)
     throw Error(formatted("{}: model {} has no atoms; choose another one with --model N", file,
@@ -115,7 +115,7 @@ ParsedStructure parse(const StructureText& text) {
 
 std::vector<StructureAtom> atoms_of(const gemmi::Model& model) {
   std::vector<StructureAtom> atoms;
-  atoms.reserve(gemmi::count_atom_sites(model));
+  atoms.reserve(count_atoms(model));
   for (const gemmi::Chain& chain : model.chains)
     for (const gemmi::Residue& residue : chain.residues)
       for (const gemmi::Atom& atom : residue.atoms)

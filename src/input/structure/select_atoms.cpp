@@ -27,9 +27,9 @@ namespace {
 
 /// Calls `remove` and returns the number of atoms that it has removed from the model.
 std::uint64_t dropped_by(const gemmi::Model& model, const auto& remove) {
-  const std::uint64_t before = gemmi::count_atom_sites(model);
+  const std::uint64_t before = count_atoms(model);
   remove();
-  return before - gemmi::count_atom_sites(model);
+  return before - count_atoms(model);
 }
 
 void remove_residues(gemmi::Model& model, const auto& is_removed) {
@@ -83,8 +83,8 @@ gemmi::Selection parse_selection(const std::string& text) {
   }
 }
 
-/// Derives the kind of each residue from its name where the file does not tell it. A TER record does
-/// not tell it: a polymer may go on after it, where gemmi takes all residues for ligands.
+/// Derives the kind of each residue from its name where the file does not tell it. A TER record
+/// does not tell it: a polymer may go on after it, where gemmi takes all residues for ligands.
 void complete_entity_types(gemmi::Model& model, gemmi::CoorFormat format) {
   using gemmi::EntityType;
   for (gemmi::Chain& chain : model.chains) {
