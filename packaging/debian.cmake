@@ -4,10 +4,10 @@
 set(project ${CMAKE_CURRENT_LIST_DIR}/..)
 # Packages whose headers are compiled into the program and the library.
 set(used_packages libcli11-dev libfmt-dev libhwy-dev libnanoflann-dev nlohmann-json3-dev)
-# The headers of gemmi are optional, and in libgemmi-dev in later releases of Debian.
-foreach(optional gemmi-dev libgemmi-dev tao-pegtl-dev)
-  if(EXISTS /usr/share/doc/${optional}/copyright)
-    list(APPEND used_packages ${optional})
+# gemmi is optional, and the name of its package depends on the release.
+foreach(package gemmi-dev libgemmi-dev tao-pegtl-dev)
+  if(EXISTS /usr/share/doc/${package}/copyright)
+    list(APPEND used_packages ${package})
   endif()
 endforeach()
 if(CPACK_COMPONENTS_ALL MATCHES "python")

@@ -23,6 +23,7 @@
 #include "catch.hpp"
 #include "cli/command.hpp"
 #include "cli/report.hpp"
+#include "input/read_structure.hpp"
 #include "run/engine.hpp"
 #include "support/sandbox.hpp"
 #include "support/sanitizers.hpp"
@@ -263,7 +264,31 @@ TEST_CASE("a run does not overwrite its input", "[cli]") {
   }
 }
 
+TEST_CASE("a build without gemmi refuses PDB and mmCIF files", "[cli]") {
+  if (!eses::detail::gemmi_version().empty()) SKIP("this build has gemmi");
+  const Sandbox sandbox;
+  for (const std::string name : {"a.pdb", "a.cif"}) {
+    write_file(sandbox.directory() / name, "data_x\n");
+    const Outcome outcome = sandbox.run({name});
+    CHECK(outcome.code == 1);
+    CHECK(outcome.err ==
+          "eses-blocks: error: " + name +
+              ": this build reads xyzr and PQR; for PDB and mmCIF install gemmi-dev and "
+              "tao-pegtl-dev (libgemmi-dev in later releases of Debian and Ubuntu) and build "
+              "eses-blocks again\n");
+    CHECK_FALSE(fs::exists(sandbox.directory() / "bounding_box.txt"));
+  }
+}
+
+TEST_CASE("--version tells the formats that the build reads", "[cli]") {
+  const std::string version = std::string(eses::detail::gemmi_version());
+  CHECK(contains(Sandbox().run({"--version"}).out,
+                 version.empty() ? "\nreads: xyzr and PQR (built without gemmi)\n"
+                                 : "\nreads: xyzr, PQR, PDB and mmCIF (gemmi " + version + ")\n"));
+}
+
 TEST_CASE("a run does not overwrite any file that it reads", "[cli]") {
+  if (eses::detail::gemmi_version().empty()) SKIP("this build has no gemmi");
   const Sandbox sandbox;
   const fs::path root = sandbox.directory();
   write_file(root / "atom.pdb",
@@ -511,6 +536,7 @@ TEST_CASE("a table of atoms is written for every format", "[cli]") {
   const std::string pqr = table_of("two.pqr", {});
   CHECK(contains(pqr, header + "1,CA,ALA,7,A,C,1.5,"));
   CHECK(contains(pqr, "\n2,CL1,LIG,1A,B,Cl,1.75,"));
+  if (eses::detail::gemmi_version().empty()) return;
   const std::string pdb = table_of("two.pdb", {"--radii", "bondi"});
   CHECK(contains(pdb, header + "1,CA,ALA,7,A,C,1.7,"));
   CHECK(contains(pdb, "\n2,CL1,LIG,1A,B,Cl,1.75,"));

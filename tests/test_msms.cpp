@@ -18,6 +18,7 @@
 #include "catch.hpp"
 #include "eses/measure.hpp"
 #include "eses/read_atoms.hpp"
+#include "input/read_structure.hpp"
 #include "mesh/shells.hpp"
 #include "support/atom_sets.hpp"
 #include "support/sandbox.hpp"
@@ -376,6 +377,7 @@ TEST_CASE("msms: errors name their cause", "[msms]") {
 }
 
 TEST_CASE("msms: pdb_to_xyzr prints the spheres that MSMS's script prints", "[msms]") {
+  if (eses::detail::gemmi_version().empty()) SKIP("this build has no gemmi");
   const std::string folder = "/usr/share/doc/python-biopython-doc/Tests/PDB/";
   if (!fs::exists(folder + "1A8O.xyzr.gz")) SKIP("python-biopython-doc is not installed");
   const Sandbox box;
@@ -398,6 +400,7 @@ TEST_CASE("msms: pdb_to_xyzr prints the spheres that MSMS's script prints", "[ms
 }
 
 TEST_CASE("msms: pdb_to_xyzr names atoms without a radius", "[msms]") {
+  if (eses::detail::gemmi_version().empty()) SKIP("this build has no gemmi");
   const Sandbox box;
   write_file(box.directory() / "a.pdb",
              "HETATM    1  Q   XYZ A   1       1.000   2.000   3.000  1.00  0.00           X  \n");

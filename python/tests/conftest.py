@@ -16,6 +16,17 @@ DATA = PROJECT / "data"
 sys.path.insert(0, str(PROJECT / "scripts/lib"))  # modules of the scripts
 
 
+@pytest.fixture
+def needs_gemmi(tmp_path):
+    """Skips a test in a build without gemmi, which does not read PDB and mmCIF files."""
+    path = tmp_path / "empty.pdb"
+    path.write_text("")
+    with pytest.raises(ValueError) as error:
+        eses.read_atoms(path)
+    if "this build reads" in str(error.value):
+        pytest.skip("this build has no gemmi")
+
+
 @pytest.fixture(scope="session")
 def program():
     """Returns the path of the command-line program."""

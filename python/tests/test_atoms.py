@@ -60,6 +60,7 @@ END
 """
 
 
+@pytest.mark.usefixtures("needs_gemmi")
 def test_pdb_file_is_read_with_bondi_radii(tmp_path):
     path = tmp_path / "five.pdb"
     path.write_text(PDB)
@@ -82,6 +83,7 @@ def test_pdb_file_is_read_with_bondi_radii(tmp_path):
         eses.read_atoms(path, radii="bondi", model=7)
 
 
+@pytest.mark.usefixtures("needs_gemmi")
 def test_diagnostics_follow_from_names(tmp_path):
     path = tmp_path / "trace.pdb"
     lines = PDB.splitlines(keepends=True)
@@ -122,6 +124,7 @@ def test_pqr_file_has_elements_and_charges(tmp_path):
     assert charge.sum() == 1.25
 
 
+@pytest.mark.usefixtures("needs_gemmi")
 def test_pdb_file_has_elements(tmp_path):
     path = tmp_path / "five.pdb"
     path.write_text(PDB)
@@ -184,6 +187,7 @@ def test_wrong_arguments_are_refused():
         eses.read_atoms("-")
 
 
+@pytest.mark.usefixtures("needs_gemmi")
 def test_names_of_files_need_not_be_utf8(tmp_path):
     path = os.fsdecode(os.fsencode(tmp_path) + b"/caf\xe9.xyzr")
     with pytest.raises(FileNotFoundError, match="caf\udce9.xyzr"):
@@ -201,6 +205,7 @@ def test_names_of_files_need_not_be_utf8(tmp_path):
         assert eses.read_atoms(tmp_path / "one.pdb", radii=name).radii.tolist() == [3.5]
 
 
+@pytest.mark.usefixtures("needs_gemmi")
 def test_unknown_radii_are_refused(tmp_path):
     (tmp_path / "one.pdb").write_text(PDB.splitlines()[1])
     for name in ("bondy", "A" * 300, "no/such/file"):

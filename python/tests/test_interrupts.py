@@ -133,6 +133,7 @@ def write_mmcif(path, atoms):
                        f"{residue} {chain} 1\n")
 
 
+@pytest.mark.usefixtures("needs_gemmi")
 def test_read_mmcif(tmp_path):
     path = tmp_path / "large.cif"
     write_mmcif(path, 400_000)
@@ -146,6 +147,7 @@ def test_read_mmcif(tmp_path):
     assert_interrupts(lambda: eses.read_atoms(path), 0.1)
 
 
+@pytest.mark.usefixtures("needs_gemmi")
 def test_exit_after_an_interrupt(tmp_path):
     """The thread that still reads when the interpreter exits does no harm."""
     path = tmp_path / "large.cif"

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "eses/version.hpp"
+#include "input/read_structure.hpp"
 #include "system/dispatch.hpp"
 #include "system/formatted.hpp"
 
@@ -164,8 +165,13 @@ void set_up(CLI::App& app, std::string usage, std::string footer) {
 }
 
 std::string version_text() {
-  return formatted("eses-blocks {}\ncompiler: {}\nbuild type: {}\nflags: {}\ninstruction set: {}\n",
-                   version, compiler, build_type, compiler_flags, name_of(instruction_set()));
+  const std::string_view gemmi = gemmi_version();
+  const std::string formats = gemmi.empty()
+                                  ? "xyzr and PQR (built without gemmi)"
+                                  : formatted("xyzr, PQR, PDB and mmCIF (gemmi {})", gemmi);
+  return formatted(
+      "eses-blocks {}\ncompiler: {}\nbuild type: {}\nflags: {}\ninstruction set: {}\nreads: {}\n",
+      version, compiler, build_type, compiler_flags, name_of(instruction_set()), formats);
 }
 
 void add_notices(CLI::App& app) {

@@ -3,19 +3,21 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
-#include <gemmi/elem.hpp>
-#include <gemmi/resinfo.hpp>
 #include <unordered_map>
 #include <utility>
 
+#include "input/radii_tables.hpp"
 #include "input/text_fields.hpp"
 
 namespace eses::detail {
 namespace {
 
-// Names of residues in the force fields of Amber, CHARMM and GROMACS that gemmi does not know:
-// protonation states of amino acids, caps of chains, and nucleotides.
-constexpr std::array<std::string_view, 61> md_residues{
+// Amino acids and nucleotides of the PDB, and their names in the force fields of Amber, CHARMM and
+// GROMACS: protonation states, caps of chains, and nucleotides.
+constexpr std::array<std::string_view, 100> polymer_residues{
+    "ALA", "ARG", "ASN", "ASP", "CYS", "GLN", "GLU", "GLY", "HIS", "ILE", "LEU", "LYS", "MET",
+    "PHE", "PRO", "SER", "THR", "TRP", "TYR", "VAL", "ASX", "GLX", "PYL", "SEC", "MSE", "SEP",
+    "TPO", "PTR", "A",   "C",   "G",   "I",   "U",   "DA",  "DC",  "DG",  "DI",  "DT",  "DU",
     "HID", "HIE", "HIP", "HSD", "HSE", "HSP", "HSC", "HIN", "HDP", "CYX", "CYM", "CYN", "CYH",
     "CYP", "CY2", "ASH", "ASB", "GLH", "LYN", "LYP", "ARN", "TYM", "ACE", "NME", "NMA", "NHE",
     "NH2", "FOR", "CT3", "A3",  "A5",  "AN",  "C3",  "C5",  "CN",  "G3",  "G5",  "GN",  "U3",
@@ -44,9 +46,16 @@ bool contains(const auto& list, std::string_view text) {
   return std::find(list.begin(), list.end(), text) != list.end();
 }
 
-bool is_element(std::string_view symbol) {
-  return gemmi::find_element(std::string(symbol).c_str()) != gemmi::El::X;
+/// Returns the element symbol at the start of a text in its usual spelling, such as Cl for CL-;
+/// empty if there is none.
+std::string usual_spelling(std::string_view text) {
+  const bool has_two = text.size() > 1 && (is_letter(text[1]) || is_digit(text[1]));
+  std::string symbol = lower_case(std::string(text.substr(0, has_two ? 2 : 1)));
+  if (!symbol.empty() && is_letter(symbol[0])) symbol[0] = static_cast<char>(symbol[0] - 'a' + 'A');
+  return freesasa_element_radius(symbol) ? symbol : std::string();
 }
+
+bool is_element(std::string_view symbol) { return !usual_spelling(symbol).empty(); }
 
 /// Returns the name without the digits and signs around its letters.
 std::string_view stem_of(std::string_view name) {
@@ -96,43 +105,33 @@ std::string ligand_element(std::string_view name, bool is_left_aligned) {
   return std::string(elements.find(name.front()) == elements.npos ? "" : name.substr(0, 1));
 }
 
-/// Returns the element symbol at the start of a text, such as Cl for CL1; empty if there is none.
-std::string usual_spelling(const std::string& text) {
-  const gemmi::El element = gemmi::find_element(text.c_str());
-  return element == gemmi::El::X ? std::string() : gemmi::element_name(element);
-}
-
 /// Returns the element symbol of an atom whose name is not in columns; empty if it is unknown.
 std::string symbol_by_name(std::string_view name, std::string_view residue) {
-  const std::string symbol = element_by_name(name, residue, true);
-  return usual_spelling(symbol.empty() ? std::string(stem_of(name)) : symbol);
+  const std::string symbol = element_by_name(name, residue, is_named_polymer(residue), true);
+  return usual_spelling(symbol.empty() ? stem_of(name) : symbol);
 }
 
 }  // namespace
 
-bool is_polymer_residue(std::string_view residue) {
-  if (residue.size() == 4 && (residue.front() == 'N' || residue.front() == 'C'))
-    residue.remove_prefix(1);  // the first or last residue of a chain in Amber's files
-  const gemmi::ResidueInfo& info = gemmi::find_tabulated_residue(std::string(residue));
-  return info.is_amino_acid() || info.is_nucleic_acid() || contains(md_residues, residue);
+bool is_named_polymer(std::string_view residue) {
+  return contains(polymer_residues, without_end_letter(residue));
 }
 
-bool is_ion(std::string_view name, std::string_view residue) {
-  if (is_polymer_residue(residue)) return name == residue;
+bool is_ion(std::string_view name, std::string_view residue, bool is_polymer) {
+  if (is_polymer) return name == residue;
   return !stem_of(name).empty() && stem_of(name) == stem_of(residue);
 }
 
 std::string element_by_name(std::string_view name_columns, std::string_view residue,
-                            bool is_left_aligned) {
+                            bool is_polymer, bool is_left_aligned) {
   std::string_view name = trimmed(name_columns);
-  if (is_ion(name, residue)) return ion_element(name);
+  if (is_ion(name, residue, is_polymer)) return ion_element(name);
   while (!name.empty() && is_digit(name.front())) name.remove_prefix(1);
   if (name.empty()) return {};
-  const bool is_known = is_polymer_residue(residue);
   if (name.front() == 'H' || name.front() == 'D')
-    return is_known ? std::string(1, name.front())
-                    : hydrogen_or_mercury(name_columns, name, is_left_aligned);
-  if (!is_known) return ligand_element(name, is_left_aligned);
+    return is_polymer ? std::string(1, name.front())
+                      : hydrogen_or_mercury(name_columns, name, is_left_aligned);
+  if (!is_polymer) return ligand_element(name, is_left_aligned);
   for (const std::string_view element : {"SE", "CL", "BR"})
     if (stem_of(name) == element) return std::string(element);
   constexpr std::string_view elements = "CNOSP";

@@ -9,18 +9,26 @@
 
 namespace eses::detail {
 
-/// Returns whether a residue is an amino acid or nucleotide, also by a name of Amber, CHARMM or
-/// GROMACS, such as HID or NALA.
-bool is_polymer_residue(std::string_view residue);
+/// Returns a residue name without the letter N or C by which Amber marks the first and the last
+/// residue of a chain, as in NALA.
+inline std::string_view without_end_letter(std::string_view residue) {
+  const bool has_letter = residue.size() == 4 && (residue.front() == 'N' || residue.front() == 'C');
+  return residue.substr(has_letter ? 1 : 0);
+}
+
+/// Returns whether a name is that of a standard amino acid or nucleotide, or its name in Amber,
+/// CHARMM or GROMACS, such as HID or NALA.
+bool is_named_polymer(std::string_view residue);
 
 /// Returns whether an atom is the only one of its residue, as in the residues CA, FE2 and 3CO.
-bool is_ion(std::string_view name, std::string_view residue);
+/// `is_polymer` tells whether the residue is an amino acid or nucleotide.
+bool is_ion(std::string_view name, std::string_view residue, bool is_polymer);
 
 /// Returns the element symbol, in capital letters, of an atom; empty if the columns of the name
 /// decide: the symbol is right-justified in the first two of them. `name_columns` are the four
 /// columns of the name. `is_left_aligned` tells whether all names begin in the first column.
 std::string element_by_name(std::string_view name_columns, std::string_view residue,
-                            bool is_left_aligned);
+                            bool is_polymer, bool is_left_aligned);
 
 /// Completes the elements of labels from a PQR file: the symbol of the file in its usual spelling
 /// or, if the file has none, the symbol by the names, as if all names began in the first column.

@@ -27,6 +27,9 @@ struct StructureText {
   void require_memory(std::uint64_t bytes) const { limit.require(bytes, reading_of(name)); }
 };
 
+/// Returns the version of gemmi; empty in a build without it, which reads no PDB and mmCIF files.
+std::string_view gemmi_version();
+
 /// Reads a text. Calls `after_part` after each part with the atoms so far. Labels that `after_part`
 /// takes are not kept. Throws Error with file and line.
 AtomFile read_structure(StructureText text, const std::function<void(AtomFile& atoms)>& after_part);

@@ -12,7 +12,7 @@ import unittest
 
 from faults import (LIBRARY, MMCIF, FaultTest, SMALL, forget_signals, needs_library, wait_for,
                     write_pdb)
-from support import DATA, PROGRAM, write_program
+from support import DATA, PROGRAM, needs_gemmi, write_program
 
 LAUNCHER = os.environ.get("ESES_MPIEXEC")
 IS_OPEN_MPI = LAUNCHER and any(name in subprocess.run(
@@ -168,6 +168,7 @@ class Identity(Processes):
             self.assertSame(count, DATA / "1ubq.xyzr", *maps, "--kappa", "kappa.dx.gz", "--inside",
                             "inside.dx.gz", "--gzip")
 
+    @needs_gemmi
     def test_files_from_structures_are_the_same(self):
         """PDB and mmCIF files, which one process reads for all."""
         for path in (MMCIF, write_pdb(self.folder / "chains.pdb")):
@@ -228,6 +229,7 @@ class Identity(Processes):
             self.assertSame(count, DATA / "fas2.pqr", "--spacing", "0.8", "--write", "none",
                             "--color", "chain", mesh="mesh.vtp")
 
+    @needs_gemmi
     def test_tables_of_atoms_are_the_same(self):
         """With and without names, where all ranks read a part of the file and where one reads it."""
         compressed = self.folder / "fas2.pqr.gz"
@@ -423,6 +425,7 @@ class Failure(Processes):
         self.assertEnded(self.run_together(2, SMALL, "--exact"),
                          "--exact needs all atoms in one process", code=2)
 
+    @needs_gemmi
     def test_names_give_the_diagnostics_of_one_process(self):
         water = self.folder / "wet.pqr"
         water.write_text("".join(f"ATOM {i} O {'HOH' if i % 3 else 'ALA'} {i} {9 * i} 0 0 -0.8 1.6\n"

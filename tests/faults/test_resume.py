@@ -8,7 +8,7 @@ import unittest
 
 from faults import (MMCIF, FaultTest, SMALL, forget_signals, needs_library, wait_for,
                     write_pdb)
-from support import DATA, write_map
+from support import DATA, needs_gemmi, write_map
 
 CHECKPOINT = ".eses-blocks.resume"
 # Layers have 8 planes, so that there are several chunks.
@@ -317,6 +317,7 @@ class Resume(FaultTest):
             other = tuple(one for one in other if one != "--fill-cavities")
             self.assertFailed(self.run_program(*other, "--resume"), "cannot resume")
 
+    @needs_gemmi
     @needs_library
     def test_files_from_structures_are_the_same_after_resuming(self):
         """PDB and mmCIF files, whose labels are in files of areas and meshes."""

@@ -153,6 +153,15 @@ def has_matplotlib(script):
     return can_import(script, "matplotlib")
 
 
+def reads_structures():
+    """Returns whether the program reads PDB and mmCIF files, for which it needs gemmi."""
+    return not PROGRAM.exists() or "mmCIF" in subprocess.run(
+        [PROGRAM, "--version"], capture_output=True, text=True, check=True).stdout
+
+
+needs_gemmi = unittest.skipUnless(reads_structures(), "this build has no gemmi")
+
+
 class TestCase(unittest.TestCase):
     """A test case with an empty folder for each test."""
 

@@ -20,7 +20,13 @@ class Configure(TestCase):
     def test_packages_of_missing_headers_are_named(self):
         # The headers of gemmi and PEGTL are only in a directory that CMake does not search.
         self.assertLessEqual({"gemmi-dev", "tao-pegtl-dev"},
-                             self.missing_packages("-DCMAKE_IGNORE_PATH=/usr/include"))
+                             self.missing_packages("-DCMAKE_IGNORE_PATH=/usr/include", "-DESES_WITH_GEMMI=ON"))
+
+    def test_gemmi_is_optional(self):
+        for option in ("AUTO", "OFF"):
+            self.assertNotIn("gemmi-dev", self.missing_packages(
+                "-DCMAKE_IGNORE_PATH=/usr/include", f"-DESES_WITH_GEMMI={option}",
+                "-DCMAKE_DISABLE_FIND_PACKAGE_fmt=ON"))
 
     def test_all_missing_packages_are_named(self):
         names = {"nlohmann_json": "nlohmann-json3-dev", "CLI11": "libcli11-dev", "fmt": "libfmt-dev",

@@ -11,8 +11,8 @@ import signal
 import subprocess
 import time
 
-from support import (DATA, PROGRAM, PROJECT, SCRIPTS, TestCase, command, forget_signals, run,
-                     write_program)
+from support import (DATA, PROGRAM, PROJECT, SCRIPTS, TestCase, command, forget_signals,
+                     needs_gemmi, run, write_program)
 
 PATIENCE = 600  # seconds until a test gives up; no normal run takes so long
 RUN_DEPENDENT = ("seconds", "peak_bytes", "threads")
@@ -115,6 +115,7 @@ class Results(PdbbindTest):
         row = summary(self.output)["two"]
         self.assertEqual((row["exact_area"], row["exact_volume"]), ("", ""))
 
+    @needs_gemmi
     def test_structures_are_read_directly_with_radii(self):
         self.add("a.cif.gz", PROJECT / "tests/data/1a8o.cif.gz")
         record = "ATOM      1  CA  ALA A   1      {:6.3f}   0.000   0.000  1.00  0.00           C\n"
@@ -134,6 +135,7 @@ class Results(PdbbindTest):
         changed = [self.stamp(name) != stamp for name, stamp in zip("abc", stamps)]
         self.assertEqual(changed, [True, True, False])
 
+    @needs_gemmi
     def test_assembly_files_have_ids_of_their_own(self):
         record = "ATOM      1  CA  ALA A   1       0.000   0.000   0.000  1.00  0.00           C\n"
         for name in ("a.pdb", "a.pdb1", "b.pdbx.pdb"):
@@ -146,6 +148,7 @@ class Results(PdbbindTest):
                                   "b.pdbx": "done"})
         self.assertIn("2 models, which are the copies of an assembly", done.stderr)
 
+    @needs_gemmi
     def test_options_of_structure_files_reach_the_program(self):
         self.add("a.cif.gz", PROJECT / "tests/data/1a8o.cif.gz")
         self.run_pdbbind("--radii", "protor", "--", "--waters")

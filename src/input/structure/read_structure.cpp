@@ -1,6 +1,3 @@
-// Avoids the dependence of gemmi on stb_sprintf, which is another package in Debian.
-#define USE_STD_SNPRINTF
-
 #include "input/read_structure.hpp"
 
 #include <fmt/format.h>
@@ -10,7 +7,7 @@
 #include <cmath>
 #include <cstddef>
 #include <gemmi/model.hpp>
-#include <gemmi/select.hpp>
+#include <gemmi/version.hpp>
 #include <set>
 #include <string>
 #include <utility>
@@ -18,15 +15,14 @@
 
 #include "eses/error.hpp"
 #include "eses/surface.hpp"
-#include "input/assign_radii.hpp"
-#include "input/build_assembly.hpp"
 #include "input/other_formats.hpp"
-#include "input/parse_structure.hpp"
-#include "input/pdb_elements.hpp"
 #include "input/pqr_records.hpp"
 #include "input/radii_set.hpp"
-#include "input/select_atoms.hpp"
-#include "input/structure_atoms.hpp"
+#include "input/structure/assign_radii.hpp"
+#include "input/structure/build_assembly.hpp"
+#include "input/structure/parse_structure.hpp"
+#include "input/structure/select_atoms.hpp"
+#include "input/structure/structure_atoms.hpp"
 #include "input/text_fields.hpp"
 #include "system/formatted.hpp"
 #include "system/resources.hpp"
@@ -53,32 +49,73 @@ bool keeps_hydrogens(HydrogenChoice choice, const RadiiSet& radii) {
   return choice == HydrogenChoice::keep || (choice == HydrogenChoice::by_radii && !radii.is_united);
 }
 
+/// Throws Error if the chosen model does not exist or has no atoms.
+void require_model(const ParsedStructure& parsed, std::string_view file) {
+  const ModelList& models = parsed.models;
+  const std::vector<gemmi::Model>& parts = parsed.structure.models;
+  if (!parts.empty() && !parts.front().chains.empty()) return;
+  if (models.names.empty()) throw Error(formatted("{}: no atoms found", file));
+  if (models.wanted == 0)
+    throw Error(formatted("{}: model {} has no atoms; choose another one with --model N", file,
+                          printable(models.chosen)));
+  throw Error(formatted(
+      "{}: there is no model {} (--model); the file has {}, from {} to {}", file, models.wanted,
+      models.names.size() == 1 ? "one model" : formatted("{} models", models.names.size()),
+      printable(models.names.front()), printable(models.names.back())));
+}
+
 /// Throws Error if an assembly file of the PDB has several models. They are copies, of which only
 /// the first one would be read.
-void refuse_copies(const gemmi::Structure& structure, std::string_view name) {
-  if (structure.models.size() < 2) return;
+void refuse_copies(const ModelList& models, std::string_view file) {
+  if (models.names.size() < 2) return;
   throw Error(
       formatted("{}: {} models, which are the copies of an assembly in files of this suffix; read "
                 "one with --model N, or build the assembly from the entry's PDB or mmCIF file with "
                 "--assembly ID",
-                name, structure.models.size()));
+                file, models.names.size()));
 }
 
-gemmi::Structure parse(const StructureText& text) {
+/// Splits residues in which an atom of the same name and alternate location repeats. They are
+/// several residues with the same name and number, because in large files numbers begin again after
+/// 9999.
+void split_residues(gemmi::Model& model) {
+  std::set<std::pair<std::string, char>> known;
+  for (gemmi::Chain& chain : model.chains) {
+    std::vector<gemmi::Residue> parts;
+    parts.reserve(chain.residues.size());
+    for (gemmi::Residue& residue : chain.residues) {
+      std::vector<gemmi::Atom> atoms = std::move(residue.atoms);
+      residue.atoms.clear();
+      known.clear();
+      for (gemmi::Atom& atom : atoms) {
+        const bool is_repeated = !known.emplace(atom.name, atom.altloc).second;
+        if (is_repeated) known = {{atom.name, atom.altloc}};
+        if (is_repeated || &atom == &atoms.front()) parts.push_back(residue);
+        parts.back().atoms.push_back(std::move(atom));
+      }
+    }
+    // The atoms stay in memory until the result is complete.
+    for (gemmi::Residue& part : parts) part.atoms.shrink_to_fit();
+    chain.residues = std::move(parts);
+  }
+}
+
+ParsedStructure parse(const StructureText& text) {
   const StructureOptions& options = text.options.structure;
-  gemmi::Structure structure =
-      text.format == AtomFormat::pdb
-          ? parse_pdb_text(text.text, text.name, !options.assembly.empty(), text.options.check)
-          : parse_mmcif_text(text.text, text.name, options.assembly, text.options.check);
+  const auto& parse_text = text.format == AtomFormat::pdb ? parse_pdb_text : parse_mmcif_text;
+  ParsedStructure parsed =
+      parse_text(text.text, text.name, {options.model, options.assembly, text.options.check});
   text.check();
-  if (text.is_assembly_file && options.model == 0) refuse_copies(structure, text.name);
+  if (text.is_assembly_file && options.model == 0) refuse_copies(parsed.models, text.name);
+  require_model(parsed, text.name);
+  split_residues(parsed.structure.models.front());
   text.require_memory(0);
-  return structure;
+  return parsed;
 }
 
 std::vector<StructureAtom> atoms_of(const gemmi::Model& model) {
   std::vector<StructureAtom> atoms;
-  atoms.reserve(gemmi::count_atom_sites(model));
+  atoms.reserve(count_atoms(model));
   for (const gemmi::Chain& chain : model.chains)
     for (const gemmi::Residue& residue : chain.residues)
       for (const gemmi::Atom& atom : residue.atoms)
@@ -143,6 +180,8 @@ std::vector<Diagnostic> find_one_atom_residues(const std::vector<StructureAtom>&
 
 }  // namespace
 
+std::string_view gemmi_version() { return GEMMI_VERSION; }
+
 AtomFile read_structure(StructureText text,
                         const std::function<void(AtomFile& atoms)>& after_part) {
   text.text = checked_text(text.text, text.name, text.format);
@@ -151,19 +190,18 @@ AtomFile read_structure(StructureText text,
   const RadiiSet radii = find_radii_set(options.radii);
   text.require_memory(expected_bytes(text.text, text.format));
   text.check();
-  gemmi::Structure structure = parse(text);
+  ParsedStructure parsed = parse(text);
   AtomFile result;
   StructureReport& report = result.structure.emplace();
-  const gemmi::Model model = select_atoms(
-      structure, options, keeps_hydrogens(options.hydrogens, radii), text.name, report);
-  structure.models.clear();
+  select_atoms(parsed, options, keeps_hydrogens(options.hydrogens, radii), text.name, report);
+  const gemmi::Structure& structure = parsed.structure;
   std::set<std::string> copies;
   std::vector<StructureAtom> atoms;
   if (options.assembly.empty()) {
-    if (!text.is_assembly_file) report.other_assemblies = find_other_assemblies(structure, model);
-    atoms = atoms_of(model);
+    if (!text.is_assembly_file) report.other_assemblies = find_other_assemblies(structure);
+    atoms = atoms_of(structure.models.front());
   } else {
-    atoms = build_assembly(structure, model, text, copies, report);
+    atoms = build_assembly(structure, text, copies, report);
   }
   check_coordinates(atoms, text.name);
   if (options.assembly.empty()) sort_by_line(atoms);

@@ -1,11 +1,14 @@
 #pragma once
-/// The selected atoms of a PDB or mmCIF file.
+/// Atoms and residues of PDB and mmCIF files.
 
 #include <cstdint>
 #include <gemmi/model.hpp>
+#include <gemmi/resinfo.hpp>
 #include <string>
+#include <string_view>
 
 #include "eses/vec3.hpp"
+#include "input/pdb_elements.hpp"
 
 namespace eses::detail {
 
@@ -23,6 +26,20 @@ struct StructureAtom {
 /// Returns the symbol of an element, such as Zn; X if it is unknown, and H for deuterium.
 inline const char* symbol_of(gemmi::Element element) {
   return element == gemmi::El::D ? "H" : element.name();
+}
+
+/// Returns whether a residue is an amino acid or nucleotide, also a modified one, and also by a
+/// name of Amber, CHARMM or GROMACS.
+inline bool is_polymer_residue(std::string_view residue) {
+  const auto& info = gemmi::find_tabulated_residue(std::string(without_end_letter(residue)));
+  return info.is_amino_acid() || info.is_nucleic_acid() || is_named_polymer(residue);
+}
+
+inline std::uint64_t count_atoms(const gemmi::Model& model) {
+  std::uint64_t count = 0;
+  for (const gemmi::Chain& chain : model.chains)
+    for (const gemmi::Residue& residue : chain.residues) count += residue.atoms.size();
+  return count;
 }
 
 inline bool is_hetatm(const gemmi::Residue& residue) { return residue.het_flag == 'H'; }

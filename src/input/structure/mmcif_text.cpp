@@ -6,13 +6,13 @@
 #include <gemmi/cif.hpp>
 #include <gemmi/mmcif.hpp>
 #include <set>
+#include <unordered_map>
 #include <utility>
 #include <vector>
 
-#include "input/chain_builder.hpp"
 #include "input/check_at.hpp"
-#include "input/mmcif_tables.hpp"
-#include "input/parse_structure.hpp"
+#include "input/structure/mmcif_tables.hpp"
+#include "input/structure/parse_structure.hpp"
 #include "input/text_fields.hpp"
 
 namespace eses::detail {
@@ -25,17 +25,28 @@ using Item = gemmi::cif::Item;
 using ItemType = gemmi::cif::ItemType;
 using Loop = gemmi::cif::Loop;
 
-bool is_atom_table(const Item& item) { return item.has_prefix(atom_category); }
+bool is_atom_tag(const std::string& tag) { return gemmi::istarts_with(tag, atom_category); }
 
-/// Returns whether a table has atoms or the types of entities. Prefixes are in lower case.
-bool is_needed_table(const Item& item) {
-  return is_atom_table(item) || item.has_prefix("_entity.") || item.has_prefix("_entity_poly.") ||
-         item.has_prefix("_struct_asym.");
+/// Returns whether the table of a tag has atoms or the types of entities.
+bool is_needed_tag(const std::string& tag) {
+  return is_atom_tag(tag) || gemmi::istarts_with(tag, "_entity.") ||
+         gemmi::istarts_with(tag, "_struct_asym.");
 }
+
+const std::string& tag_of(const Item& item) {
+  static const std::string none;
+  if (item.type == ItemType::Pair) return item.pair[0];
+  return item.type == ItemType::Loop ? item.loop.tags.front() : none;
+}
+
+bool is_atom_table(const Item& item) { return is_atom_tag(tag_of(item)); }
 
 /// A document that has only the tags of loops that this program does not use.
 struct StructureDocument : gemmi::cif::Document {
   explicit StructureDocument(const CheckCallback& its_check) : check(its_check) {}
+
+  /// The item being read in the current data block.
+  const Item& item() const { return blocks.back().items.back(); }
 
   const CheckCallback& check;
   std::uint64_t value_count = 0;          ///< number of values of loops
@@ -52,9 +63,9 @@ struct StructureAction<rules::loop_tag> {
   template <class Input>
   static void apply(const Input& in, StructureDocument& document) {
     gemmi::cif::Action<rules::loop_tag>::apply(in, document);
-    const bool is_in_frame = document.items_ != &document.blocks.back().items;
-    const Item& table = document.items_->back();
-    document.keeps_values = !is_in_frame && (is_needed_table(table) || is_assembly_table(table));
+    // The item is another one if the loop is in a save frame.
+    const std::string& table = tag_of(document.item());
+    document.keeps_values = is_needed_tag(table) || is_assembly_tag(table);
   }
 };
 
@@ -64,8 +75,8 @@ struct StructureAction<rules::loop_value> {
   static void apply(const Input& in, StructureDocument& document) {
     check_at(++document.value_count, document.check);
     if (!document.keeps_values) return;
-    const Item& table = document.items_->back();
-    if (table.loop.values.size() % table.loop.tags.size() == 0 && is_atom_table(table))
+    const Loop& loop = document.item().loop;
+    if (loop.values.size() % loop.tags.size() == 0 && is_atom_table(document.item()))
       document.atom_lines.push_back(in.iterator().line);
     gemmi::cif::Action<rules::loop_value>::apply(in, document);
   }
@@ -89,15 +100,25 @@ std::string syntax_message(std::string_view rest) {
          "global_, save_ or stop_";
 }
 
+/// Returns the position of an error, which is a member of old versions of PEGTL.
+template <class ParseError>
+auto position_of(const ParseError& error, int) -> decltype(error.positions().front()) {
+  return error.positions().front();
+}
+template <class ParseError>
+auto position_of(const ParseError& error, long) {
+  return error.positions.front();
+}
+
 void parse_document(std::string_view text, StructureDocument& document) {
   try {
     pegtl::memory_input<> in(text.data(), text.size(), "");
     pegtl::parse<rules::file, StructureAction, gemmi::cif::Errors>(in, document);
   } catch (const pegtl::parse_error& error) {
-    const pegtl::position& at = error.positions().front();
-    const std::string message(error.message());
-    throw MmcifError{at.line,
-                     message == "parse error" ? syntax_message(text.substr(at.byte)) : message};
+    const auto at = position_of(error, 0);
+    const std::string message(error.what());  // begins with the position
+    const std::string what = message.substr(message.find(": ") + 2);
+    throw MmcifError{at.line, what == "parse error" ? syntax_message(text.substr(at.byte)) : what};
   }
 }
 
@@ -143,76 +164,91 @@ Block& find_atom_block(StructureDocument& document) {
   return *found;
 }
 
-/// Converts a table of one atom that is not a loop to a loop. Returns the line of its atom.
-std::uint64_t make_atom_loop(Block& block) {
-  Item table{gemmi::cif::LoopArg{}};
-  std::uint64_t line = 0;
-  for (Item& item : block.items) {
-    if (!is_atom_table(item)) continue;
-    if (line == 0 || item.pair[0] == std::string(atom_category) + "id") line = line_of(item);
-    table.loop.tags.push_back(item.pair[0]);
-    table.loop.values.push_back(item.pair[1]);
-    item.erase();
-  }
-  block.items.push_back(std::move(table));
-  return line;
-}
-
-/// Returns the table of atoms. A table of one atom, which is not a loop, becomes a loop.
-Loop& atom_loop(Block& block, StructureDocument& document) {
-  const auto is_atom_loop = [](const Item& item) {
+/// Returns the line of each atom. A table that is not a loop has one atom, in the line of its id or
+/// of its first tag.
+std::vector<std::uint64_t> lines_of_atoms(Block& block, const StructureDocument& document) {
+  const auto is_used = [](const Item& item) { return is_atom_table(item); };
+  const auto first = std::find_if(block.items.begin(), block.items.end(), is_used);
+  const auto is_loop = [](const Item& item) {
     return item.type == ItemType::Loop && is_atom_table(item);
   };
-  auto loop = std::find_if(block.items.begin(), block.items.end(), is_atom_loop);
+  const auto loop = std::find_if(block.items.begin(), block.items.end(), is_loop);
   if (loop == block.items.end()) {
-    document.atom_lines = {make_atom_loop(block)};
-    loop = block.items.end() - 1;
-  } else if (std::count_if(block.items.begin(), block.items.end(), is_atom_table) > 1) {
-    throw MmcifError{line_of(*loop), "the _atom_site table is in several parts; join them"};
+    const Item* const id = block.find_pair_item("_atom_site.id");
+    return {line_of(id != nullptr ? *id : *first)};
   }
-  return loop->loop;
+  if (std::count_if(block.items.begin(), block.items.end(), is_used) > 1)
+    throw MmcifError{line_of(*loop), "the _atom_site table is in several parts; join them"};
+  return document.atom_lines;
 }
 
-/// Lists the subchains of the entities by their atoms, where the file lacks _struct_asym.
-void add_subchains(gemmi::Structure& structure) {
-  if (structure.models.empty()) return;
-  for (const gemmi::Chain& chain : structure.models.front().chains)
-    for (const gemmi::ConstResidueSpan& subchain : chain.subchains()) {
-      const gemmi::Residue& first = subchain.front();
-      gemmi::Entity* const entity = structure.get_entity(first.entity_id);
-      if (entity != nullptr && !gemmi::in_vector(first.subchain, entity->subchains))
-        entity->subchains.push_back(first.subchain);
+/// Puts the residues of gemmi's chains, each of which has one run of rows, into chains with these
+/// names. The rows of a residue may be anywhere in its chain. gemmi looks for the residue of each
+/// row in all residues of the chain, which would take quadratic time for long chains.
+void join_runs(gemmi::Model& model, const std::vector<std::string>& names) {
+  const std::vector<gemmi::Chain> runs = std::move(model.chains);
+  model.chains.clear();
+  std::unordered_map<gemmi::ResidueId, std::size_t> indices;
+  for (std::size_t i = 0; i < runs.size(); ++i) {
+    if (i == 0 || names.at(i) != model.chains.back().name) {
+      model.chains.emplace_back(names.at(i));
+      indices.clear();
+    }
+    std::vector<gemmi::Residue>& residues = model.chains.back().residues;
+    for (const gemmi::Residue& residue : runs[i].residues) {
+      const auto [found, is_new] = indices.emplace(residue, residues.size());
+      if (is_new)
+        residues.push_back(residue);
+      else
+        gemmi::vector_move_extend(residues[found->second].atoms, std::vector(residue.atoms));
+    }
+  }
+}
+
+/// Gives residues the types of their entities, by their subchains or, if the file does not list
+/// these, by their own columns. Versions of gemmi differ in the types of other residues.
+void set_entity_types(gemmi::Structure& structure, bool lists_subchains) {
+  std::unordered_map<std::string, gemmi::EntityType> types;
+  for (const gemmi::Entity& entity : structure.entities) {
+    if (!lists_subchains) types.emplace(entity.name, entity.entity_type);
+    for (const std::string& subchain : entity.subchains)
+      if (lists_subchains) types.emplace(subchain, entity.entity_type);
+  }
+  for (gemmi::Chain& chain : structure.models.front().chains)
+    for (gemmi::Residue& residue : chain.residues) {
+      const auto found = types.find(lists_subchains ? residue.subchain : residue.entity_id);
+      residue.entity_type = found == types.end() ? gemmi::EntityType::Unknown : found->second;
     }
 }
 
-/// Gives residues the types of their entities. gemmi finds the entity by the subchain. If the file
-/// lacks _struct_asym, a subchain may have residues of several entities.
-void set_entity_types(Block& block, gemmi::Structure& structure) {
-  for (const gemmi::cif::Table::Row row : block.find("_entity.", {"id", "type"}))
-    structure.entities.emplace_back(row.str(0)).entity_type =
-        gemmi::entity_type_from_string(row.str(1));
-  gemmi::cif::Table subchains = block.find("_struct_asym.", {"id", "entity_id"});
-  for (const gemmi::cif::Table::Row row : subchains)
-    if (gemmi::Entity* const entity = structure.get_entity(row.str(1)))
-      entity->subchains.push_back(row.str(0));
-  if (!subchains.ok()) add_subchains(structure);
-  gemmi::impl::fill_residue_entity_type(structure);
-  if (subchains.ok()) return;
-  for (gemmi::Model& model : structure.models)
-    for (gemmi::Chain& chain : model.chains)
-      for (gemmi::Residue& residue : chain.residues) {
-        const gemmi::Entity* const entity = structure.get_entity(residue.entity_id);
-        if (entity != nullptr && entity->entity_type != gemmi::EntityType::Unknown)
-          residue.entity_type = entity->entity_type;
-      }
+/// Converts the used tables of a block.
+ParsedStructure convert(Block& block, const StructureDocument& document,
+                        const ParseOptions& options) {
+  ParsedStructure result;
+  result.models.wanted = options.model;
+  std::vector<gemmi::Assembly> assemblies = read_assemblies(block, options.assembly);
+  AtomTable atoms =
+      make_atom_table(block, lines_of_atoms(block, document), result.models, options.check);
+  const bool lists_subchains = block.find("_struct_asym.", {"id", "entity_id"}).ok();
+  for (Item& item : block.items) {
+    if (is_needed_tag(tag_of(item)) && !is_atom_table(item))
+      atoms.block.items.push_back(std::move(item));
+  }
+  block.items.clear();
+  result.structure = gemmi::make_structure_from_block(atoms.block);
+  result.structure.assemblies = std::move(assemblies);
+  if (result.structure.models.empty()) return result;
+  join_runs(result.structure.models.front(), atoms.chains);
+  set_entity_types(result.structure, lists_subchains);
+  return result;
 }
 
 }  // namespace
 
-void check_tables(const Block& block, bool (*is_used)(const Item& item)) {
+void check_tables(const Block& block, bool (*is_used)(const std::string& tag)) {
   std::set<std::string> tags;
   for (const Item& item : block.items) {
-    if (!is_used(item)) continue;
+    if (!is_used(tag_of(item))) continue;
     const auto add_tag = [&](const std::string& tag) {
       if (!tags.insert(gemmi::to_lower(tag)).second)
         throw MmcifError{line_of(item), "duplicate tag " + tag};
@@ -228,20 +264,14 @@ void check_tables(const Block& block, bool (*is_used)(const Item& item)) {
   }
 }
 
-gemmi::Structure parse_mmcif_text(std::string_view text, std::string_view name,
-                                  const std::string& assembly, const CheckCallback& check) {
+ParsedStructure parse_mmcif_text(std::string_view text, std::string_view name,
+                                 const ParseOptions& options) {
   try {
-    StructureDocument document(check);
+    StructureDocument document(options.check);
     parse_document(text, document);
     Block& block = find_atom_block(document);
-    check_tables(block, is_needed_table);
-    gemmi::Structure structure;
-    structure.input_format = gemmi::CoorFormat::Mmcif;
-    structure.assemblies = read_assemblies(block, assembly);
-    structure.models = read_models(atom_loop(block, document), document.atom_lines, check);
-    split_residues(structure);
-    set_entity_types(block, structure);
-    return structure;
+    check_tables(block, is_needed_tag);
+    return convert(block, document, options);
   } catch (const MmcifError& error) {
     fail_at_line(name, error.line, error.message);
   }

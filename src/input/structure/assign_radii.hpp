@@ -6,7 +6,7 @@
 
 #include "input/radii_set.hpp"
 #include "input/read_structure.hpp"
-#include "input/structure_atoms.hpp"
+#include "input/structure/structure_atoms.hpp"
 
 namespace eses::detail {
 

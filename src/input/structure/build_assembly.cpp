@@ -1,13 +1,9 @@
-// Avoids the dependence of gemmi on stb_sprintf, which is another package in Debian.
-#define USE_STD_SNPRINTF
-
-#include "input/build_assembly.hpp"
+#include "input/structure/build_assembly.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cstddef>
-#include <gemmi/select.hpp>
 #include <limits>
 #include <map>
 #include <set>
@@ -18,8 +14,8 @@
 #include <vector>
 
 #include "eses/error.hpp"
-#include "input/parse_structure.hpp"
-#include "input/select_atoms.hpp"
+#include "input/structure/parse_structure.hpp"
+#include "input/structure/select_atoms.hpp"
 #include "input/text_fields.hpp"
 #include "system/formatted.hpp"
 
@@ -261,9 +257,9 @@ OtherAssembly measure(const gemmi::Assembly& assembly, const gemmi::Model& model
 
 }  // namespace
 
-std::vector<OtherAssembly> find_other_assemblies(const gemmi::Structure& structure,
-                                                 const gemmi::Model& model) {
-  const std::uint64_t atoms = gemmi::count_atom_sites(model);
+std::vector<OtherAssembly> find_other_assemblies(const gemmi::Structure& structure) {
+  const gemmi::Model& model = structure.models.front();
+  const std::uint64_t atoms = count_atoms(model);
   std::vector<OtherAssembly> others;
   std::size_t operator_count = 0;
   for (const gemmi::Assembly& assembly : structure.assemblies) {
@@ -279,13 +275,13 @@ std::vector<OtherAssembly> find_other_assemblies(const gemmi::Structure& structu
 }
 
 std::vector<StructureAtom> build_assembly(const gemmi::Structure& structure,
-                                          const gemmi::Model& model, const StructureText& text,
-                                          std::set<std::string>& names, StructureReport& report) {
+                                          const StructureText& text, std::set<std::string>& names,
+                                          StructureReport& report) {
   const std::string& id = text.options.structure.assembly;
   const gemmi::Assembly& assembly = find_assembly(structure, id, text);
   check_description(assembly, id, text);
   report.assembly = id;
-  AssemblyBuilder builder(model, text, names);
+  AssemblyBuilder builder(structure.models.front(), text, names);
   for (const gemmi::Assembly::Gen& generator : assembly.generators) builder.add(generator);
   return builder.finish(report);
 }

@@ -1,8 +1,8 @@
 // This file is valid C++17, for the reason given in mmcif_text.cpp.
 //
-// gemmi 0.5 reads only the first factor of products of operators, such as (X0)(1-60), skips
-// undefined operators, and leaves out assemblies whose `details` it does not know. For this reason,
-// operator expressions are expanded here:
+// gemmi reads only the first factor of products of operators, such as (X0)(1-60), skips undefined
+// operators, and leaves out assemblies whose `details` it does not know. For this reason, operator
+// expressions are expanded here:
 // https://mmcif.wwpdb.org/dictionaries/mmcif_pdbx_v50.dic/Items/_pdbx_struct_assembly_gen.oper_expression.html
 
 #include <algorithm>
@@ -10,13 +10,11 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <gemmi/cif.hpp>
-#include <gemmi/mmcif.hpp>
+#include <gemmi/numb.hpp>
 #include <map>
 #include <string_view>
 
-#include "input/mmcif_tables.hpp"
-#include "input/parse_structure.hpp"
+#include "input/structure/mmcif_tables.hpp"
 #include "input/text_fields.hpp"
 
 namespace eses::detail {
@@ -32,23 +30,6 @@ std::string without_white_space(std::string text) {
   return text;
 }
 
-bool is_finite(const gemmi::Transform& transform) {
-  for (int i = 0; i < 3; ++i) {
-    if (!std::isfinite(transform.vec.at(i))) return false;
-    for (int j = 0; j < 3; ++j)
-      if (!std::isfinite(transform.mat[i][j])) return false;
-  }
-  return true;
-}
-
-std::uint64_t line_of(const gemmi::cif::Table& table) {
-  const gemmi::cif::Item& item =
-      table.loop_item != nullptr
-          ? *table.loop_item
-          : table.bloc.items.at(static_cast<std::size_t>(table.positions.at(0)));
-  return static_cast<std::uint64_t>(item.line_number);
-}
-
 void check_operator_count(std::size_t count, std::uint64_t line) {
   if (count > max_operators) throw MmcifError{line, too_many_operators()};
 }
@@ -58,11 +39,21 @@ class OperatorTable {
  public:
   OperatorTable(gemmi::cif::Block& block, std::uint64_t line_of_expressions)
       : line_(line_of_expressions) {
-    std::vector<std::string> tags = gemmi::impl::transform_tags("matrix", "vector");
-    const int id = static_cast<int>(tags.size());
-    tags.emplace_back("id");
-    for (const gemmi::cif::Table::Row row : block.find("_pdbx_struct_oper_list.", tags))
-      transforms_[row.str(id)] = gemmi::impl::get_transform_matrix(row);
+    std::vector<std::string> tags{"id"};
+    for (const std::string i : {"1", "2", "3"})
+      for (const std::string& tag : {"matrix[" + i + "][1]", "matrix[" + i + "][2]",
+                                     "matrix[" + i + "][3]", "vector[" + i + "]"})
+        tags.push_back(tag);
+    for (const gemmi::cif::Table::Row row : block.find("_pdbx_struct_oper_list.", tags)) {
+      gemmi::Transform& transform = transforms_[row.str(0)];
+      for (int i = 0; i < 3; ++i) {
+        const auto number = [&](int column) {
+          return gemmi::cif::as_number(row[static_cast<std::size_t>(4 * i + column)]);
+        };
+        for (int j = 0; j < 3; ++j) transform.mat[i][j] = number(1 + j);
+        transform.vec.at(i) = number(4);
+      }
+    }
   }
 
   /// Expands an expression such as `1,2`, `(1-60)` or `(X0)(1-60)`. In a product, the operators on
@@ -91,8 +82,10 @@ class OperatorTable {
       const std::size_t comma = std::min(list.find(','), list.size());
       const std::string_view item = list.substr(0, comma);
       check_operator_count(result.size(), line_);
+      const std::size_t minus = item.find('-');
       std::uint32_t first = 0, last = 0;
-      if (!parse_range(item, first, last)) {
+      if (minus == item.npos || !parse_integer(item.substr(0, minus), first) ||
+          !parse_integer(item.substr(minus + 1), last)) {
         result.push_back(find(std::string(item), expression));
       } else if (last < first || last - first >= max_operators) {
         fail(expression, "has the invalid range " + detail::quoted(item));
@@ -105,20 +98,16 @@ class OperatorTable {
     }
   }
 
-  static bool parse_range(std::string_view item, std::uint32_t& first, std::uint32_t& last) {
-    const std::size_t minus = item.find('-');
-    return minus != item.npos && parse_integer(item.substr(0, minus), first) &&
-           parse_integer(item.substr(minus + 1), last);
-  }
-
   gemmi::Assembly::Operator find(const std::string& name, std::string_view expression) const {
     const auto found = transforms_.find(name);
-    const bool is_known = found != transforms_.end();
-    if (!is_known || !is_finite(found->second))
-      fail(expression, "has the operator " + detail::quoted(name) +
-                           (is_known ? ", whose matrix is not numeric"
-                                     : ", which _pdbx_struct_oper_list lacks"));
-    return {name, {}, found->second};
+    if (found == transforms_.end())
+      fail(expression,
+           "has the operator " + detail::quoted(name) + ", which _pdbx_struct_oper_list lacks");
+    const gemmi::Transform& transform = found->second;
+    if (!std::isfinite(transform.mat.determinant() + transform.vec.length_sq()))
+      fail(expression,
+           "has the operator " + detail::quoted(name) + ", whose matrix is not numeric");
+    return {name, {}, transform};
   }
 
   Operators multiply(const Operators& left, const Operators& right) const {
@@ -141,37 +130,44 @@ class OperatorTable {
 /// Adds the assemblies to the list. `read` is the name of the assembly being read.
 void add_assemblies(gemmi::cif::Block& block, const std::string& chosen,
                     std::vector<gemmi::Assembly>& assemblies, std::string& read) {
+  const std::string category = "_pdbx_struct_assembly_gen.";
   gemmi::cif::Table generators =
-      block.find("_pdbx_struct_assembly_gen.", {"assembly_id", "oper_expression", "asym_id_list"});
+      block.find(category, {"assembly_id", "oper_expression", "asym_id_list"});
   if (!generators.ok()) return;
-  const std::uint64_t line = line_of(generators);
+  const gemmi::cif::Item* const item = block.find_values(category + "assembly_id").item();
+  const auto line = static_cast<std::uint64_t>(item->line_number);
   const OperatorTable operators(block, line);
   std::size_t operator_count = 0;
   for (const gemmi::cif::Table::Row row : generators) {
-    gemmi::Assembly& assembly = gemmi::impl::find_or_add(assemblies, row.str(0));
-    read = assembly.name;
-    if (!chosen.empty() && assembly.name != chosen) continue;
+    read = row.str(0);
+    auto assembly = std::find_if(assemblies.begin(), assemblies.end(),
+                                 [&](const gemmi::Assembly& other) { return other.name == read; });
+    if (assembly == assemblies.end()) {
+      assemblies.emplace_back(read);
+      assembly = assemblies.end() - 1;
+    }
+    if (!chosen.empty() && read != chosen) continue;
     gemmi::Assembly::Gen generator;
     generator.operators = operators.expand(without_white_space(row.str(1)));
     operator_count += generator.operators.size();
     check_operator_count(operator_count, line);
-    gemmi::split_str_into(without_white_space(row.str(2)), ',', generator.subchains);
-    assembly.generators.push_back(generator);
+    generator.subchains = gemmi::split_str(without_white_space(row.str(2)), ',');
+    assembly->generators.push_back(generator);
   }
 }
 
 }  // namespace
 
-bool is_assembly_table(const gemmi::cif::Item& item) {
-  return item.has_prefix("_pdbx_struct_assembly_gen.") ||
-         item.has_prefix("_pdbx_struct_oper_list.");
+bool is_assembly_tag(const std::string& tag) {
+  return gemmi::istarts_with(tag, "_pdbx_struct_assembly_gen.") ||
+         gemmi::istarts_with(tag, "_pdbx_struct_oper_list.");
 }
 
 std::vector<gemmi::Assembly> read_assemblies(gemmi::cif::Block& block, const std::string& chosen) {
   std::vector<gemmi::Assembly> assemblies;
   std::string read;
   try {
-    check_tables(block, is_assembly_table);
+    check_tables(block, is_assembly_tag);
     add_assemblies(block, chosen, assemblies, read);
   } catch (const MmcifError&) {
     if (!chosen.empty()) throw;

@@ -1,7 +1,4 @@
-// Avoids the dependence of gemmi on stb_sprintf, which is another package in Debian.
-#define USE_STD_SNPRINTF
-
-#include "input/assign_radii.hpp"
+#include "input/structure/assign_radii.hpp"
 
 #include <fmt/format.h>
 

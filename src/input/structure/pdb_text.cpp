@@ -1,15 +1,12 @@
-// Avoids the dependence of gemmi on stb_sprintf, which is another package in Debian.
-#define USE_STD_SNPRINTF
-
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <gemmi/pdb.hpp>
-#include <gemmi/resinfo.hpp>
-#include <limits>
+#include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <system_error>
 #include <utility>
@@ -17,11 +14,11 @@
 
 #include "eses/error.hpp"
 #include "input/atom_reader.hpp"
-#include "input/chain_builder.hpp"
 #include "input/check_at.hpp"
-#include "input/parse_structure.hpp"
 #include "input/pdb_elements.hpp"
 #include "input/pqr_records.hpp"
+#include "input/structure/parse_structure.hpp"
+#include "input/structure/structure_atoms.hpp"
 #include "input/text_fields.hpp"
 #include "system/formatted.hpp"
 
@@ -36,11 +33,11 @@ struct Columns {
 };
 
 // https://www.wwpdb.org/documentation/file-format-content/format33/sect9.html
-constexpr Columns name_columns{12, 4}, residue_columns{17, 3}, chain_columns{20, 2};
+constexpr Columns serial_columns{6, 5}, name_columns{12, 4}, residue_columns{17, 3},
+    chain_columns{20, 2};
 constexpr std::array<Columns, 3> coordinate_columns{{{30, 8}, {38, 8}, {46, 8}}};
 constexpr Columns occupancy_columns{54, 6}, b_factor_columns{60, 6}, segment_columns{72, 4};
 constexpr Columns element_columns{76, 2};
-constexpr std::size_t altloc_column = 16, number_column = 22;
 // The charges in the last two columns are not used: old files have line numbers there.
 constexpr std::size_t end_of_fields = 78, record_width = 80;
 
@@ -164,7 +161,7 @@ PdbLayout layout_of(PdbLines lines) {
         !is_known_long_residue(long_residue_of(*record)))
       layout.has_long_chain_names = true;
     const bool is_ligand =
-        !is_polymer && !is_water && !is_ion(field_of(*record, name_columns), residue);
+        !is_polymer && !is_water && !is_ion(field_of(*record, name_columns), residue, false);
     if (is_ligand && !has_element(*record) && record->substr(0, 13).ends_with(' '))
       layout.is_left_aligned = false;
   }
@@ -173,16 +170,27 @@ PdbLayout layout_of(PdbLines lines) {
 
 // ---------------------------------------------------------------------------------------- records
 
-/// Builds a structure from the records of a PDB text that matter here. gemmi has a reader of PDB
-/// files, too. It reads invalid numbers as 0, takes the fourth letter of a residue name for a part
-/// of the chain name, and knows neither line numbers nor model numbers of more than four digits.
-class PdbReader {
- public:
-  PdbReader(PdbLines lines, bool needs_assemblies)
-      : lines_(lines), all_lines_(lines), needs_assemblies_(needs_assemblies) {}
+/// Writes a number with leading zeros into the columns of a field.
+void write_number(char* field, int width, std::uint64_t number, std::uint64_t base) {
+  for (int i = width - 1; i >= 0; --i, number /= base)
+    field[i] = "0123456789ABCDEFGHIJKLMNOPQRSTUVWXYZ"[number % base];
+}
 
-  gemmi::Structure read() {
-    structure_.input_format = gemmi::CoorFormat::Pdb;
+// Five digits of hybrid-36 (http://cci.lbl.gov/hybrid_36), the first of which is a letter.
+constexpr std::uint64_t first_hybrid = 100000, letter_digits = 36 * 36 * 36 * 36;
+constexpr std::uint64_t max_lines = first_hybrid + 26 * letter_digits - 1;
+
+/// Checks the records of a PDB text, and writes those of the chosen model for gemmi. In the written
+/// records, the serial number is the line number, and all atoms have an occupancy. Elements are
+/// written where names decide them; otherwise gemmi derives them from the columns of the names.
+class PdbRecords {
+ public:
+  PdbRecords(const PdbLines& lines, const ParseOptions& options)
+      : lines_(lines), all_lines_(lines), needs_assemblies_(!options.assembly.empty()) {
+    models_.wanted = options.model;
+  }
+
+  ParsedStructure parse() {
     while (const std::optional<std::string_view> line = lines_.next()) {
       const std::string type = type_of(*line);
       add_record(*line, type);
@@ -191,15 +199,15 @@ class PdbReader {
     require_whole_operator();
     refuse_further_atoms();
     if (!has_atoms_) throw Error(no_atoms_message(lines_.name(), AtomFormat::pdb, lines_.number()));
-    split_residues(structure_);
-    return std::move(structure_);
+    ParsedStructure result{gemmi::read_pdb_from_memory(records_.data(), records_.size(), ""),
+                           std::move(models_)};
+    restore_names(result.structure);
+    return result;
   }
 
  private:
   void add_record(std::string_view line, const std::string& type) {
     check_characters(line);
-    // gemmi's readers of fields need records with all columns.
-    record_.assign(line.substr(0, record_width)).resize(record_width, ' ');
     if (is_atom_record(line)) {
       add_atom(line);
     } else if (is_assembly_record(line)) {
@@ -265,48 +273,59 @@ class PdbReader {
     check_columns(line);
     if (line.size() < occupancy_columns.first)
       lines_.fail("the record ends before its coordinates; the file seems to be damaged");
-    gemmi::Atom atom;
-    atom.pos = {number_in(line, coordinate_columns[0], "x"),
-                number_in(line, coordinate_columns[1], "y"),
-                number_in(line, coordinate_columns[2], "z")};
+    number_in(line, coordinate_columns[0], "x");
+    number_in(line, coordinate_columns[1], "y");
+    number_in(line, coordinate_columns[2], "z");
     require_whole_operator();
     if (!is_in_model_) begin_model({});
     has_atoms_ = true;
-    gemmi::Residue& residue = residue_of(line);
-    if (lines_.number() > std::numeric_limits<int>::max())
-      lines_.fail("too many lines for a PDB file");
-    atom.serial = static_cast<int>(lines_.number());
-    atom.name = field_of(line, name_columns);
-    atom.altloc = gemmi::pdb_impl::read_altloc(record_[altloc_column]);
-    atom.element = element_of(line, residue.name);
-    if (!field_of(line, occupancy_columns).empty()) atom.occ = float_in(occupancy_columns);
-    atom.b_iso = float_in(b_factor_columns);
-    residue.atoms.push_back(std::move(atom));
+    if (lines_.number() > max_lines) lines_.fail("too many lines for a PDB file");
+    if (is_chosen_) write_atom(line);
   }
 
-  float float_in(const Columns& columns) const {
-    return static_cast<float>(
-        gemmi::pdb_impl::read_double(&record_[columns.first], static_cast<int>(columns.width)));
+  void write_atom(std::string_view line) {
+    begin_record(line);
+    const std::uint64_t number = lines_.number();
+    const bool is_decimal = number < first_hybrid;
+    write_number(&record_[serial_columns.first], 5,
+                 is_decimal ? number : number - first_hybrid + 10 * letter_digits,
+                 is_decimal ? 10 : 36);
+    std::string_view residue = long_residue_of(line);
+    const bool is_long = !residue.empty() && is_long_residue(residue);
+    if (is_long)
+      record_[chain_columns.first] = ' ';
+    else
+      residue = field_of(line, residue_columns);
+    chain_ = field_of(record_, chain_columns);
+    // gemmi does not know the exponent letter of Fortran.
+    for (std::size_t i = coordinate_columns[0].first; i < occupancy_columns.first; ++i)
+      if (record_[i] == 'D' || record_[i] == 'd') record_[i] = 'E';
+    if (field_of(record_, occupancy_columns).empty())
+      record_.replace(occupancy_columns.first, occupancy_columns.width, "  1.00");
+    write_segment(field_of(line, segment_columns), is_long ? residue : std::string_view());
+    if (!has_element(line))
+      record_.replace(element_columns.first, element_columns.width,
+                      formatted("{:>2}", element_of(line, residue)));
+    records_.append(record_, 0, end_of_fields).append(1, '\n');
   }
 
-  gemmi::Residue& residue_of(std::string_view line) {
-    const std::string_view long_name = long_residue_of(line);
-    const bool is_long = !long_name.empty() && is_long_residue(long_name);
-    Columns columns = chain_columns;
-    if (is_long) columns = {columns.first + 1, columns.width - 1};
-    const std::string chain(field_of(line, columns));
-    if (!chain_.is_in(chain)) begin_chain(chain);
-    const std::string_view name = is_long ? long_name : field_of(line, residue_columns);
-    gemmi::Residue& residue =
-        chain_.residue({gemmi::pdb_impl::read_seq_id(&record_[number_column]),
-                        std::string(field_of(line, segment_columns)), std::string(name)});
-    if (residue.atoms.empty()) {
-      residue.het_flag = is_hetatm_record(line) ? 'H' : 'A';
-      if (is_after_polymer_)
-        residue.entity_type =
-            residue.is_water() ? gemmi::EntityType::Water : gemmi::EntityType::NonPolymer;
+  // Makes `record_` a line with all columns, which gemmi needs.
+  void begin_record(std::string_view line) {
+    record_.assign(line.substr(0, record_width)).resize(record_width, ' ');
+  }
+
+  // gemmi knows neither residue names of four letters nor residues that differ only in the fourth
+  // one. As a residue has a segment, the field has the index of segment and name in a list instead.
+  void write_segment(std::string_view segment, std::string_view long_name) {
+    std::string field(segment_columns.width, ' ');
+    if (!segment.empty() || !long_name.empty()) {
+      const std::pair<std::string, std::string> names{segment, long_name};
+      const auto [at, is_new] = segment_indices_.emplace(names, segments_.size());
+      if (is_new) segments_.push_back(names);
+      if (segments_.size() > letter_digits) lines_.fail("too many different segments");
+      write_number(field.data(), 4, at->second, 36);
     }
-    return residue;
+    record_.replace(segment_columns.first, segment_columns.width, field);
   }
 
   bool is_long_residue(std::string_view name) {
@@ -316,17 +335,10 @@ class PdbReader {
     return (is_known_long_residue(name) || !is_known) && !layout().has_long_chain_names;
   }
 
-  gemmi::Element element_of(std::string_view line, std::string_view residue) {
-    if (has_element(line)) return gemmi::Element(&record_[element_columns.first]);
-    const std::string_view columns = line.substr(name_columns.first, name_columns.width);
-    const std::string symbol = element_by_name(columns, residue, layout().is_left_aligned);
-    if (!symbol.empty()) return gemmi::Element(symbol);
-    // gemmi has the same rule: names of hydrogens may fill all columns, and a digit may be before
-    // or after a symbol of one letter.
-    if (gemmi::alpha_up(columns[0]) == 'H' && columns[3] != ' ') return gemmi::El::H;
-    for (const std::size_t i : {std::size_t{0}, std::size_t{1}})
-      if (is_digit(columns[i])) return gemmi::impl::find_single_letter_element(columns[1 - i]);
-    return gemmi::Element(columns.data());
+  // Returns the element by the names of atom and residue; empty if the columns of the name decide.
+  std::string element_of(std::string_view line, std::string_view residue) {
+    return element_by_name(line.substr(name_columns.first, name_columns.width), residue,
+                           is_polymer_residue(residue), layout().is_left_aligned);
   }
 
   const PdbLayout& layout() {
@@ -334,72 +346,41 @@ class PdbReader {
     return *layout_;
   }
 
-  // ----------------------------------------------------------------------------- models and chains
+  // ------------------------------------------------------------------------------------- models
 
   // Begins a model with the number in the field, or with its ordinal number if there is none. Some
   // programs do not write the end of the previous model.
   void begin_model(std::string_view field) {
     constexpr std::size_t max_models = 9999;
-    std::vector<gemmi::Model>& models = structure_.models;
-    if (models.size() == max_models)
+    if (models_.names.size() == max_models)
       lines_.fail(formatted("more than {} models; split the file", max_models));
-    int number = static_cast<int>(models.size()) + 1;
+    int number = static_cast<int>(models_.names.size()) + 1;
     if (!field.empty() && !parse_integer(field, number))
       lines_.fail(formatted("expected the number of the model, found {}", quoted(field)));
-    if (structure_.find_model(std::to_string(number)) != nullptr)
+    const std::string name = std::to_string(number);
+    if (std::find(models_.names.begin(), models_.names.end(), name) != models_.names.end())
       lines_.fail(formatted("there are two models {}; give them different numbers", number));
-    models.emplace_back(std::to_string(number));
     is_in_model_ = true;
-    chain_.end();
+    is_chosen_ = models_.add(name);
   }
 
-  // After the polymer of a chain, the chain may have ligands and water.
-  void begin_chain(const std::string& name) {
-    gemmi::Model& model = structure_.models.back();
-    const gemmi::Chain* const earlier = model.find_chain(name);
-    is_after_polymer_ =
-        earlier != nullptr && earlier->residues.front().entity_type == gemmi::EntityType::Polymer;
-    chain_.begin(model, name);
-  }
-
+  // Writes the first TER record of a chain. After it, the chain may have ligands and water. Others
+  // do not end the polymer, and versions of gemmi differ in them.
   void end_polymer() {
-    if (!is_in_model_ || chain_.chain() == nullptr || is_after_polymer_) return;
-    for (gemmi::Residue& residue : chain_.chain()->residues)
-      residue.entity_type = gemmi::EntityType::Polymer;
-    is_after_polymer_ = true;
+    if (is_in_model_ && is_chosen_ && chain_ && ended_chains_.insert(*chain_).second)
+      records_ += "TER\n";
   }
 
   // ------------------------------------------------------------------------------------ assemblies
 
+  // gemmi takes only the first 20 characters of a name, which may be a list of assemblies.
   void add_to_assembly(std::string_view line) {
     if (needs_assemblies_) check_operator(line);
+    begin_record(line);
     constexpr std::string_view key = "BIOMOLECULE:";
-    constexpr std::size_t chains_column = 41;
-    const std::string_view remark = std::string_view(record_).substr(remark_column);
-    std::vector<gemmi::Assembly>& assemblies = structure_.assemblies;
-    if (remark.starts_with(key)) {
-      assemblies.emplace_back(std::string(trimmed(line.substr(remark_column + key.size()))));
-      return;
-    }
-    if (assemblies.empty()) return;
-    std::vector<gemmi::Assembly::Gen>& generators = assemblies.back().generators;
-    const bool begins_list = remark.starts_with("APPLY THE FOLLOWING TO CHAINS:");
-    if (begins_list) generators.emplace_back();
-    if (generators.empty()) return;
-    if (remark.starts_with(operator_type)) {
-      add_operator_row(generators.back().operators);
-    } else if (begins_list || remark.starts_with("                   AND CHAINS:")) {
-      gemmi::split_str_into_multi(std::string(trimmed(record_.substr(chains_column))), ", ",
-                                  generators.back().chains);
-    }
-  }
-
-  void add_operator_row(std::vector<gemmi::Assembly::Operator>& operators) {
-    constexpr std::size_t matrix_column = 13;
-    char* const matrix = &record_[matrix_column];
-    if (gemmi::pdb_impl::read_matrix(transform_, matrix, record_width - matrix_column) != 3) return;
-    operators.emplace_back().transform = transform_;
-    transform_.set_identity();
+    if (std::string_view(record_).substr(remark_column).starts_with(key))
+      assemblies_.emplace_back(trimmed(line.substr(remark_column + key.size())));
+    records_.append(record_).append(1, '\n');
   }
 
   // gemmi reads invalid numbers as 0, and takes missing rows from the identity.
@@ -430,23 +411,39 @@ class PdbReader {
       lines_.fail(formatted("expected the record BIOMT{} of an operator", operator_rows_ + 1));
   }
 
+  void restore_names(gemmi::Structure& structure) const {
+    for (std::size_t i = 0; i < structure.assemblies.size(); ++i)
+      structure.assemblies[i].name = assemblies_.at(i);
+    for (gemmi::Chain& chain : structure.models.front().chains)
+      for (gemmi::Residue& residue : chain.residues) {
+        if (residue.segment.empty()) continue;
+        const auto& [segment, long_name] = segments_.at(std::stoul(residue.segment, nullptr, 36));
+        residue.segment = segment;
+        if (!long_name.empty()) residue.name = long_name;
+      }
+  }
+
   PdbLines lines_, all_lines_;
   bool needs_assemblies_;
-  std::string record_;  // the current line with all columns
-  gemmi::Structure structure_;
-  ChainBuilder chain_;
-  bool has_atoms_ = false, is_in_model_ = false, is_after_polymer_ = false;
-  gemmi::Transform transform_;  // the rows of an unfinished operator
-  int operator_rows_ = 0;       // their number
+  ModelList models_;
+  std::string record_;                // the current line with all columns
+  std::string records_;               // the text for gemmi
+  std::optional<std::string> chain_;  // name of the chain of the last atom that was written
+  std::set<std::string> ended_chains_;
+  std::map<std::pair<std::string, std::string>, std::size_t> segment_indices_;
+  std::vector<std::pair<std::string, std::string>> segments_;  // segment and long residue name
+  std::vector<std::string> assemblies_;                        // names
+  bool has_atoms_ = false, is_in_model_ = false, is_chosen_ = false;
+  int operator_rows_ = 0;  // number of rows of an unfinished operator
   std::string_view operator_number_;
   std::optional<PdbLayout> layout_;
 };
 
 }  // namespace
 
-gemmi::Structure parse_pdb_text(std::string_view text, std::string_view name, bool needs_assemblies,
-                                const CheckCallback& check) {
-  return PdbReader(PdbLines(text, name, check), needs_assemblies).read();
+ParsedStructure parse_pdb_text(std::string_view text, std::string_view name,
+                               const ParseOptions& options) {
+  return PdbRecords(PdbLines(text, name, options.check), options).parse();
 }
 
 }  // namespace eses::detail

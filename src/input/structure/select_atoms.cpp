@@ -1,7 +1,4 @@
-// Avoids the dependence of gemmi on stb_sprintf, which is another package in Debian.
-#define USE_STD_SNPRINTF
-
-#include "input/select_atoms.hpp"
+#include "input/structure/select_atoms.hpp"
 
 #include <fmt/format.h>
 
@@ -21,42 +18,18 @@
 #include <vector>
 
 #include "eses/error.hpp"
-#include "input/pdb_elements.hpp"
-#include "input/structure_atoms.hpp"
+#include "input/structure/structure_atoms.hpp"
 #include "input/text_fields.hpp"
 #include "system/formatted.hpp"
 
 namespace eses::detail {
 namespace {
 
-bool has_atoms(const gemmi::Model& model) { return !model.chains.empty(); }
-
-bool has_atoms(const gemmi::Structure& structure) {
-  return std::any_of(structure.models.begin(), structure.models.end(),
-                     [](const gemmi::Model& model) { return has_atoms(model); });
-}
-
-gemmi::Model& find_model(gemmi::Structure& structure, int number, std::string_view name) {
-  if (!has_atoms(structure)) throw Error(formatted("{}: no atoms found", name));
-  if (number == 0) {
-    gemmi::Model& first = structure.models.front();
-    if (has_atoms(first)) return first;
-    throw Error(formatted("{}: model {} has no atoms; choose another one with --model N", name,
-                          printable(first.name)));
-  }
-  gemmi::Model* const model = structure.find_model(std::to_string(number));
-  if (model != nullptr && has_atoms(*model)) return *model;
-  throw Error(formatted(
-      "{}: there is no model {} (--model); the file has {}, from {} to {}", name, number,
-      structure.models.size() == 1 ? "one model" : formatted("{} models", structure.models.size()),
-      printable(structure.models.front().name), printable(structure.models.back().name)));
-}
-
 /// Calls `remove` and returns the number of atoms that it has removed from the model.
 std::uint64_t dropped_by(const gemmi::Model& model, const auto& remove) {
-  const std::uint64_t before = gemmi::count_atom_sites(model);
+  const std::uint64_t before = count_atoms(model);
   remove();
-  return before - gemmi::count_atom_sites(model);
+  return before - count_atoms(model);
 }
 
 void remove_residues(gemmi::Model& model, const auto& is_removed) {
@@ -110,23 +83,19 @@ gemmi::Selection parse_selection(const std::string& text) {
   }
 }
 
-/// Derives the kind of each residue from its name where the file does not tell it. In mmCIF files
-/// gemmi has then given all residues of a chain the kind of the first one. In PDB files it takes
-/// all residues after the first TER record of a chain for ligands.
-void correct_entity_types(gemmi::Model& model, gemmi::CoorFormat format) {
-  const auto has_entity = [](const gemmi::Residue& residue) { return !residue.entity_id.empty(); };
+/// Derives the kind of each residue from its name where the file does not tell it. A TER record
+/// does not tell it: a polymer may go on after it, where gemmi takes all residues for ligands.
+void complete_entity_types(gemmi::Model& model, gemmi::CoorFormat format) {
+  using gemmi::EntityType;
   for (gemmi::Chain& chain : model.chains) {
-    if (format == gemmi::CoorFormat::Mmcif) {
-      if (chain.subchains().size() == 1 &&
-          std::none_of(chain.residues.begin(), chain.residues.end(), has_entity))
-        gemmi::add_entity_types(chain, true);
-      continue;
+    for (gemmi::Residue& residue : chain.residues) {
+      const bool is_unknown =
+          residue.entity_type == EntityType::Unknown ||
+          (format == gemmi::CoorFormat::Pdb && residue.entity_type == EntityType::NonPolymer);
+      if (is_unknown && !is_hetatm(residue) && is_polymer_residue(residue.name))
+        residue.entity_type = EntityType::Polymer;
     }
     gemmi::add_entity_types(chain, false);
-    for (gemmi::Residue& residue : chain.residues)
-      if (residue.entity_type == gemmi::EntityType::NonPolymer && !is_hetatm(residue) &&
-          is_polymer_residue(residue.name))
-        residue.entity_type = gemmi::EntityType::Polymer;
   }
 }
 
@@ -144,15 +113,16 @@ void refuse_words(const gemmi::Selection& selection, const std::string& text,
                 file, detail::quoted(text), chains_text(known)));
 }
 
-void keep_selected(gemmi::Model& model, gemmi::CoorFormat format, const std::string& text,
+void keep_selected(gemmi::Model& model, const ParsedStructure& parsed, const std::string& text,
                    const std::set<std::string>& chains, std::string_view file) {
   if (text.empty()) return;
   const gemmi::Selection selection = parse_selection(text);
-  if (!selection.matches(model))
+  const std::string& name = parsed.models.chosen;
+  if (selection.mdl != 0 && std::to_string(selection.mdl) != name)
     throw Error(formatted("{}: --select names model {}, but model {} is read; use --model {}", file,
-                          selection.mdl, printable(model.name), selection.mdl));
+                          selection.mdl, printable(name), selection.mdl));
   refuse_words(selection, text, chains, file);
-  if (!selection.entity_types.all) correct_entity_types(model, format);
+  if (!selection.entity_types.all) complete_entity_types(model, parsed.structure.input_format);
   selection.remove_not_selected(model);
 }
 
@@ -302,16 +272,16 @@ std::uint64_t& record_count(StructureReport& report, const gemmi::Residue& resid
   return is_hetatm(residue) ? report.hetatm_records : report.atom_records;
 }
 
-gemmi::Model select_atoms(gemmi::Structure& structure, const StructureOptions& options,
-                          bool with_hydrogens, std::string_view file, StructureReport& report) {
-  gemmi::Model model = std::move(find_model(structure, options.model, file));
-  report.model = model.name;
-  report.models = structure.models.size();
+void select_atoms(ParsedStructure& parsed, const StructureOptions& options, bool with_hydrogens,
+                  std::string_view file, StructureReport& report) {
+  gemmi::Model& model = parsed.structure.models.front();
+  report.model = parsed.models.chosen;
+  report.models = parsed.models.names.size();
   const std::set<std::string> chains = chain_names(model);
   report.dropped_chains =
       dropped_by(model, [&] { keep_chains(model, options.chains, chains, file); });
-  report.dropped_selection = dropped_by(
-      model, [&] { keep_selected(model, structure.input_format, options.select, chains, file); });
+  report.dropped_selection =
+      dropped_by(model, [&] { keep_selected(model, parsed, options.select, chains, file); });
   if (!options.with_waters)
     report.dropped_waters = dropped_by(model, [&] { remove_residues(model, is_water); });
   if (!options.with_hetatm)
@@ -325,7 +295,6 @@ gemmi::Model select_atoms(gemmi::Structure& structure, const StructureOptions& o
   report.dropped_altlocs = dropped_by(model, [&] { keep_altlocs(model, options.altloc, file); });
   gemmi::remove_empty_children(model);
   count_kept(model, report);
-  return model;
 }
 
 }  // namespace eses::detail

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "eses/check.hpp"
+#include "input/structure/parse_structure.hpp"
 
 namespace eses::detail {
 
@@ -22,17 +23,23 @@ struct MmcifError {
 inline constexpr const char* atom_category = "_atom_site.";
 
 /// Throws MmcifError if a table that `is_used` accepts lacks values or has the same tag twice.
-void check_tables(const gemmi::cif::Block& block, bool (*is_used)(const gemmi::cif::Item& item));
+void check_tables(const gemmi::cif::Block& block, bool (*is_used)(const std::string& tag));
 
-/// Converts the table of atoms to models. `lines` has the line number of each row, which becomes
-/// the serial number of the atom. The types of entities of the residues remain unknown. Calls
-/// `check` repeatedly. Throws MmcifError if the table lacks a column or has an invalid value.
-std::vector<gemmi::Model> read_models(const gemmi::cif::Loop& table,
-                                      const std::vector<std::uint64_t>& lines,
-                                      const CheckCallback& check);
+/// A table of atoms from which gemmi makes the chosen model.
+struct AtomTable {
+  gemmi::cif::Block block;
+  std::vector<std::string> chains;  ///< name of the chain of each run of rows with one residue
+};
 
-/// Returns whether read_assemblies needs a table.
-bool is_assembly_table(const gemmi::cif::Item& item);
+/// Checks the table of atoms and returns the rows of the chosen model. Their columns `id` have the
+/// line number from `lines`, and the columns `auth_asym_id` the index of a run of rows with one
+/// residue. Calls `check` repeatedly. Throws MmcifError if the table lacks a column or has an
+/// invalid value.
+AtomTable make_atom_table(gemmi::cif::Block& block, const std::vector<std::uint64_t>& lines,
+                          ModelList& models, const CheckCallback& check);
+
+/// Returns whether read_assemblies needs the table of a tag.
+bool is_assembly_tag(const std::string& tag);
 
 /// Returns the assemblies of a data block in the order of the file. Only the assembly `chosen` has
 /// generators. Throws MmcifError if its operators or tables are invalid. If `chosen` is empty,

@@ -1,0 +1,65 @@
+#pragma once
+/// Parsing of PDB and mmCIF texts by gemmi. The texts are checked before, because gemmi reads
+/// invalid numbers as 0, and its messages do not have the line. This header is valid C++17, for the
+/// reason given in mmcif_text.cpp.
+
+#include <cstddef>
+#include <gemmi/model.hpp>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "eses/check.hpp"
+
+namespace eses::detail {
+
+/// Maximum number of operators of an assembly, added up over its lists of chains. It bounds the
+/// memory for the operators. The assembly of 1M4X, one of the largest capsids in the PDB, has 1680.
+inline constexpr std::size_t max_operators = 10000;
+
+/// Returns what is wrong with an assembly that has more operators.
+inline std::string too_many_operators() {
+  return "the assembly has more than " + std::to_string(max_operators) + " operators";
+}
+
+/// The models of a file by their names, one of which is read.
+struct ModelList {
+  int wanted = 0;  ///< number of the model to read; 0 for the first one
+  std::vector<std::string> names;
+  std::string chosen;  ///< name of the model to read; empty if there is none
+
+  /// Adds a model, and returns whether it is the one to read.
+  bool add(const std::string& name) {
+    names.push_back(name);
+    const bool is_chosen = wanted == 0 ? names.size() == 1 : name == std::to_string(wanted);
+    if (is_chosen) chosen = name;
+    return is_chosen;
+  }
+};
+
+/// A parsed text. Its structure has one model or, without atoms, perhaps none. The atoms have their
+/// line numbers, from 1, as serial numbers. The types of entities are unknown unless the file tells
+/// them.
+struct ParsedStructure {
+  gemmi::Structure structure;
+  ModelList models;
+};
+
+/// What to read of a text.
+struct ParseOptions {
+  int model = 0;                ///< number of the model; 0 for the first one
+  const std::string& assembly;  ///< id of the assembly; empty if there is none
+  const CheckCallback& check;   ///< is called repeatedly
+};
+
+/// Parses a PDB text. The operators of assemblies may be invalid unless an assembly is to be read.
+/// Throws Error with `name` and the line.
+ParsedStructure parse_pdb_text(std::string_view text, std::string_view name,
+                               const ParseOptions& options);
+
+/// Parses an mmCIF text. If an assembly is to be read, only this one has generators; otherwise
+/// faults of the assemblies do not matter.
+ParsedStructure parse_mmcif_text(std::string_view text, std::string_view name,
+                                 const ParseOptions& options);
+
+}  // namespace eses::detail
