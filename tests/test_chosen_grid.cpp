@@ -441,9 +441,15 @@ TEST_CASE("a molecule that reaches beyond the grid produces one warning", "[grid
     arguments.insert(arguments.end(), grid.begin(), grid.end());
     return sandbox.run(arguments);
   };
-  const Outcome around = run_on({"--grid-center", "0,0,0", "--grid-points", "9,9,9"});
+  const Outcome around = run_on({"--grid-center", "0,0,0", "--grid-points", "11,11,11"});
   CHECK(around.code == 0);
   CHECK(around.err.empty());
+  // The points on the axes at the faces are inside.
+  const Outcome touched = run_on({"--grid-center", "0,0,0", "--grid-points", "9,9,9"});
+  CHECK(touched.code == 0);
+  CHECK(touched.err ==
+        "eses-blocks: warning: the grid ends where the molecule does, up to rounding, so that a "
+        "mesh can be open there; use a larger grid or margin\n");
   const Outcome cut = run_on({"--grid-origin=-2.5,-1,-2", "--grid-points", "9,9,9"});
   CHECK(cut.code == 0);
   CHECK(cut.err ==

@@ -229,7 +229,8 @@ struct Estimate {
   GridIndex blocks{};              ///< Number of blocks along x, y and z.
   double crossings = 0;            ///< Expected number of crossings.
   /// Maximum distance by which the van der Waals spheres extend beyond the grid, in angstrom.
-  /// Negative if the grid encloses all spheres.
+  /// Negative if the grid encloses all spheres, and 0 if they reach its boundary up to rounding
+  /// errors, where a mesh can be open.
   double cut_depth = 0;
   std::uint64_t box_bytes = 0;       ///< Size of bounding_box.txt; exact.
   std::uint64_t grid_bytes = 0;      ///< Size of grid_info.txt; an upper bound unless gzipped.

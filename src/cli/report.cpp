@@ -222,6 +222,9 @@ bool misses_molecule(const Plan& plan) {
 std::string cut_warning(const Plan& plan) {
   if (plan.parameters.has_custom_grid() && misses_molecule(plan))
     return "the grid does not overlap the molecule; all grid points are outside";
+  if (plan.cut_depth == 0)
+    return "the grid ends where the molecule does, up to rounding, so that a mesh can be open "
+           "there; use a larger grid or margin";
   if (plan.parameters.has_custom_grid())
     return formatted(
         "the van der Waals spheres extend beyond the grid by {} (angstrom); area and volume are "
@@ -475,7 +478,7 @@ std::vector<std::string> warnings(const Report& report) {
   std::vector<std::string> lines;
   for (const DiagnosticText& diagnostic : report.diagnostics)
     if (!diagnostic.is_usual) lines.push_back(diagnostic.message);
-  if (report.plan.cut_depth > 0) lines.push_back(cut_warning(report.plan));
+  if (report.plan.cut_depth >= 0) lines.push_back(cut_warning(report.plan));
   for (const DiskSpace& disk : report.disk)
     if (disk.expected > disk.available) lines.push_back(disk_warning(disk));
   return lines;

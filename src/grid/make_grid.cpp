@@ -17,6 +17,11 @@ namespace {
 // products do not overflow.
 constexpr double max_cells_along_axis = 2e9;
 
+// Bound of the rounding errors of the distance between a point on a face of the grid and a van der
+// Waals sphere, in units of the largest coordinate: those of the point, of the bounding box, and of
+// the classification of the point are a few units in the last place each.
+constexpr double face_rounding = 16 * std::numeric_limits<double>::epsilon();
+
 double cells_along(const Box& box, double spacing, std::size_t axis) {
   return (box.high[axis] - box.low[axis]) / spacing;
 }
@@ -189,10 +194,16 @@ GridRegion points_between(const Grid& grid, Vec3 low, Vec3 high) {
 }
 
 std::array<double, 6> depths_inside(const Grid& grid, const Box& bounds) {
+  const Vec3 lower = grid.origin, upper = grid.upper();
   std::array<double, 6> depths{};
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    depths[2 * axis] = grid.origin[axis] - bounds.low[axis];
-    depths[2 * axis + 1] = bounds.high[axis] - grid.upper()[axis];
+    const double largest = std::max({std::fabs(lower[axis]), std::fabs(upper[axis]),
+                                     std::fabs(bounds.low[axis]), std::fabs(bounds.high[axis])});
+    const auto rounded = [&](double depth) {
+      return std::fabs(depth) <= face_rounding * largest ? 0 : depth;
+    };
+    depths[2 * axis] = rounded(lower[axis] - bounds.low[axis]);
+    depths[2 * axis + 1] = rounded(bounds.high[axis] - upper[axis]);
   }
   return depths;
 }

@@ -45,7 +45,9 @@ class Tabulator {
 
   CellCase make_case(std::size_t inside) const {
     CellCase result;
-    for (const Polygon& polygon : polygons(inside)) {
+    for (Polygon& polygon : polygons(inside)) {
+      if (can_intersect_itself(polygon))
+        std::rotate(polygon.begin(), polygon.begin() + 1, polygon.end());
       std::vector<CellTriangle> triangles;
       triangulate_polygon(polygon, triangles);
       for (const CellTriangle& triangle : triangles) result.triangles[result.count++] = triangle;
@@ -89,6 +91,14 @@ class Tabulator {
       }
     }
     return result;
+  }
+
+  // Returns whether the triangles of the first triangulation of a polygon can intersect each other.
+  // This zigzag connects the two segments of an ambiguous face, the sides [3, 4] and [6, 0]. The
+  // first triangulation that begins at the next vertex has no such triangles.
+  bool can_intersect_itself(const Polygon& polygon) const {
+    return polygon.size() == 7 && lie_in_one_face(polygon[0], polygon[4]) &&
+           lie_in_one_face(polygon[3], polygon[6]);
   }
 
   bool lie_in_one_face(std::uint8_t a, std::uint8_t b) const {

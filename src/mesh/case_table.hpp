@@ -57,7 +57,8 @@ struct CellCase {
 /// that the two cells at a face have the same segments. The segments on the faces of a cell form
 /// closed polygons, which are divided into triangles by diagonals that lie in no face. Such a
 /// diagonal belongs to one cell only. Each edge of a triangle hence belongs to exactly two
-/// triangles, and the triangles around each vertex form one fan.
+/// triangles, and the triangles around each vertex form one fan. The triangles of a cell do not
+/// intersect each other, wherever the vertices are on their edges; doc/algorithm.md has the proof.
 const std::array<CellCase, case_count>& case_table();
 
 }  // namespace eses::detail::mesh

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -18,23 +17,15 @@ using Directions = std::uint16_t;
 inline constexpr Directions all_directions = (1U << 14U) - 1;
 
 /// Returns the directions that a triangle does not face, as they form an angle of at least 90
-/// degrees with its normal. `area` is the area vector of the triangle.
-inline Directions directions_not_faced(const Vec3& area) {
-  const auto [x, y, z] = area;
-  const double sum = x + y, difference = x - y;
+/// degrees with its normal, or of so little less that rounding errors decide.
+inline Directions directions_not_faced(const TrianglePoints& t) {
+  const auto [x, y, z] = area_vector(t);
+  const double sum = x + y, difference = x - y, error = area_error(t);
   const std::array<double, 7> along{x, y, z, sum + z, sum - z, difference + z, difference - z};
   unsigned result = 0;
-  // If no value is 0, their signs are enough. The product of small values may be 0, too.
-  double product = 1;
-  for (const double value : along) product *= value;
-  if (product != 0) {
-    for (std::size_t i = 0; i < along.size(); ++i)
-      result |= static_cast<unsigned>(std::bit_cast<std::uint64_t>(along[i]) >> 63U) << i;
-    return static_cast<Directions>(result | (~result & 127U) << along.size());
-  }
   for (std::size_t i = 0; i < along.size(); ++i) {
-    result |= static_cast<unsigned>(along[i] <= 0) << i;
-    result |= static_cast<unsigned>(along[i] >= 0) << (i + along.size());
+    result |= static_cast<unsigned>(along[i] <= error) << i;
+    result |= static_cast<unsigned>(along[i] >= -error) << (i + along.size());
   }
   return static_cast<Directions>(result);
 }

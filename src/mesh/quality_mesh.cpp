@@ -99,7 +99,7 @@ void QualityMesh::add_triangle(const Triangle& triangle) {
     t[i] = vertex.position;
     link(first + i, vertex, face);
   }
-  cells_.add_small(t, directions_not_faced(area_vector(t)));
+  cells_.add_small(t, directions_not_faced(t));
 }
 
 void QualityMesh::finish() {
@@ -346,7 +346,7 @@ bool QualityMesh::perform(const Operation& operation) {
   }
   Directions not_faced = 0;
   for (const Corners& triangle : new_triangles_)
-    not_faced |= directions_not_faced(area_vector(points(triangle)));
+    not_faced |= directions_not_faced(points(triangle));
   if ((not_faced | cells_.within(bounds)) == all_directions && do_intersect(bounds)) return false;
   cells_.add(bounds, not_faced);
   if (is_flip) {
@@ -399,8 +399,11 @@ bool QualityMesh::do_intersect(const Bounds& bounds) {
   Vec3 direction;
   for (const Corners& triangle : new_triangles_)
     direction = direction + area_vector(points(triangle));
+  const double largest =
+      std::max({std::fabs(direction.x), std::fabs(direction.y), std::fabs(direction.z)});
   const auto faces_direction = [&](const Corners& triangle) {
-    return dot(direction, area_vector(points(triangle))) > 0;
+    const TrianglePoints t = points(triangle);
+    return dot(direction, area_vector(t)) > largest * area_error(t);
   };
   const auto is_of_graph = [&](Index face) { return faces_direction(faces_[face].vertices); };
   if (std::ranges::all_of(new_triangles_, faces_direction) &&

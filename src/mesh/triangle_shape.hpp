@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <limits>
 
 #include "eses/vec3.hpp"
 
@@ -42,17 +44,38 @@ inline double squared_sine_of_smallest_angle(const TrianglePoints& t, const Vec3
   return product > 0 ? squared_norm(area) * std::min({a, b, c}) / product : 0;
 }
 
+/// Returns a bound of the rounding errors of the scalar product of `area_vector` and any vector
+/// whose components are at most 1: each product of two components has a relative error of 7 / 2
+/// epsilon.
+inline double area_error(const TrianglePoints& t) {
+  constexpr double relative_error = 4 * std::numeric_limits<double>::epsilon();
+  const auto length = [](const Vec3& v) {
+    return std::fabs(v.x) + std::fabs(v.y) + std::fabs(v.z);
+  };
+  return relative_error * length(t[1] - t[0]) * length(t[2] - t[0]);
+}
+
+/// Returns the sign of the volume of the tetrahedron a, b, c, d, or 0 if rounding errors may decide
+/// it. It is positive if a, b and c are clockwise seen from d. The bound is that of J. R. Shewchuk,
+/// Discrete & Computational Geometry 18 (1997), 305-363, doi:10.1007/PL00009321, rounded up.
+inline int certain_side(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
+  constexpr double relative_error = 4 * std::numeric_limits<double>::epsilon();
+  const Vec3 u = a - d, v = b - d, w = c - d;
+  const double volume = dot(u, cross(v, w));
+  const auto size = [](double x, double y) { return std::fabs(x) + std::fabs(y); };
+  const double sum = std::fabs(u.x) * size(v.y * w.z, v.z * w.y) +
+                     std::fabs(u.y) * size(v.z * w.x, v.x * w.z) +
+                     std::fabs(u.z) * size(v.x * w.y, v.y * w.x);
+  return std::fabs(volume) <= relative_error * sum ? 0 : volume > 0 ? 1 : -1;
+}
+
 /// Returns whether a segment and a triangle have a common point. May return true if they only come
 /// within rounding errors of each other.
 inline bool segment_meets_triangle(const Vec3& from, const Vec3& to, const TrianglePoints& t) {
-  const auto volume = [](const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
-    return dot(a - d, cross(b - d, c - d));
-  };
-  const double side_from = volume(t[0], t[1], t[2], from), side_to = volume(t[0], t[1], t[2], to);
-  if ((side_from > 0 && side_to > 0) || (side_from < 0 && side_to < 0)) return false;
-  const double p = volume(from, to, t[0], t[1]), q = volume(from, to, t[1], t[2]),
-               r = volume(from, to, t[2], t[0]);
-  return (p >= 0 && q >= 0 && r >= 0) || (p <= 0 && q <= 0 && r <= 0);
+  if (certain_side(t[0], t[1], t[2], from) * certain_side(t[0], t[1], t[2], to) > 0) return false;
+  const int p = certain_side(from, to, t[0], t[1]), q = certain_side(from, to, t[1], t[2]),
+            r = certain_side(from, to, t[2], t[0]);
+  return std::min({p, q, r}) >= 0 || std::max({p, q, r}) <= 0;
 }
 
 }  // namespace eses::detail::mesh
