@@ -8,18 +8,27 @@
 #include <array>
 #include <cstdint>
 #include <cstdlib>
+#include <filesystem>
 #include <set>
+#include <span>
 #include <string>
-#include <utility>
+#include <variant>
 #include <vector>
 
 #include "catch.hpp"
 #include "eses/compute.hpp"
+#include "eses/measure.hpp"
 #include "eses/read_atoms.hpp"
 #include "mesh/case_table.hpp"
 #include "support/atom_sets.hpp"
+#include "support/eses_files.hpp"
+#include "support/measured_sets.hpp"
+#include "support/mesh_files.hpp"
 #include "support/mesh_intersections.hpp"
 #include "support/near_degenerate.hpp"
+#include "support/run.hpp"
+#include "support/sandbox.hpp"
+#include "support/temporary_directory.hpp"
 
 namespace eses::detail::test {
 namespace {
@@ -129,6 +138,82 @@ void check_meshes(const std::vector<Atom>& atoms, double probe_radius, double sp
     CHECK(find_mesh_faults(mesh.vertices.size(), mesh.faces).empty());
 }
 
+// --- combinations of options --------------------------------------------------------------------
+
+std::string xyzr_of(std::span<const Atom> atoms) {
+  std::string text;
+  for (const auto& [center, radius] : atoms)
+    text += fmt::format("{} {} {} {}\n", center.x, center.y, center.z, radius);
+  return text;
+}
+
+/// Atoms that have cavities, in most cases.
+std::vector<Atom> make_hollow_set(Random& random, std::uint64_t seed) {
+  switch (random.integer(0, 2)) {
+    case 0:
+      return make_sponge(seed);
+    case 1:
+      return make_icosahedron(random.uniform(4, 5), random.uniform(1.8, 2.4));
+    default:
+      return make_atom_set(Kind::shell, seed);
+  }
+}
+
+/// Chooses a mesh, and which cavities count as inside.
+RunTask random_mesh_task(Random& random, std::uint64_t seed) {
+  const std::vector<Atom> atoms = make_hollow_set(random, seed);
+  Parameters parameters{.probe_radius = random.uniform(0.8, 1.5)};
+  const double spacing = random.uniform(0.3, 0.8);
+  parameters.grid = GridOptions{spacing, spacing * random.uniform(1.01, 2)};
+  MeshOptions choice{.file = "mesh.ply", .quality = random.chance(0.6)};
+  if (random.chance(0.4)) choice.color = MeshColor::component;
+  if (random.chance(0.4)) {
+    const std::size_t cavities =
+        measure(eses::Surface(atoms), {.probe_radius = parameters.probe_radius, .cavities = true})
+            .cavities.size();
+    choice.component = static_cast<std::uint32_t>(random.integer(0, cavities));
+  } else if (random.chance(0.5)) {
+    parameters.max_filled_void = random.uniform(0, 60);
+  }
+  RunTask task{.atoms = atoms, .parameters = parameters, .outputs = Outputs::none()};
+  task.outputs.mesh = choice;
+  return task;
+}
+
+/// Chooses options that must not change the mesh.
+void add_random_options(Random& random, RunTask& task) {
+  task.parameters.threads = static_cast<int>(random.integer(1, 3));
+  task.parameters.block_size = static_cast<std::int64_t>(random.integer(2, 40));
+  task.resume = random.chance(0.6);
+  if (task.outputs.mesh->component) return;
+  task.parameters.exact = random.chance(0.4);
+  task.outputs.edges = random.chance(0.5);
+  task.outputs.gzip = random.chance(0.5);
+  if (random.chance(0.3)) task.outputs.inside_map = "inside.dx.gz";
+}
+
+/// Performs a run in a directory and returns the mesh. The first attempt of a run that can be
+/// resumed is interrupted after some blocks.
+std::string mesh_bytes_of(RunTask task, Random& random, const std::filesystem::path& directory) {
+  task.output_directory = directory;
+  task.outputs.mesh->file = directory / "mesh.ply";
+  const Processes alone;
+  if (task.resume) {
+    struct Interruption {};
+    const double part = random.uniform(0, 1.2);
+    const Callbacks callbacks{.progress = [&](std::int64_t done, std::int64_t all) {
+      if (static_cast<double>(done) > part * static_cast<double>(all)) throw Interruption();
+    }};
+    try {
+      execute(task, plan_run(task, alone), callbacks, alone);
+    } catch (const Interruption&) {
+      CHECK_FALSE(std::filesystem::exists(task.outputs.mesh->file));
+    }
+  }
+  execute(task, plan_run(task, alone), {}, alone);
+  return read_bytes(task.outputs.mesh->file);
+}
+
 std::uint64_t set_count() {
   constexpr std::uint64_t by_default = 500;
   const char* wanted = std::getenv("ESES_MESH_SETS");
@@ -227,6 +312,27 @@ TEST_CASE("mesh intersections: none in meshes of random and degenerate sets", "[
       INFO(kind_name(kind) << ", seed " << seed);
       check_meshes(make_atom_set(kind, seed), designed_probe_radius(seed), spacing, margin());
     }
+  }
+}
+
+TEST_CASE("mesh intersections: none with random combinations of options", "[mesh][quality]") {
+  for (std::uint64_t seed = 0; seed < set_count() / 10; ++seed) {
+    INFO("seed " << seed);
+    Random random(seed);
+    RunTask task = random_mesh_task(random, seed);
+    const TemporaryDirectory plain, varied;
+    const std::string expected = mesh_bytes_of(task, random, plain.path());
+    write_file(plain.path() / "atoms.xyzr", xyzr_of(std::get<Molecule>(task.atoms).atoms()));
+    task.atoms = InputFile{plain.path() / "atoms.xyzr"};
+    add_random_options(random, task);
+    const bool is_same = mesh_bytes_of(task, random, varied.path()) == expected;
+    CHECK(is_same);
+    const Mesh mesh = read_mesh(plain.path() / "mesh.ply");
+    REQUIRE(!mesh.triangles.empty());
+    CHECK(find_mesh_faults(mesh.positions.size(), mesh.triangles).empty());
+    CHECK(find_intersections(mesh.positions, mesh.triangles).empty());
+    const bool is_void = task.outputs.mesh->component.value_or(0) > 0;
+    CHECK((measure(mesh).volume < 0) == is_void);
   }
 }
 
