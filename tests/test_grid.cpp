@@ -91,6 +91,23 @@ TEST_CASE("the number of points is truncated, not rounded") {
   CHECK(cut_depth(make_grid(atoms, 0.75, 0.375), sphere_bounds(atoms)) == 0.125);
 }
 
+TEST_CASE("a grid that ends where the molecule does has a cut depth of 0") {
+  // 2.4 / 0.2 is 11.999... in double precision, so that the last point is close to 1.
+  const std::vector<Atom> atoms{{{0, 0, 0}, 1}};
+  const Grid grid = make_grid(atoms, 0.2, 0.2);
+  CHECK(grid.size == GridIndex{12, 12, 12});
+  CHECK(cut_depth(grid, sphere_bounds(atoms)) == 0);
+  const auto depth_beyond = [](double center, double gap) {
+    const Box bounds{{center - 1, center - 1, center - 1}, {center + 1, center + 1, center + 1}};
+    const double low = center - 1 - gap;
+    return cut_depth({{low, low - 1, low - 1}, 0.5, {9, 9, 9}}, bounds);
+  };
+  CHECK(depth_beyond(0, 1e-16) == 0);
+  CHECK(depth_beyond(0, 1e-13) < 0);
+  CHECK(depth_beyond(300, 1e-13) == 0);
+  CHECK(depth_beyond(300, 1e-11) < 0);
+}
+
 TEST_CASE("the grid of crambin is that of ESES") {
   // Crambin (1crn): the atoms that reach farthest along each axis, and the grid that ESES wrote for
   // spacing 0.4 and margin 0.8.

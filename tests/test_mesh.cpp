@@ -459,6 +459,36 @@ TEST_CASE("mesh: the mesh is open only where the grid cuts the molecule", "[mesh
   CHECK(open >= 12);  // three faces, each with a hole
 }
 
+TEST_CASE("mesh: a mesh is closed if the depth of the cut is negative", "[mesh]") {
+  Random random(11);
+  std::size_t open = 0;
+  for (int i = 0; i < 40; ++i) {
+    const double spacing = random.uniform(0.2, 0.4), radius = random.uniform(1, 2);
+    const double range = std::array{0.0, 1.0, 300.0}[random.integer(0, 2)];
+    const Vec3 center{random.uniform(-range, range), random.uniform(-range, range),
+                      random.uniform(-range, range)};
+    for (const double gap : {0.0, 1e-16, 1e-15, 1e-14, 1e-13, 1e-12, 1e-9}) {
+      INFO("set " << i << ", gap " << gap);
+      // The last plane along x is the gap beyond the sphere, and has a point close to the x axis.
+      const auto half = static_cast<std::int64_t>(radius / spacing) + 2;
+      const GridIndex size{2 * half, 2 * half + 1, 2 * half + 1};
+      const double across = static_cast<double>(half) * spacing;
+      const Vec3 origin{center.x + radius + gap - static_cast<double>(size[0] - 1) * spacing,
+                        center.y - across, center.z - across};
+      Parameters parameters;
+      parameters.grid = Grid{origin, spacing, size};
+      const std::vector<Atom> atoms{{center, radius}};
+      const double depth = make_plan(atoms, parameters, {}).cut_depth;
+      const Mesh mesh = run_mesh(atoms, parameters).mesh;
+      const bool is_closed = find_mesh_faults(mesh.positions.size(), mesh.triangles).empty();
+      if (!is_closed) ++open;
+      CHECK((is_closed || depth >= 0));
+      CHECK((gap < 1e-9 || depth < 0));
+    }
+  }
+  CHECK(open > 10);
+}
+
 TEST_CASE("mesh: the size of the file is estimated", "[mesh]") {
   const std::vector<Atom> atoms = make_chain(200, 5);
   for (const char* name : {"a.ply", "a.obj", "a.off"}) {
