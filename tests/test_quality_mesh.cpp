@@ -16,6 +16,7 @@
 #include "support/atom_sets.hpp"
 #include "support/eses_files.hpp"
 #include "support/mesh_files.hpp"
+#include "support/mesh_intersections.hpp"
 #include "support/run.hpp"
 #include "support/temporary_directory.hpp"
 
@@ -68,56 +69,6 @@ bool is_at_cusp(const Mesh& mesh, const MeshTriangle& t) {
                    dot(normal(2), normal(0))}) < 0.5;
 }
 
-// Returns the sign of the volume of a tetrahedron, or 0 if rounding may decide it. Its edges have a
-// few angstrom, so that errors are below 1e-14.
-int orientation(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
-  constexpr double uncertain = 1e-12;
-  const double volume = dot(cross(b - a, c - a), d - a);
-  return std::abs(volume) <= uncertain ? 0 : volume > 0 ? 1 : -1;
-}
-
-// Whether a segment passes through the inside of a triangle with certainty.
-bool pierces(const Vec3& from, const Vec3& to, const Points& t) {
-  if (orientation(t[0], t[1], t[2], from) * orientation(t[0], t[1], t[2], to) >= 0) return false;
-  const int side = orientation(from, to, t[0], t[1]);
-  return side != 0 && orientation(from, to, t[1], t[2]) == side &&
-         orientation(from, to, t[2], t[0]) == side;
-}
-
-// Counts the pairs of triangles that intersect.
-std::size_t count_intersections(const Mesh& mesh) {
-  struct Entry {
-    Points points;
-    Vec3 low, high;
-  };
-  std::vector<Entry> entries;
-  for (const MeshTriangle& t : mesh.triangles) {
-    const Points p = points_of(mesh, t);
-    Entry& entry = entries.emplace_back(p, p[0], p[0]);
-    for (const Vec3& point : p)
-      for (std::size_t axis = 0; axis < 3; ++axis) {
-        entry.low[axis] = std::min(entry.low[axis], point[axis]);
-        entry.high[axis] = std::max(entry.high[axis], point[axis]);
-      }
-  }
-  std::sort(entries.begin(), entries.end(),
-            [](const Entry& a, const Entry& b) { return a.low.z < b.low.z; });
-  const auto intersect = [](const Points& p, const Points& q) {
-    for (std::size_t k = 0; k < 3; ++k)
-      if (pierces(p[k], p[(k + 1) % 3], q) || pierces(q[k], q[(k + 1) % 3], p)) return true;
-    return false;
-  };
-  std::size_t count = 0;
-  for (std::size_t i = 0; i < entries.size(); ++i)
-    for (std::size_t j = i + 1; j < entries.size() && entries[j].low.z <= entries[i].high.z; ++j) {
-      const Entry &a = entries[i], &b = entries[j];
-      if (a.low.x > b.high.x || b.low.x > a.high.x || a.low.y > b.high.y || b.low.y > a.high.y)
-        continue;
-      if (intersect(a.points, b.points)) ++count;
-    }
-  return count;
-}
-
 void check_quality_mesh(const QualityRun& plain, const QualityRun& improved, double spacing) {
   const Mesh& mesh = improved.mesh;
   const std::vector<std::string> faults = find_mesh_faults(mesh.positions.size(), mesh.triangles);
@@ -126,7 +77,7 @@ void check_quality_mesh(const QualityRun& plain, const QualityRun& improved, dou
   const MeshMeasures before = measure(plain.mesh), after = measure(mesh);
   CHECK(after.euler_number == before.euler_number);
   CHECK(after.components == before.components);
-  CHECK(count_intersections(mesh) == 0);
+  CHECK(find_intersections(mesh.positions, mesh.triangles).empty());
   CHECK(mesh.triangles.size() == improved.summary.mesh->triangles);
   CHECK(mesh.positions.size() == improved.summary.mesh->vertices);
 
