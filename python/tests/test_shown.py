@@ -49,7 +49,7 @@ def test_unknown_arguments_are_refused(fasciculin_surface, result, monkeypatch):
     surface = fasciculin_surface
     for name in ("k3d", "pandas", "xarray"):
         monkeypatch.setitem(sys.modules, name, None)  # hides the package
-    points_only = surface.compute(surface.grid(2.0), inside=False, crossings=False)
+    points_only = surface.compute(surface.grid(1.0), inside=False, crossings=False)
     for call in (lambda: result.mesh().show("blue"), lambda: surface.show(1.0, style="dots"),
                  lambda: surface.show(1.0, backend="paper"),
                  lambda: result.mesh().show("blue", backend="k3d"),
