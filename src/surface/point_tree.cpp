@@ -11,8 +11,9 @@
 namespace eses::detail {
 namespace {
 
-// Maximum number of points in a leaf of a tree. Smaller leaves take more memory.
-constexpr std::size_t points_per_leaf = 16;
+// Maximum numbers of points and atoms in a leaf of a tree. Smaller leaves take more memory, which
+// matters for atoms.
+constexpr std::size_t points_per_leaf = 8, atoms_per_leaf = 16;
 
 // Relative amount by which a search extends beyond its distance. It exceeds the rounding errors of
 // the middle of a box, and of squared distances of nodes, to which nanoflann adds and subtracts
@@ -46,6 +47,8 @@ class BallVisitor {
         action_(std::move(action)) {}
 
   // These names are nanoflann's.
+  using DistanceType = double;
+  using IndexType = std::uint32_t;
   double worstDist() const { return max_squared_; }
   bool addPoint(double squared, std::uint32_t index) {
     action_(squared, index);
@@ -70,13 +73,13 @@ struct PointTree::Index {
   PointView points;
   NanoflannTree tree;
 
-  explicit Index(const PointView& of)
-      : points(of), tree(3, points, nanoflann::KDTreeSingleIndexAdaptorParams(points_per_leaf)) {}
+  Index(const PointView& of, std::size_t per_leaf)
+      : points(of), tree(3, points, nanoflann::KDTreeSingleIndexAdaptorParams(per_leaf)) {}
 
   template <class Visitor>
   void search(Vec3 center, Visitor& visitor) const {
     const std::array<double, 3> query{center.x, center.y, center.z};
-    tree.radiusSearchCustomCallback(query.data(), visitor);
+    static_cast<void>(tree.radiusSearchCustomCallback(query.data(), visitor));
   }
 };
 
@@ -90,7 +93,7 @@ void PointTree::reset(std::span<const Vec3> points) {
   index_.reset();
   if (points.empty()) return;
   const auto* const first = reinterpret_cast<const double*>(points.data());
-  index_ = std::make_unique<const Index>(PointView{first, 3, points.size()});
+  index_ = std::make_unique<const Index>(PointView{first, 3, points.size()}, points_per_leaf);
 }
 
 void PointTree::reset(std::span<const Atom> atoms) {
@@ -98,7 +101,7 @@ void PointTree::reset(std::span<const Atom> atoms) {
   index_.reset();
   if (atoms.empty()) return;
   const auto* const first = reinterpret_cast<const double*>(atoms.data());
-  index_ = std::make_unique<const Index>(PointView{first, 4, atoms.size()});
+  index_ = std::make_unique<const Index>(PointView{first, 4, atoms.size()}, atoms_per_leaf);
 }
 
 void PointTree::visit(Vec3 center, double distance,
