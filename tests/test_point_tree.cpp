@@ -1,5 +1,6 @@
 // Compares the k-d tree of points with a loop over all points.
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <string>

@@ -36,9 +36,9 @@ DisjointSets connect_atoms(const SurfaceModel& surface) {
   std::vector<AtomIndex> found;
   const auto connect_neighbours = [&](AtomIndex i) {
     if (i != given && sets.shorten(i) == sets.shorten(given)) return;
-    surface.tree().find_reaching(
-        surface.atoms[i].center, surface.atoms[i].radius + 2 * surface.probe_radius + look_up_slack,
-        found);
+    surface.tree().find_reaching(surface.atoms[i].center,
+                                 surface.atoms[i].radius + 2 * surface.probe_radius + look_up_slack,
+                                 found);
     for (const AtomIndex k : found) connect(i, k);
   };
   // Outwards from the given atom, most atoms are near others that are already connected with it.

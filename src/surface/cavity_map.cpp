@@ -118,8 +118,8 @@ void CavityMap::add_surroundings(const SurfaceModel& surface) {
   std::vector<std::uint8_t> is_near(surface.atoms.size());
   for (const auto& [atom, position] : index_) {
     const SasSphere sphere = surface.sas_sphere(atom);
-    surface.tree().find_reaching(
-        sphere.center, sphere.radius + surface.probe_radius + look_up_slack, found);
+    surface.tree().find_reaching(sphere.center,
+                                 sphere.radius + surface.probe_radius + look_up_slack, found);
     for (const AtomIndex i : found) is_near[i] = 1;
   }
   std::vector<Atom> balls;

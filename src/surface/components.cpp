@@ -1,11 +1,8 @@
 #include "surface/components.hpp"
 
 #include <algorithm>
-#include <array>
-#include <bit>
 #include <cmath>
 #include <limits>
-#include <numeric>
 #include <utility>
 
 #include "surface/atom_loops.hpp"
@@ -21,7 +18,7 @@ constexpr double end_search = 1e-5;
 // Placements and ends of arcs this close together are connected (angstrom), unless three arcs end
 // at each placement. Rounding may hide the arcs between them.
 constexpr double connected = tolerance::touching;
-static_assert(connected <= end_search, "PlacementCells finds placements within end_search only");
+static_assert(connected <= end_search, "placements are searched within end_search only");
 
 // The extreme point of a wall must be this far outside of the other SAS balls, or this deep in one
 // of them, so that rounding does not decide whether it is accessible (angstrom).
@@ -37,71 +34,6 @@ struct ArcMatch {
   std::uint32_t arc, placement;
 };
 
-// The placements of a layer in cells, to find those within `end_search` of a position.
-class PlacementCells {
- public:
-  struct Item {
-    Vec3 center;
-    std::array<AtomIndex, 3> atoms;
-    std::uint32_t placement;  // index within the layer
-
-    bool touches(AtomIndex atom) const {
-      return std::find(atoms.begin(), atoms.end(), atom) != atoms.end();
-    }
-  };
-
-  explicit PlacementCells(const SweepLayer& layer)
-      : begins_(std::bit_ceil(layer.centers.size() + 1) + 1), items_(layer.centers.size()) {
-    const auto bucket = [&](Vec3 center) {
-      const Cell cell = cell_of(center, 0);
-      return bucket_of(cell[0], cell[1], cell[2]);
-    };
-    for (const Vec3 center : layer.centers) ++begins_[bucket(center)];
-    std::partial_sum(begins_.begin(), begins_.end(), begins_.begin());
-    // Each bucket is filled from its end, which moves its entry of `begins_` to its begin.
-    for (auto k = static_cast<std::uint32_t>(items_.size()); k-- > 0;)
-      items_[--begins_[bucket(layer.centers[k])]] = {layer.centers[k], layer.placements[k]->atoms,
-                                                     k};
-  }
-
-  // Calls `action(item, squared distance)` at least once for each such placement.
-  template <class Action>
-  void for_each(Vec3 position, Action&& action) const {
-    const Cell low = cell_of(position, -end_search), high = cell_of(position, end_search);
-    for (std::uint64_t x = low[0]; x <= high[0]; ++x)
-      for (std::uint64_t y = low[1]; y <= high[1]; ++y)
-        for (std::uint64_t z = low[2]; z <= high[2]; ++z) {
-          const std::size_t bucket = bucket_of(x, y, z);
-          for (std::uint32_t k = begins_[bucket]; k < begins_[bucket + 1]; ++k)
-            if (const double squared = squared_norm(items_[k].center - position);
-                squared < end_search * end_search)
-              action(items_[k], squared);
-        }
-  }
-
- private:
-  using Cell = std::array<std::uint64_t, 3>;     // cubes with sides of 1 angstrom
-  static constexpr double cell_count = 1 << 21;  // along an axis; the outermost cells are endless
-
-  static Cell cell_of(Vec3 point, double offset) {
-    Cell cell;
-    for (std::size_t axis = 0; axis < 3; ++axis)
-      cell[axis] = static_cast<std::uint64_t>(
-          std::clamp(point[axis] + offset + 0.5 * cell_count, 0.0, cell_count - 1));
-    return cell;
-  }
-  // The 64 cells of a cube have consecutive buckets, so that they share cache lines. The factors
-  // are powers of 2 divided by the golden ratio, which spread the cubes.
-  std::size_t bucket_of(std::uint64_t x, std::uint64_t y, std::uint64_t z) const {
-    const std::uint64_t cube = (x >> 2) + 0x9e37 * (y >> 2) + 0x9e3779b9 * (z >> 2);
-    return ((cube << 6) + ((z & 3) << 4) + ((y & 3) << 2) + (x & 3)) & (begins_.size() - 2);
-  }
-
-  std::vector<std::uint32_t>
-      begins_;  // index of the first item of each bucket, followed by the number of items
-  std::vector<Item> items_;  // by bucket
-};
-
 // Returns whether there may be placements that no arc connects although probes pass between them.
 bool may_hide_arcs(const SurfaceModel& surface, const ClusterPatches& patches) {
   return !surface.has_slack || !patches.is_regular;
@@ -110,8 +42,7 @@ bool may_hide_arcs(const SurfaceModel& surface, const ClusterPatches& patches) {
 // Finds the placements at the ends of the arcs of a cluster, or only of the arcs whose atoms are
 // measured in this layer.
 void find_ends(const SurfaceModel& surface, const ClusterPatches& patches, const SweepLayer& layer,
-               bool has_all_arcs, const PlacementCells& placements,
-               std::vector<ArcMatch>& matches) {
+               bool has_all_arcs, std::vector<ArcMatch>& matches) {
   matches.clear();
   const bool may_be_hidden = may_hide_arcs(surface, patches);
   for (std::uint32_t k = 0; k < patches.arcs.size(); ++k) {
@@ -123,12 +54,18 @@ void find_ends(const SurfaceModel& surface, const ClusterPatches& patches, const
       const Vec3 end = circle.center + circle.radius * radial;
       double min_squared = std::numeric_limits<double>::infinity();
       ArcMatch best{k, 0};
-      placements.for_each(end, [&](const PlacementCells::Item& item, double squared) {
-        if (may_be_hidden && squared < connected * connected)
-          matches.push_back({k, item.placement});
-        if (squared >= min_squared || !item.touches(arc.first) || !item.touches(arc.second)) return;
+      layer.tree.for_each_within(end, end_search, [&](std::uint32_t placement) {
+        const double squared = squared_norm(layer.centers[placement] - end);
+        if (may_be_hidden && squared < connected * connected) matches.push_back({k, placement});
+        // The lowest one of several at the same distance is chosen.
+        if (std::pair(squared, placement) >= std::pair(min_squared, best.placement)) return;
+        const auto& atoms = layer.placements[placement]->atoms;
+        const auto touches = [&](AtomIndex atom) {
+          return std::find(atoms.begin(), atoms.end(), atom) != atoms.end();
+        };
+        if (!touches(arc.first) || !touches(arc.second)) return;
         min_squared = squared;
-        best.placement = item.placement;
+        best.placement = placement;
       });
       if (min_squared < std::numeric_limits<double>::infinity()) matches.push_back(best);
     }
@@ -284,13 +221,12 @@ void ComponentFinder::connect_arcs(const SweepLayer& layer) {
   for_each_complete(layer, [&](ClusterIndex cluster, const ClusterPatches&) {
     if (are_connected_[cluster] == 0) chosen.push_back(cluster);
   });
-  const PlacementCells placements(layer);
   std::vector<std::vector<ArcMatch>> matches(chosen.size());
   for_each_index(chosen.size(), layer.threads, [&](std::size_t k) {
     const double high = clusters.heights(chosen[k]).high + look_up_slack;
     const bool has_all_arcs = clusters.count_below(high) <= layer.complete_end;
     find_ends(surface_, layer.schedule.patches().of_cluster(chosen[k]), layer, has_all_arcs,
-              placements, matches[k]);
+              matches[k]);
     are_connected_[chosen[k]] = has_all_arcs ? 1 : 0;
   });
   for (std::size_t k = 0; k < chosen.size(); ++k)
@@ -300,9 +236,8 @@ void ComponentFinder::connect_arcs(const SweepLayer& layer) {
     if (!may_hide_arcs(surface_, patches)) return;
     const std::uint32_t first = layer.first_placement[cluster];
     for (std::uint32_t k = first; k < first + patches.placements.size(); ++k)
-      placements.for_each(layer.centers[k], [&](const PlacementCells::Item& other, double squared) {
-        if (squared < connected * connected)
-          sets_.unite(placement_node_[k], placement_node_[other.placement]);
+      layer.tree.for_each_within(layer.centers[k], connected, [&](std::uint32_t other) {
+        sets_.unite(placement_node_[k], placement_node_[other]);
       });
   });
   if (surface_.has_slack) return;

@@ -17,6 +17,7 @@
 #include "geometry/sphere_part.hpp"
 #include "surface/patch_schedule.hpp"
 #include "surface/patch_sums.hpp"
+#include "surface/point_tree.hpp"
 #include "surface/sphere_faces.hpp"
 #include "system/disjoint_sets.hpp"
 
@@ -106,6 +107,7 @@ struct SweepLayer {
   ClusterIndex complete_end;  ///< all clusters before this one are complete, or freed
   std::span<const ProbePlacement* const> placements;  ///< of all complete clusters
   std::span<const Vec3> centers;                      ///< of the placements
+  const PointTree& tree;                              ///< of the centres
   std::span<const std::uint32_t> first_placement;     ///< by cluster
   std::span<const std::uint32_t> first_coinciding;  ///< by placement: the first one with its centre
   int threads;

@@ -352,7 +352,7 @@ bool PatchMeasurement::measure_clusters(ClusterIndex begin, ClusterIndex end) {
 void PatchMeasurement::connect_patches(ClusterIndex begin, ClusterIndex end, double complete_to) {
   components_->begin_layer({schedule_, begin, end,
                             schedule_.patches().clusters().count_below(complete_to), placements_,
-                            centers_, first_placement_, node_, settings_.threads});
+                            centers_, tree_, first_placement_, node_, settings_.threads});
 }
 
 void PatchMeasurement::keep_placements(ClusterIndex begin, ClusterIndex end) {
@@ -399,9 +399,8 @@ void PatchMeasurement::index_placements() {
       centers_.push_back(placement.center);
     }
   }
-  // Only measures need the placements that cut a patch. Without a probe there are none.
-  const bool has_cuts = probe() > 0 && sought_ == Sought::measures;
-  if (has_cuts || !surface_.has_slack) tree_.reset(centers_);
+  // Without a probe, no placement cuts a patch.
+  if (probe() > 0 || components_ || !surface_.has_slack) tree_.reset(centers_);
   node_.resize(placements_.size());
   std::iota(node_.begin(), node_.end(), 0U);
   if (surface_.has_slack) return;
@@ -765,6 +764,8 @@ void PatchMeasurement::add_cutters(std::uint32_t number, Vec3 center, double dis
       continue;
     scratch.cutters.push_back(other);
   }
+  // The order in which the tree finds them may differ between versions of its library.
+  std::sort(scratch.cutters.begin(), scratch.cutters.end());
   for (const std::uint32_t cutter : scratch.cutters) {
     const Vec3 to_cutter = centers_[cutter] - from;
     const double length = norm(to_cutter);

@@ -119,8 +119,8 @@ bool is_in_kept_atom(std::span<const Atom> atoms, const AtomTree& tree, AtomInde
 // Marks the atoms that are contained in an atom that is itself not contained. So each of them
 // extends beyond an unmarked atom by at most the tolerance, even in long chains of atoms that
 // contain each other.
-void mark_contained(std::span<const Atom> atoms, const AtomTree& tree,
-                    const Containers& containers, std::vector<std::uint8_t>& is_contained) {
+void mark_contained(std::span<const Atom> atoms, const AtomTree& tree, const Containers& containers,
+                    std::vector<std::uint8_t>& is_contained) {
   std::vector<AtomIndex> inner, found;
   for (AtomIndex i = 0; i < atoms.size(); ++i)
     if (containers[i] != no_container) inner.push_back(i);

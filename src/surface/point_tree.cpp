@@ -11,30 +11,14 @@
 namespace eses::detail {
 namespace {
 
-// Maximum number of points in a leaf of a tree. Smaller leaves take more memory.
-constexpr std::size_t points_per_leaf = 16;
+// Maximum numbers of points and atoms in a leaf of a tree. Smaller leaves take more memory, which
+// matters for atoms.
+constexpr std::size_t points_per_leaf = 8, atoms_per_leaf = 16;
 
 // Relative amount by which a search extends beyond its distance. It exceeds the rounding errors of
 // the middle of a box, and of squared distances of nodes, to which nanoflann adds and subtracts
 // squares on the way from the root.
 constexpr double search_rounding = 1e-12;
-
-// Points as nanoflann reads them: three of `stride` consecutive numbers.
-struct PointView {
-  const double* first = nullptr;
-  std::size_t stride = 0, count = 0;
-
-  Vec3 at(std::size_t i) const { return {of(i, 0), of(i, 1), of(i, 2)}; }
-  double of(std::size_t i, std::size_t axis) const { return first[stride * i + axis]; }
-
-  // These names are nanoflann's.
-  std::size_t kdtree_get_point_count() const { return count; }
-  double kdtree_get_pt(std::size_t i, std::size_t axis) const { return of(i, axis); }
-  template <class Bounds>
-  bool kdtree_get_bbox(Bounds&) const {
-    return false;  // nanoflann computes them
-  }
-};
 
 // A result set of nanoflann: passes the points in a ball, and some that are a little farther away,
 // to `action(squared distance, index)`.
@@ -46,6 +30,8 @@ class BallVisitor {
         action_(std::move(action)) {}
 
   // These names are nanoflann's.
+  using DistanceType = double;
+  using IndexType = std::uint32_t;
   double worstDist() const { return max_squared_; }
   bool addPoint(double squared, std::uint32_t index) {
     action_(squared, index);
@@ -60,23 +46,38 @@ class BallVisitor {
   Action action_;
 };
 
-using NanoflannTree =
-    nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<double, PointView>, PointView,
-                                        3>;
-
 }  // namespace
 
 struct PointTree::Index {
-  PointView points;
-  NanoflannTree tree;
+  // Points as nanoflann reads them: three of `stride` consecutive numbers.
+  struct View {
+    const double* first = nullptr;
+    std::size_t stride = 0, count = 0;
 
-  explicit Index(const PointView& of)
-      : points(of), tree(3, points, nanoflann::KDTreeSingleIndexAdaptorParams(points_per_leaf)) {}
+    Vec3 at(std::size_t i) const { return {of(i, 0), of(i, 1), of(i, 2)}; }
+    double of(std::size_t i, std::size_t axis) const { return first[stride * i + axis]; }
+
+    // These names are nanoflann's.
+    std::size_t kdtree_get_point_count() const { return count; }
+    double kdtree_get_pt(std::size_t i, std::size_t axis) const { return of(i, axis); }
+    template <class Bounds>
+    bool kdtree_get_bbox(Bounds&) const {
+      return false;  // nanoflann computes them
+    }
+  };
+  using Tree =
+      nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<double, View>, View, 3>;
+
+  View points;
+  Tree tree;
+
+  Index(const View& of, std::size_t per_leaf)
+      : points(of), tree(3, points, nanoflann::KDTreeSingleIndexAdaptorParams(per_leaf)) {}
 
   template <class Visitor>
   void search(Vec3 center, Visitor& visitor) const {
     const std::array<double, 3> query{center.x, center.y, center.z};
-    tree.radiusSearchCustomCallback(query.data(), visitor);
+    static_cast<void>(tree.radiusSearchCustomCallback(query.data(), visitor));
   }
 };
 
@@ -90,7 +91,7 @@ void PointTree::reset(std::span<const Vec3> points) {
   index_.reset();
   if (points.empty()) return;
   const auto* const first = reinterpret_cast<const double*>(points.data());
-  index_ = std::make_unique<const Index>(PointView{first, 3, points.size()});
+  index_ = std::make_unique<const Index>(Index::View{first, 3, points.size()}, points_per_leaf);
 }
 
 void PointTree::reset(std::span<const Atom> atoms) {
@@ -98,7 +99,7 @@ void PointTree::reset(std::span<const Atom> atoms) {
   index_.reset();
   if (atoms.empty()) return;
   const auto* const first = reinterpret_cast<const double*>(atoms.data());
-  index_ = std::make_unique<const Index>(PointView{first, 4, atoms.size()});
+  index_ = std::make_unique<const Index>(Index::View{first, 4, atoms.size()}, atoms_per_leaf);
 }
 
 void PointTree::visit(Vec3 center, double distance,

@@ -28,7 +28,7 @@ class PointTree {
   void reset(std::span<const Atom> atoms);
 
   /// Calls `action(index)` for all points whose distance from `center` is less than `distance`
-  /// (angstrom). The order depends on the points only.
+  /// (angstrom), in any order.
   template <class Action>
   void for_each_within(Vec3 center, double distance, Action&& action) const {
     using Callable = std::remove_reference_t<Action>;
@@ -38,7 +38,8 @@ class PointTree {
         std::addressof(action));
   }
 
-  /// Appends to `found` the points that are at most `distance` (angstrom) away from `box`.
+  /// Appends to `found`, in any order, the points that are at most `distance` (angstrom) away from
+  /// `box`.
   void find_near(const Box& box, double distance, std::vector<std::uint32_t>& found) const;
 
  private:

@@ -14,8 +14,8 @@
 
 namespace eses::detail {
 
-/// Returns the class of a radius. Class 0 has radii up to 4 angstrom, which includes all real atoms.
-/// The limit of each further class is twice the limit of the previous one.
+/// Returns the class of a radius. Class 0 has radii up to 4 angstrom, which includes all real
+/// atoms. The limit of each further class is twice the limit of the previous one.
 inline int radius_class(double radius) {
   constexpr double first_limit = 4, max_quotient = 1e300;  // ilogb needs a finite argument
   return radius <= first_limit ? 0 : 1 + std::ilogb(std::min(radius / first_limit, max_quotient));
