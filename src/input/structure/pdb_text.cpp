@@ -36,7 +36,7 @@ struct Columns {
 constexpr Columns serial_columns{6, 5}, name_columns{12, 4}, residue_columns{17, 3},
     chain_columns{20, 2};
 constexpr std::array<Columns, 3> coordinate_columns{{{30, 8}, {38, 8}, {46, 8}}};
-constexpr Columns occupancy_columns{54, 6}, b_factor_columns{60, 6}, segment_columns{72, 4};
+constexpr Columns occupancy_columns{54, 6}, segment_columns{72, 4};
 constexpr Columns element_columns{76, 2};
 // The charges in the last two columns are not used: old files have line numbers there.
 constexpr std::size_t end_of_fields = 78, record_width = 80;
