@@ -426,12 +426,16 @@ void ComponentFinder::add_divided_atom(AtomIndex atom, Components::DividedAtom& 
   for (const SphereArc& arc : divided.arcs) divided.walls.push_back(arc.node);
   std::sort(divided.walls.begin(), divided.walls.end());
   divided.walls.erase(std::unique(divided.walls.begin(), divided.walls.end()), divided.walls.end());
+  const Vec3 covered =
+      std::min_element(divided.arcs.begin(), divided.arcs.end(),
+                       [](const auto& a, const auto& b) { return a.cap.cosine < b.cap.cosine; })
+          ->cap.axis;
   for (const std::uint32_t wall : divided.walls) {
     SpherePart boundary;
     FaceIntegrals integrals;
     for (const SphereArc& arc : divided.arcs) {
       if (arc.node != wall) continue;
-      boundary += boundary_term(arc.cap, arc.arc);
+      boundary += boundary_term(arc.cap, arc.arc, covered);
       integrals.moment =
           integrals.moment +
           second_moment_term(arc.cap, arc.arc, surface_.atoms[atom].center - origin_);

@@ -185,6 +185,8 @@ class PatchMeasurement {
         gradient->radii.resize(surface_.atoms.size());
       }
     }
+        covering_atom_(surface_.atoms.size()),
+        has_covering_atoms_(schedule_.patches().clusters().count()),
     if (settings.cavities || sought == Sought::components) {
       components_.emplace(surface_, origin_);
       face_moments_.resize(surface_.atoms.size());
@@ -293,6 +295,11 @@ class PatchMeasurement {
   std::vector<std::uint32_t> first_placement_;  // by cluster
   std::vector<std::uint32_t> node_;             // by placement: the first one that coincides
   // The parts of placements that coincide, by the first one, if there are gradients.
+  void find_covering_atoms();
+  AtomIndex find_covering_atom(AtomPatches patches, AtomIndex atom) const;
+  Vec3 covered_direction(AtomIndex i) const {
+    return normalized(surface_.atoms[covering_atom_[i]].center - surface_.atoms[i].center);
+  }
   std::unordered_map<std::uint32_t, std::vector<ProbePlacement>> node_parts_;
   PointTree tree_;
 
@@ -303,10 +310,14 @@ class PatchMeasurement {
 bool PatchMeasurement::measure_layer(ClusterIndex begin, ClusterIndex end) {
   const AtomClusters& clusters = schedule_.patches().clusters();
   double high = -infinity;
+  // By atom with a face: the neighbour with a large cap. The axis of this cap is in no face.
+  std::vector<AtomIndex> covering_atom_;
+  std::vector<std::uint8_t> has_covering_atoms_;  // by cluster
   for (ClusterIndex cluster = begin; cluster < end; ++cluster)
     high = std::max(high, clusters.heights(cluster).high);
   // A concave patch is cut by placements up to twice the probe radius away.
   build_patches(high + probe() + look_up_slack);
+  find_covering_atoms();
   index_placements();
   if (components_) connect_patches(begin, end, high + 2 * (probe() + look_up_slack));
   // A single thread adds the terms of each cluster at once, while they are in the cache. Several
@@ -407,6 +418,37 @@ void PatchMeasurement::index_placements() {
   if (surface_.has_slack) return;
   node_parts_.clear();
   std::vector<std::uint32_t> node;
+// Returns the neighbour with the first cap of a face that is large, or else with the largest one.
+AtomIndex PatchMeasurement::find_covering_atom(AtomPatches patches, AtomIndex atom) const {
+  constexpr double large_cosine = 0.5;
+  const SasSphere sphere = surface_.sas_sphere(atom);
+  AtomIndex largest = atom;
+  double min_height = infinity;
+  for (const AtomIndex k : patches.face_neighbours()) {
+    const double height = make_cap(sphere, surface_.sas_sphere(k)).height;
+    if (height >= min_height) continue;
+    min_height = height;
+    largest = k;
+    if (height <= large_cosine * sphere.radius) break;
+  }
+  return largest;
+}
+
+// Finds the covering atoms of all complete clusters.
+void PatchMeasurement::find_covering_atoms() {
+  const Patches& patches = schedule_.patches();
+  for_each_index(patches.clusters().count(), settings_.threads, [&](std::size_t index) {
+    const auto cluster = static_cast<ClusterIndex>(index);
+    if (has_covering_atoms_[cluster] != 0 || !schedule_.is_complete(cluster)) return;
+    has_covering_atoms_[cluster] = 1;
+    const std::span<const AtomIndex> members = patches.clusters().members(cluster);
+    for (std::uint32_t m = 0; m < members.size(); ++m)
+      if (patches.of_cluster(cluster).exposure[m] == AtomExposure::exposed)
+        covering_atom_[members[m]] =
+            find_covering_atom({&patches.of_cluster(cluster), m}, members[m]);
+  });
+}
+
   for (std::uint32_t k = 0; k < node_.size(); ++k) {
     if (node_[k] != k) continue;
     find_node(k, node);
@@ -549,8 +591,10 @@ PatchSums PatchMeasurement::add_arc(const Arc& arc, bool has_moments, ClusterTer
   const SphericalCap second_cap{-circle.axis, circle.second_height / second.radius};
   const RimArc first_rim{0, swept.angle, arc.start, arc.end};
   const RimArc second_rim{0, swept.angle, arc.end, arc.start};
-  terms.faces.push_back({arc.first, boundary_term(first_cap, first_rim), {}});
-  terms.faces.push_back({arc.second, boundary_term(second_cap, second_rim), {}});
+  terms.faces.push_back(
+      {arc.first, boundary_term(first_cap, first_rim, covered_direction(arc.first)), {}});
+  terms.faces.push_back(
+      {arc.second, boundary_term(second_cap, second_rim, covered_direction(arc.second)), {}});
   if (has_moments) {
     const auto moment = [&](const SphericalCap& cap, const RimArc& rim, const SasSphere& sphere) {
       return second_moment_term(cap, rim, sphere.center - origin_);
