@@ -269,7 +269,7 @@ void add_arc_volume_gradient(const SurfaceModel& surface, const ArcShape& shape,
                              const SurfaceIntegrals& saddle, GradientTerms& terms) {
   const auto& [arc, circle, swept] = shape;
   const double p = surface.probe_radius, rho = circle.radius;
-  if (p <= 0 || rho == 0) return;
+  if (p <= 0 || rho == 0 || swept.angle == 0) return;
   // The surface moves with the contact circle: by cos t (e . dm + d rho) - sin t (u . dm) +
   // rho sin t (e . du) - dp along its normal, with the circle's centre m and the radial vector e.
   const double along = dot(saddle.vector_area, circle.axis);
