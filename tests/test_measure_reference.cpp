@@ -60,6 +60,28 @@ TEST_CASE("measure: the reference has the closed forms") {
   CHECK(std::fabs(triangle.ses_volume - 64.0743285935) < 1e-10);
 }
 
+// The edges of these cones are more than a right angle away from their mean. The first set is a part
+// of PDB entry 1MQ6.
+TEST_CASE("measure: placements cut a patch far from the mean of its edges") {
+  const std::vector<Atom> protein{{{8.252, 14.733, 17.41}, 2},
+                                  {{8.822, 13.58, 17.73}, 1.85},
+                                  {{5.387, 13.333, 23.232}, 2.175},
+                                  {{5.199, 12.07, 22.433}, 2},
+                                  {{10.822, 12.537, 22.224}, 1.77}};
+  const std::vector<Atom> six{{{-2.38, -0.86, 3.75}, 1.53}, {{3.24, -0.93, -2.62}, 1.27},
+                              {{-1.45, 3.94, -1.00}, 1.31}, {{-1.71, -3.17, 3.13}, 1.29},
+                              {{4.14, -0.41, 1.27}, 1.04},  {{0.61, -4.09, -1.31}, 1.04},
+                              {{2.28, -5.30, -0.84}, 1.46}};
+  const std::vector<Atom> one{{{2.44, -3.01, 1.99}, 1.36}, {{-3.70, -2.00, -0.54}, 1.24},
+                              {{-0.54, 3.96, -2.11}, 1.52}, {{8.37, 3.30, -0.99}, 2.00},
+                              {{4.82, 3.08, 0.73}, 1.24},  {{4.85, -1.16, -1.13}, 1.97},
+                              {{2.98, 3.26, 2.84}, 1.71}};
+  CHECK(std::fabs(measure_by_definition(protein, 1.4).ses_area - 186.68872908) < 1e-8);
+  CHECK(error_of(protein, 1.4) < 1e-10);
+  CHECK(error_of(six, 3) < 1e-10);
+  CHECK(error_of(one, 3) < 1e-10);
+}
+
 // The third atom's circle passes near a direction that was once the same for all atoms.
 TEST_CASE("measure: no direction of an arc is singular") {
   CHECK(error_of({{{0, 0, 0}, 0.43}, {{1.51, 0.78, 0.58}, 1.7}, {{-0.35, -3.56, 3.06}, 1.7}}, 1.4) <

@@ -57,10 +57,17 @@ constexpr std::array<Accessibility, 5> without_slack{{{false, tolerance::accessi
                                                       {false, 2.3 * tolerance::accessible, 1e-12},
                                                       {false, tolerance::accessible, 1e-8}}};
 
-// Without slack, placements nearer than this do not cut each other's patches (angstrom). The normal
-// cones of placements at the ends of such a short arc do not overlap. Those of placements on the
-// two sides of a narrow gap do, but the shrinkage makes a gap closed or wider.
-constexpr double min_cutting_distance = 1e-6;
+// Without slack and shrinkage, only rounding decides.
+constexpr Accessibility exact{false, 0, 1e-10};
+
+// The direction between two placements nearer to each other than this follows from a contact circle
+// on which both are (angstrom). The difference of their centres has a relative error of the rounding
+// error divided by their distance.
+constexpr double close_placements = 1e-6;
+
+// Placements nearer than this do not cut each other's patches if they are on no common contact
+// circle (angstrom). doc/algorithm.md bounds the error.
+constexpr double min_cutting_distance = 3e-8;
 
 // A cap that misses a cone by less than this counts as one that cuts it (angstrom). The value is
 // far above rounding errors, so no cap that cuts it is missed.
@@ -68,6 +75,9 @@ constexpr double meeting_slack = 1e-9;
 
 // The total curvature of consistent measures is this close to an even number.
 constexpr double max_curvature_error = 1e-6;
+
+// The mean of unit vectors has a direction if their sum is longer than this.
+constexpr double min_mean_length = 0.1;
 
 // A contribution to the exposed part of the SAS sphere of an atom: the boundary term of an arc.
 struct FaceTerm {
@@ -135,6 +145,7 @@ struct MeasureScratch {
   std::vector<std::uint32_t> node;  // placements that coincide
   std::vector<std::uint32_t> near;  // placements near a patch
   std::vector<std::uint32_t> cutters;        // placements that cut the cone
+  std::vector<SphericalCap> cutter_caps;     // of the cutters
   std::vector<Vec3> tangent;                 // directions to placements that just touch the patch
   std::vector<PlacementParts> cutter_parts;  // parts of the cutters, if there are gradients
   SphereList neighbours;                     // of the face of an atom
@@ -174,6 +185,8 @@ class PatchMeasurement {
         origin_(middle_of(surface_.atoms)),
         weights_(settings.weights),
         faces_(surface_.atoms.size()),
+        covering_atom_(surface_.atoms.size()),
+        has_covering_atoms_(schedule_.patches().clusters().count()),
         scratch_(static_cast<std::size_t>(settings.threads)) {
     if (settings.gradients) {
       Gradients& all = result_.gradients;
@@ -185,8 +198,6 @@ class PatchMeasurement {
         gradient->radii.resize(surface_.atoms.size());
       }
     }
-        covering_atom_(surface_.atoms.size()),
-        has_covering_atoms_(schedule_.patches().clusters().count()),
     if (settings.cavities || sought == Sought::components) {
       components_.emplace(surface_, origin_);
       face_moments_.resize(surface_.atoms.size());
@@ -263,8 +274,11 @@ class PatchMeasurement {
   void share_among_atoms(const SpherePart& part, MeasureScratch& scratch,
                          ClusterTerms& terms) const;
   void add_patch_gradient(const ProbePlacement& placement, PlacementParts parts,
+  void find_cutters(std::uint32_t number, MeasureScratch& scratch) const;
                           const SpherePart& part, MeasureScratch& scratch,
                           ClusterTerms& terms) const;
+  std::optional<Vec3> direction_of_chord(std::uint32_t number, std::uint32_t other,
+                                         MeasureScratch& scratch) const;
   bool has_tangent_patch(const MeasureScratch& scratch) const;
   void add_node_gradient(std::uint32_t number, MeasureScratch& scratch, ClusterTerms& terms) const;
   void add_face_gradient(AtomIndex i, double angle);
@@ -281,6 +295,11 @@ class PatchMeasurement {
   std::shared_ptr<ScheduledSurface> scheduled_;
   const SurfaceModel& surface_;
   PatchSchedule& schedule_;
+  void find_covering_atoms();
+  AtomIndex find_covering_atom(AtomPatches patches, AtomIndex atom) const;
+  Vec3 covered_direction(AtomIndex i) const {
+    return normalized(surface_.atoms[covering_atom_[i]].center - surface_.atoms[i].center);
+  }
   Vec3 origin_;
   AreaWeights weights_, equal_weights_{{}};
   std::vector<Face> faces_;  // by atom
@@ -291,15 +310,13 @@ class PatchMeasurement {
 
   // The placements of the clusters that are complete.
   std::vector<const ProbePlacement*> placements_;
+  // By atom with a face: the neighbour with a large cap. The axis of this cap is in no face.
+  std::vector<AtomIndex> covering_atom_;
+  std::vector<std::uint8_t> has_covering_atoms_;  // by cluster
   std::vector<Vec3> centers_;
   std::vector<std::uint32_t> first_placement_;  // by cluster
   std::vector<std::uint32_t> node_;             // by placement: the first one that coincides
   // The parts of placements that coincide, by the first one, if there are gradients.
-  void find_covering_atoms();
-  AtomIndex find_covering_atom(AtomPatches patches, AtomIndex atom) const;
-  Vec3 covered_direction(AtomIndex i) const {
-    return normalized(surface_.atoms[covering_atom_[i]].center - surface_.atoms[i].center);
-  }
   std::unordered_map<std::uint32_t, std::vector<ProbePlacement>> node_parts_;
   PointTree tree_;
 
@@ -310,9 +327,6 @@ class PatchMeasurement {
 bool PatchMeasurement::measure_layer(ClusterIndex begin, ClusterIndex end) {
   const AtomClusters& clusters = schedule_.patches().clusters();
   double high = -infinity;
-  // By atom with a face: the neighbour with a large cap. The axis of this cap is in no face.
-  std::vector<AtomIndex> covering_atom_;
-  std::vector<std::uint8_t> has_covering_atoms_;  // by cluster
   for (ClusterIndex cluster = begin; cluster < end; ++cluster)
     high = std::max(high, clusters.heights(cluster).high);
   // A concave patch is cut by placements up to twice the probe radius away.
@@ -397,27 +411,6 @@ void PatchMeasurement::build_patches(double up_to) {
   }
 }
 
-void PatchMeasurement::index_placements() {
-  const Patches& patches = schedule_.patches();
-  placements_.clear();
-  centers_.clear();
-  first_placement_.resize(patches.clusters().count());
-  for (ClusterIndex cluster = 0; cluster < patches.clusters().count(); ++cluster) {
-    first_placement_[cluster] = static_cast<std::uint32_t>(placements_.size());
-    if (!schedule_.is_complete(cluster)) continue;
-    for (const ProbePlacement& placement : patches.of_cluster(cluster).placements) {
-      placements_.push_back(&placement);
-      centers_.push_back(placement.center);
-    }
-  }
-  // Only measures need the placements that cut a patch. Without a probe there are none.
-  const bool has_cuts = probe() > 0 && sought_ == Sought::measures;
-  if (has_cuts || !surface_.has_slack) tree_.reset(centers_);
-  node_.resize(placements_.size());
-  std::iota(node_.begin(), node_.end(), 0U);
-  if (surface_.has_slack) return;
-  node_parts_.clear();
-  std::vector<std::uint32_t> node;
 // Returns the neighbour with the first cap of a face that is large, or else with the largest one.
 AtomIndex PatchMeasurement::find_covering_atom(AtomPatches patches, AtomIndex atom) const {
   constexpr double large_cosine = 0.5;
@@ -456,6 +449,27 @@ void PatchMeasurement::find_covering_atoms() {
     if (settings_.gradients && node.size() > 1) divide_node(node);
   }
 }
+void PatchMeasurement::index_placements() {
+  const Patches& patches = schedule_.patches();
+  placements_.clear();
+  centers_.clear();
+  first_placement_.resize(patches.clusters().count());
+  for (ClusterIndex cluster = 0; cluster < patches.clusters().count(); ++cluster) {
+    first_placement_[cluster] = static_cast<std::uint32_t>(placements_.size());
+    if (!schedule_.is_complete(cluster)) continue;
+    for (const ProbePlacement& placement : patches.of_cluster(cluster).placements) {
+      placements_.push_back(&placement);
+      centers_.push_back(placement.center);
+    }
+  }
+  // Only measures need the placements that cut a patch. Without a probe there are none.
+  const bool has_cuts = probe() > 0 && sought_ == Sought::measures;
+  if (has_cuts || !surface_.has_slack) tree_.reset(centers_);
+  node_.resize(placements_.size());
+  std::iota(node_.begin(), node_.end(), 0U);
+  if (surface_.has_slack) return;
+  node_parts_.clear();
+  std::vector<std::uint32_t> node;
 
 // Replaces `node` by the placements that coincide with a placement, directly or through others.
 void PatchMeasurement::find_node(std::uint32_t number, std::vector<std::uint32_t>& node) const {
@@ -636,20 +650,7 @@ PatchSums PatchMeasurement::add_placement(std::uint32_t number, MeasureScratch& 
   SpherePart part = find_cone(number, scratch);
   sums.curvature += part.solid_angle;
   if (probe() <= 0 || part.solid_angle == 0) return sums;
-  // The cone lies in a cap around the mean of its edges. Points of the patch are nearer to the
-  // point on its axis than the chord.
-  Vec3 mean;
-  for (const Vec3 direction : scratch.toward) mean = mean + direction;
-  const double length = norm(mean);
-  if (length > 0.1) {
-    mean = (1 / length) * mean;
-    double cosine = 1;
-    for (const Vec3 direction : scratch.toward) cosine = std::min(cosine, dot(mean, direction));
-    const double chord = std::sqrt(2 * (1 - cosine));
-    add_cutters(number, center + probe() * mean, probe() * (1 + chord), scratch);
-  } else {
-    add_cutters(number, center, 2 * probe(), scratch);
-  }
+  find_cutters(number, scratch);
   if (!scratch.cutters.empty()) part = scratch.finder.find(scratch.caps);
   if (components_) record_shared_cut(number, part, scratch, terms);
   sums.concave += probe() * probe() * part.solid_angle;
@@ -793,7 +794,59 @@ void PatchMeasurement::add_cutters(std::uint32_t number, Vec3 center, double dis
                                    MeasureScratch& scratch) const {
   const Vec3 from = centers_[number];
   const double limit = 4 * probe() * probe();
-  const double min_squared = surface_.has_slack ? 0 : min_cutting_distance * min_cutting_distance;
+// Finds the placements that cut the cone which `scratch.caps` bound, and adds their caps. They are
+// nearer than twice the probe radius. If no edge of the cone is more than a right angle away from
+// the mean of the edges, the cone lies in the cap around the mean that reaches to the farthest edge,
+// because this cap is convex. Points of the patch are then nearer to the point on the mean than the
+// chord of the cap, and a placement that cuts the patch is nearer to some point of it than the
+// probe radius.
+void PatchMeasurement::find_cutters(std::uint32_t number, MeasureScratch& scratch) const {
+  const Vec3 center = centers_[number];
+  Vec3 mean;
+  for (const Vec3 direction : scratch.toward) mean = mean + direction;
+  const double length = norm(mean);
+  double cosine = length > min_mean_length ? 1 : -1;
+  if (cosine > 0) mean = (1 / length) * mean;
+  for (const Vec3 direction : scratch.toward) cosine = std::min(cosine, dot(mean, direction));
+  if (cosine <= 0) return add_cutters(number, center, 2 * probe(), scratch);
+  const double chord = std::sqrt(2 * (1 - cosine));
+  add_cutters(number, center + probe() * mean, probe() * (1 + chord), scratch);
+}
+
+// Returns the direction from a placement to another one that is close to it, or nothing if no contact
+// circle has both. The chord of a circle is at right angles to its axis, and to the line from its
+// centre to the middle of the chord. `scratch.touched` are the atoms of the first placement.
+std::optional<Vec3> PatchMeasurement::direction_of_chord(std::uint32_t number, std::uint32_t other,
+                                                         MeasureScratch& scratch) const {
+  const Vec3 from = centers_[number], to = centers_[other], middle = 0.5 * (from + to);
+  std::vector<AtomIndex> common;
+  std::vector<std::uint32_t> node;
+  find_node(other, node);
+  for (const AtomIndex i : scratch.touched)
+    if (std::any_of(node.begin(), node.end(), [&](std::uint32_t k) {
+          const auto& atoms = placements_[k]->atoms;
+          return std::find(atoms.begin(), atoms.end(), i) != atoms.end();
+        }))
+      common.push_back(i);
+  Vec3 direction;
+  double max_distance = 0.5 * norm(to - from);  // the chord is a diameter
+  bool is_found = false;
+  for (std::size_t a = 0; a < common.size(); ++a)
+    for (std::size_t b = a + 1; b < common.size(); ++b) {
+      const ContactCircle circle =
+          make_contact_circle(surface_.sas_sphere(common[a]), surface_.sas_sphere(common[b]));
+      const Vec3 across = cross(circle.axis, middle - circle.center);
+      const double distance = norm(across);
+      is_found = true;
+      if (distance <= max_distance) continue;
+      max_distance = distance;
+      direction = (1 / distance) * across;
+    }
+  if (!is_found) return std::nullopt;
+  if (direction == Vec3()) return normalized(to - from);
+  return dot(direction, to - from) < 0 ? -direction : direction;
+}
+
   const double reach = distance + tolerance::touching;
   scratch.cutters.clear();
   scratch.tangent.clear();
@@ -801,20 +854,26 @@ void PatchMeasurement::add_cutters(std::uint32_t number, Vec3 center, double dis
   tree_.for_each_within(center, reach, [&](std::uint32_t k) { scratch.near.push_back(k); });
   for (const std::uint32_t other : scratch.near) {
     if (other == number || node_[other] != other) continue;
-    const Vec3 to_other = centers_[other] - from;
+    Vec3 to_other = centers_[other] - from;
     const double squared = squared_norm(to_other);
+  scratch.cutter_caps.clear();
     if (std::fabs(squared - limit) < 4 * probe() * tolerance::touching)
       scratch.tangent.push_back((1 / (2 * probe())) * to_other);
-    if (squared >= limit || squared <= min_squared || !may_cut(to_other, squared, scratch))
-      continue;
+    if (squared >= limit || squared == 0) continue;
+    const double length = std::sqrt(squared);
+    Vec3 direction = (1 / length) * to_other;
+    if (length < close_placements && !surface_.has_slack) {
+      const std::optional<Vec3> chord = direction_of_chord(number, other, scratch);
+      if (!chord && length < min_cutting_distance) continue;
+      if (chord) direction = *chord;
+      to_other = length * direction;
+    }
+    if (!may_cut(to_other, squared, scratch)) continue;
     scratch.cutters.push_back(other);
   }
-  for (const std::uint32_t cutter : scratch.cutters) {
-    const Vec3 to_cutter = centers_[cutter] - from;
-    const double length = norm(to_cutter);
-    scratch.caps.push_back({(1 / length) * to_cutter, length / (2 * probe())});
-  }
+  scratch.caps.insert(scratch.caps.end(), scratch.cutter_caps.begin(), scratch.cutter_caps.end());
 }
+    scratch.cutter_caps.push_back({direction, length / (2 * probe())});
 
 // Returns whether another placement just touches the patch that `scratch.caps` bound.
 bool PatchMeasurement::has_tangent_patch(const MeasureScratch& scratch) const {
