@@ -60,8 +60,8 @@ TEST_CASE("measure: the reference has the closed forms") {
   CHECK(std::fabs(triangle.ses_volume - 64.0743285935) < 1e-10);
 }
 
-// The edges of these cones are more than a right angle away from their mean. The first set is a part
-// of PDB entry 1MQ6.
+// The edges of these cones are more than a right angle away from their mean. The first set is a
+// part of PDB entry 1MQ6.
 TEST_CASE("measure: placements cut a patch far from the mean of its edges") {
   const std::vector<Atom> protein{{{8.252, 14.733, 17.41}, 2},
                                   {{8.822, 13.58, 17.73}, 1.85},
@@ -72,9 +72,9 @@ TEST_CASE("measure: placements cut a patch far from the mean of its edges") {
                               {{-1.45, 3.94, -1.00}, 1.31}, {{-1.71, -3.17, 3.13}, 1.29},
                               {{4.14, -0.41, 1.27}, 1.04},  {{0.61, -4.09, -1.31}, 1.04},
                               {{2.28, -5.30, -0.84}, 1.46}};
-  const std::vector<Atom> one{{{2.44, -3.01, 1.99}, 1.36}, {{-3.70, -2.00, -0.54}, 1.24},
+  const std::vector<Atom> one{{{2.44, -3.01, 1.99}, 1.36},  {{-3.70, -2.00, -0.54}, 1.24},
                               {{-0.54, 3.96, -2.11}, 1.52}, {{8.37, 3.30, -0.99}, 2.00},
-                              {{4.82, 3.08, 0.73}, 1.24},  {{4.85, -1.16, -1.13}, 1.97},
+                              {{4.82, 3.08, 0.73}, 1.24},   {{4.85, -1.16, -1.13}, 1.97},
                               {{2.98, 3.26, 2.84}, 1.71}};
   CHECK(std::fabs(measure_by_definition(protein, 1.4).ses_area - 186.68872908) < 1e-8);
   CHECK(error_of(protein, 1.4) < 1e-10);
@@ -98,6 +98,24 @@ TEST_CASE("measure: no direction of an arc is singular") {
                         {2.0 * across - 1.0 * along, 1.1}},
                        1.4) < 1e-10);
       }
+}
+
+// The circle of two atoms has a radius of 0.004 angstrom in the first set. In the second one, the
+// probe has 1e-8 angstrom of room between four atoms, and touches those opposite each other.
+TEST_CASE("measure: short arcs on small circles, and almost equal caps") {
+  const std::vector<Atom> lattice{
+      {{3.099988004195573, 3.1000107180069811, -1.5560715349108816e-05}, 1.7},
+      {{6.1999995518880748, 6.0954160299342957e-06, 6.5434343854763328e-06}, 1.7},
+      {{9.2999836462661296, 3.1000030098609641, -1.4431539385241615e-05}, 1.7},
+      {{6.1999794528963204, 3.1000146582155779, 3.1000030606788336}, 1.7},
+      {{6.2000108786088628, 6.2000010442591051, 2.3564271512215109e-06}, 1.7}};
+  const std::vector<Atom> tetrahedron{
+      {{0.86602540688479701, 0.86602540540086781, 0.86602540731407585}, 1},
+      {{0.86602540503946046, -0.86602540244339388, -0.86602540561021046}, 1},
+      {{-0.86602540549977292, 0.86602540491858371, -0.86602540827130603}, 1},
+      {{-0.86602540176201559, -0.86602540691296326, 0.86602540750554824}, 1}};
+  CHECK(error_of(lattice, 1.4) < 1e-9);
+  CHECK(error_of(tetrahedron, 0.5) < 1e-9);
 }
 
 TEST_CASE("measure: random atoms have the values of the definition") {

@@ -19,8 +19,8 @@ constexpr double max_piece = 2.2;
 // meet in points that rounding decides. The part changes by at most 2 pi times this.
 constexpr double same_cap = 2e-8;
 
-// The meeting points of rims whose axes are nearer to one line than this are computed with more care
-// (square of an angle in radians).
+// The meeting points of rims whose axes are nearer to one line than this are computed with more
+// care (square of an angle in radians).
 constexpr double almost_parallel = 1e-4;
 
 // The argument of the product of complex numbers is the sum of their arguments.
@@ -33,12 +33,12 @@ double argument_of_quotient(Complex a, Complex b) {
                     a.real * b.real + a.imaginary * b.imaginary);
 }
 
-// Returns the solid angle between the arc from `p` to `q` and the point opposite to `covered`, up to
-// a multiple of 4 pi: the segment between the arc and its great circle chord, and the triangle of
-// the chord and this point. Half the solid angle of a triangle with the corners n, p and q is the
-// argument of 1 + n . p + p . q + q . n + i n . (p x q) (Van Oosterom and Strackee). For n = -x,
-// with u = p - x and w = q - x, this is u . w - i x . (u x w). It keeps its digits unless p or q is
-// near x. If x is on the chord, the argument jumps by 2 pi, and the solid angle by 4 pi.
+// Returns the solid angle between the arc from `p` to `q` and the point opposite to `covered`, up
+// to a multiple of 4 pi: the segment between the arc and its great circle chord, and the triangle
+// of the chord and this point. Half the solid angle of a triangle with the corners n, p and q is
+// the argument of 1 + n . p + p . q + q . n + i n . (p x q) (Van Oosterom and Strackee). For n =
+// -x, with u = p - x and w = q - x, this is u . w - i x . (u x w). It keeps its digits unless p or
+// q is near x. If x is on the chord, the argument jumps by 2 pi, and the solid angle by 4 pi.
 double swept(double cosine, double angle, double cos_angle, double sin_angle, Vec3 p, Vec3 q,
              Vec3 covered) {
   const double sector = angle * (1 - cosine);
@@ -169,8 +169,8 @@ SpherePartFinder::Meeting SpherePartFinder::meet(const SphericalCap& first,
   const double squared = squared_norm(w), along = dot(first.axis, second.axis);
   if (squared < almost_parallel) return meet_almost_parallel(first, second);
   Meeting meeting;
-  const Vec3 foot = (1 / squared) *
-                    (first.cosine * cross(second.axis, w) + second.cosine * cross(w, first.axis));
+  const Vec3 foot =
+      (1 / squared) * (first.cosine * cross(second.axis, w) + second.cosine * cross(w, first.axis));
   const double rest = 1 - squared_norm(foot);
   if (rest > 0) {
     const Vec3 offset = std::sqrt(rest / squared) * w;

@@ -97,8 +97,8 @@ Real triangle(Point a, Point b, Point c) {
   return 2 * std::atan2(dot(a, cross(b, c)), 1 + dot(a, b) + dot(b, c) + dot(c, a));
 }
 
-// Returns the part of the unit sphere outside of all caps. Each piece of the boundary sweeps an area
-// as seen from a point, which is opposite to the axis of the largest cap.
+// Returns the part of the unit sphere outside of all caps. Each piece of the boundary sweeps an
+// area as seen from a point, which is opposite to the axis of the largest cap.
 Region outside_of(const std::vector<Hidden>& all) {
   Region region;
   std::vector<Hidden> caps;
@@ -156,8 +156,8 @@ struct Sums {
   Real convex = 0, saddle = 0, concave = 0, volume = 0, sas_area = 0, sas_volume = 0;
 };
 
-// Adds the saddle patch of an arc. With the angle t at the probe's centre, from the direction to the
-// axis towards the second atom, its points are m + (rho - p cos t) e + p sin t u.
+// Adds the saddle patch of an arc. With the angle t at the probe's centre, from the direction to
+// the axis towards the second atom, its points are m + (rho - p cos t) e + p sin t u.
 void add_saddle(Point m, Point u, Real rho, Real p, Real low, Real high, Real angle, Point radial,
                 Sums& sums) {
   std::vector<std::array<Real, 2>> ranges{{low, high}};
@@ -220,8 +220,8 @@ void add_face(const std::vector<Ball>& balls, std::size_t i, Real p, Sums& sums,
       std::array<std::size_t, 3> atoms{i, j, third};
       std::sort(atoms.begin(), atoms.end());
       const Point a = balls[atoms[0]].center;
-      const Real height = dot(center - a, cross(balls[atoms[1]].center - a,
-                                                balls[atoms[2]].center - a));
+      const Real height =
+          dot(center - a, cross(balls[atoms[1]].center - a, balls[atoms[2]].center - a));
       placements.push_back({atoms, height > 0 ? 1 : -1, center});
     }
   }
@@ -231,8 +231,7 @@ void add_concave_patch(const std::vector<Ball>& balls, const std::vector<Placeme
                        std::size_t number, Real p, Sums& sums) {
   const Placement& placement = placements[number];
   std::array<Point, 3> to;
-  for (std::size_t q = 0; q < 3; ++q)
-    to[q] = balls[placement.atoms[q]].center - placement.center;
+  for (std::size_t q = 0; q < 3; ++q) to[q] = balls[placement.atoms[q]].center - placement.center;
   const Real sign = dot(to[0], cross(to[1], to[2])) < 0 ? 1 : -1;
   std::vector<Hidden> caps;
   for (std::size_t q = 0; q < 3; ++q) {
