@@ -118,6 +118,55 @@ TEST_CASE("measure: short arcs on small circles, and almost equal caps") {
   CHECK(error_of(tetrahedron, 0.5) < 1e-9);
 }
 
+// The noise is far above the tolerances, but the probes touch more than three atoms almost.
+TEST_CASE("measure: almost degenerate atoms have the values of the definition") {
+  int count = 0;
+  for (std::uint64_t seed = 0; seed < 400; ++seed) {
+    const NearDegenerateSet set = make_near_degenerate_set(seed);
+    if (set.noise < 1e-6 || set.atoms.size() > 30) continue;
+    INFO(set.name << ", noise " << set.noise);
+    CHECK(error_of(set.atoms, set.probe_radius) < 1e-8);
+    ++count;
+  }
+  CHECK(count > 50);
+}
+
+TEST_CASE("measure: two molecules far apart add up") {
+  Random random(7);
+  for (int k = 0; k < 20; ++k) {
+    const std::vector<Atom> first = random_atoms(random), second = random_atoms(random);
+    const double probe = random.uniform(0.3, 3);
+    std::vector<Atom> both = first;
+    for (const Atom& atom : moved(second, {64, -32, 128})) both.push_back(atom);
+    const auto measured = [&](const std::vector<Atom>& atoms) {
+      return measure(Surface(atoms), {.probe_radius = probe});
+    };
+    const Measures one = measured(first), other = measured(second), sum = measured(both);
+    CHECK(difference(sum.ses_area, one.ses_area + other.ses_area) < 1e-11);
+    CHECK(difference(sum.ses_volume, one.ses_volume + other.ses_volume) < 1e-11);
+    CHECK(difference(sum.sas_area, one.sas_area + other.sas_area) < 1e-11);
+    CHECK(difference(sum.sas_volume, one.sas_volume + other.sas_volume) < 1e-11);
+    CHECK(sum.euler_number == one.euler_number + other.euler_number);
+  }
+}
+
+TEST_CASE("measure: areas and volumes scale with all lengths") {
+  Random random(8);
+  for (int k = 0; k < 20; ++k) {
+    const std::vector<Atom> atoms = random_atoms(random);
+    const double probe = random.uniform(0.3, 3), factor = random.uniform(0.5, 3);
+    std::vector<Atom> scaled = atoms;
+    for (Atom& atom : scaled) atom = {factor * atom.center, factor * atom.radius};
+    const Measures one = measure(Surface(atoms), {.probe_radius = probe});
+    const Measures other = measure(Surface(scaled), {.probe_radius = factor * probe});
+    const double square = factor * factor, cube = square * factor;
+    CHECK(difference(other.ses_area, square * one.ses_area) < 1e-11);
+    CHECK(difference(other.sas_area, square * one.sas_area) < 1e-11);
+    CHECK(difference(other.ses_volume, cube * one.ses_volume) < 1e-11);
+    CHECK(difference(other.sas_volume, cube * one.sas_volume) < 1e-11);
+  }
+}
+
 TEST_CASE("measure: random atoms have the values of the definition") {
   Random random(44);
   for (int k = 0; k < 150; ++k) {
