@@ -191,6 +191,7 @@ void ClusterMeasurement::add_concave_gradient(ClusterScratch& scratch, ClusterTe
   }
   const PlacementParts parts = placements_.parts_of(patch.number);
   ConcavePatch& triangle = scratch.triangle;
+  Vec3 rest = patch.part.vector_area;
   for (const ProbePlacement& placement : parts) {
     set_triangle(surface_, placement, triangle);
     triangle.cutters = patch.cutters;
@@ -198,8 +199,12 @@ void ClusterMeasurement::add_concave_gradient(ClusterScratch& scratch, ClusterTe
                          patch.caps.begin() + static_cast<std::ptrdiff_t>(patch.plane_count()),
                          patch.caps.end());
     triangle.part = scratch.concave.finder.find(triangle.caps);
+    rest = rest - triangle.part.vector_area;
     add_triangle_gradient(placement, parts, triangle, scratch, terms);
   }
+  // The cone of a trapped probe, and a half space, have no triangles.
+  add_common_motion(surface_, placements_.centers()[patch.number], patch.touched,
+                    ses_volume_quantity, -(probe() * probe()) * rest, terms.gradients);
 }
 
 // Adds the derivatives of areas and volumes by the motion of a placement that touches three atoms.

@@ -16,4 +16,24 @@ void add_motion(const SurfaceModel& surface, const ProbePlacement& placement, Qu
   }
 }
 
+// The derivatives by the centres are f_q (v - a_q), and their sum is the derivative g by the centre
+// v. The smallest f_q are u . (v - a_q), where u solves sum_q (v - a_q) (v - a_q)^T u = g.
+void add_common_motion(const SurfaceModel& surface, Vec3 center, std::span<const AtomIndex> touched,
+                       Quantity quantity, Vec3 by_center, GradientTerms& terms) {
+  std::array<Vec3, 3> rows;
+  for (const AtomIndex i : touched) {
+    const Vec3 from = center - surface.atoms[i].center;
+    for (std::size_t axis = 0; axis < 3; ++axis) rows[axis] = rows[axis] + from[axis] * from;
+  }
+  const Vec3 x = cross(rows[1], rows[2]), y = cross(rows[2], rows[0]), z = cross(rows[0], rows[1]);
+  const double determinant = dot(rows[0], x);
+  if (determinant == 0) return;
+  const Vec3 u = (1 / determinant) * (by_center[0] * x + by_center[1] * y + by_center[2] * z);
+  for (const AtomIndex i : touched) {
+    const Vec3 from = center - surface.atoms[i].center;
+    const double factor = dot(u, from);
+    terms.atoms.push_back({i, quantity, factor * from, factor * surface.sas_sphere(i).radius});
+  }
+}
+
 }  // namespace eses::detail

@@ -56,4 +56,9 @@ class AreaWeights {
 void add_motion(const SurfaceModel& surface, const ProbePlacement& placement, Quantity quantity,
                 Vec3 by_center, GradientTerms& terms);
 
+/// Does the same for a probe that touches several atoms. Of all derivatives that move the probe
+/// with the atoms if they all move together, adds the smallest ones.
+void add_common_motion(const SurfaceModel& surface, Vec3 center, std::span<const AtomIndex> touched,
+                       Quantity quantity, Vec3 by_center, GradientTerms& terms);
+
 }  // namespace eses::detail
