@@ -17,7 +17,8 @@ ArcPatch make_arc_patch(const SurfaceModel& surface, const Arc& arc) {
   patch.first_rim = {0, patch.swept.angle, arc.start, arc.end};
   patch.second_rim = {0, patch.swept.angle, arc.end, arc.start};
   patch.outline = make_outline(circle, std::max(0.0, surface.probe_radius));
-  patch.saddle = saddle_integrals(patch.outline, patch.outline.contact, circle.axis, patch.swept);
+  if (surface.probe_radius > 0)
+    patch.saddle = saddle_integrals(patch.outline, patch.outline.contact, circle.axis, patch.swept);
   return patch;
 }
 
