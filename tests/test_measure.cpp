@@ -742,6 +742,33 @@ TEST_CASE("measure: derivatives of a protein have no force and no torque, and sc
   }
 }
 
+// Coincident placements have arcs of angle 0 between them. Mirror planes and rotations make them.
+TEST_CASE("measure: derivatives of symmetric atoms are finite") {
+  std::vector<std::pair<std::vector<Atom>, double>> sets{
+      {read_atom_list(std::string(ESES_DATA) + "/c60.xyzr"), 1.4}};
+  Random random(44);
+  for (int k = 0; k < 60; ++k) {  // two mirror planes
+    std::vector<Atom>& atoms = sets.emplace_back(std::vector<Atom>(), 1.0 + k % 3).first;
+    for (std::size_t site = random.integer(1, 4); site > 0; --site) {
+      const Vec3 center{random.uniform(0.3, 4), random.uniform(0.3, 4), random.uniform(-4, 4)};
+      const double radius = random.uniform(1, 2);
+      for (const double x : {-center.x, center.x})
+        for (const double y : {-center.y, center.y}) atoms.push_back({{x, y, center.z}, radius});
+    }
+  }
+  for (const auto& [atoms, probe] : sets) {
+    INFO("set " << &atoms - &sets.front().first);
+    const Measures measures = measure_atoms(atoms, probe, {.gradients = true});
+    for (const Gradient* const gradient : gradients_of(measures)) {
+      Vec3 force;
+      for (const Vec3 by_center : gradient->centers) force = force + by_center;
+      CHECK(norm(force) < 1e-7);  // also false for NaN
+      CHECK(std::all_of(gradient->radii.begin(), gradient->radii.end(),
+                        [](double value) { return std::isfinite(value); }));
+    }
+  }
+}
+
 TEST_CASE("measure: invalid options") {
   const Surface surface(pair_of_atoms(1, 2));
   for (const double probe : {-1.0, 0.001, 1001.0, std::nan("")})

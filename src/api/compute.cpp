@@ -17,7 +17,7 @@
 #include "run/engine.hpp"
 #include "run/run_plan.hpp"
 #include "run/solved_block.hpp"
-#include "surface/measure_patches.hpp"
+#include "surface/find_cavities.hpp"
 #include "system/formatted.hpp"
 #include "system/parallel.hpp"
 #include "system/resources.hpp"

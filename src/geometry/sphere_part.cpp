@@ -12,16 +12,16 @@ namespace {
 
 using std::numbers::pi;
 
-// The reference point of the boundary sums. Its opposite is a singular point. A direction without
-// symmetry is not near the end of an arc, even if the atoms are at the points of a lattice.
-constexpr Vec3 reference{35.0 / 183, 170.0 / 183, -58.0 / 183};  // a unit vector
-
 // Longer arcs are divided. The ends of a piece must not be almost opposite.
 constexpr double max_piece = 2.2;
 
-// Caps whose axes and cosines differ by less than this are the same cap. Their rims would meet in
-// points that rounding decides.
+// Caps whose rims are nearer to each other than this are the same cap (radians). Their rims would
+// meet in points that rounding decides. The part changes by at most 2 pi times this.
 constexpr double same_cap = 2e-8;
+
+// The meeting points of rims whose axes are nearer to one line than this are computed with more
+// care (square of an angle in radians).
+constexpr double almost_parallel = 1e-4;
 
 // The argument of the product of complex numbers is the sum of their arguments.
 struct Complex {
@@ -33,15 +33,19 @@ double argument_of_quotient(Complex a, Complex b) {
                     a.real * b.real + a.imaginary * b.imaginary);
 }
 
-// Returns the solid angle between the arc from `p` to `q` and the reference point, up to a multiple
-// of 4 pi: the segment between the arc and its great circle chord, and the triangle of the chord
-// and the reference point. Half the solid angle of a triangle is the argument of a complex number.
-double swept(double cosine, double angle, double cos_angle, double sin_angle, Vec3 p, Vec3 q) {
+// Returns the solid angle between the arc from `p` to `q` and the point opposite to `covered`, up
+// to a multiple of 4 pi: the segment between the arc and its great circle chord, and the triangle
+// of the chord and this point. Half the solid angle of a triangle with the corners n, p and q is
+// the argument of 1 + n . p + p . q + q . n + i n . (p x q) (Van Oosterom and Strackee). For n =
+// -x, with u = p - x and w = q - x, this is u . w - i x . (u x w). It keeps its digits unless p or
+// q is near x. If x is on the chord, the argument jumps by 2 pi, and the solid angle by 4 pi.
+double swept(double cosine, double angle, double cos_angle, double sin_angle, Vec3 p, Vec3 q,
+             Vec3 covered) {
   const double sector = angle * (1 - cosine);
   const Complex from_axis{(1 + cosine) + (1 - cosine) * cos_angle, (1 - cosine) * sin_angle};
-  const Complex from_reference{1 + dot(reference, p) + dot(p, q) + dot(q, reference),
-                               dot(reference, cross(p, q))};
-  return sector + 2 * argument_of_quotient(from_reference, from_axis);
+  const Vec3 u = p - covered, w = q - covered;
+  const Complex from_opposite{dot(u, w), -dot(covered, cross(u, w))};
+  return sector + 2 * argument_of_quotient(from_opposite, from_axis);
 }
 
 double sine_of(double cosine) { return std::sqrt(std::max(0.0, (1 - cosine) * (1 + cosine))); }
@@ -69,7 +73,7 @@ double angle_about(Vec3 axis, Vec3 start, Vec3 end) {
   return angle < 0 ? angle + 2 * pi : angle;
 }
 
-SpherePart boundary_term(const SphericalCap& cap, const RimArc& arc) {
+SpherePart boundary_term(const SphericalCap& cap, const RimArc& arc, Vec3 covered) {
   const double c = cap.cosine, s = sine_of(c);
   if (arc.angle >= 2 * pi) return {-2 * pi * (1 - c), (-s * s * pi) * cap.axis};
   const Vec3 radial = cross(arc.end - arc.start, cap.axis);  // integral of the radial direction
@@ -78,7 +82,7 @@ SpherePart boundary_term(const SphericalCap& cap, const RimArc& arc) {
   if (arc.angle <= max_piece) {
     term.solid_angle =
         -swept(c, arc.angle, dot(arc.start, arc.end), dot(cap.axis, cross(arc.start, arc.end)),
-               foot + s * arc.start, foot + s * arc.end);
+               foot + s * arc.start, foot + s * arc.end, covered);
     return term;
   }
   const int pieces = static_cast<int>(std::ceil(arc.angle / max_piece));
@@ -86,7 +90,7 @@ SpherePart boundary_term(const SphericalCap& cap, const RimArc& arc) {
   Vec3 from = arc.start;
   for (int k = 1; k <= pieces; ++k) {
     const Vec3 to = k == pieces ? arc.end : cosine * from + sine * cross(cap.axis, from);
-    term.solid_angle -= swept(c, piece, cosine, sine, foot + s * from, foot + s * to);
+    term.solid_angle -= swept(c, piece, cosine, sine, foot + s * from, foot + s * to, covered);
     from = to;
   }
   return term;
@@ -129,21 +133,48 @@ SpherePart triangle_part(Vec3 a, Vec3 b, Vec3 c) {
   return part;
 }
 
+// The same as meet() for small caps almost in the same place, or their complements. With the unit
+// vectors u and v, s = u + v and q = v - u are at right angles, so that n . s = c + d and n . q =
+// d - c give the line n . u = c, n . v = d. Differences of 1 and a cosine keep the digits of small
+// caps. If v is almost -u, the plane of the second rim is given by -v and -d instead.
+SpherePartFinder::Meeting SpherePartFinder::meet_almost_parallel(const SphericalCap& first,
+                                                                 const SphericalCap& second) {
+  const Vec3 u = first.axis;
+  const bool is_opposite = dot(u, second.axis) < 0;
+  const double sign = is_opposite ? -1 : 1;
+  const Vec3 v = sign * second.axis, q = v - u, s = u + v;
+  const double c = 1 - first.cosine, d = 1 - sign * second.cosine;
+  const double squared = squared_norm(q), length = std::sqrt(4 - squared);
+  if (squared > 0) {
+    const double along = (c + d - squared / (2 + length)) / length;  // 1 less n along s
+    const double across = (c - d) / std::sqrt(squared);
+    const double rest = along * (2 - along) - across * across;
+    if (rest > 0) {
+      const Vec3 foot = ((1 - along) / length) * s + ((c - d) / squared) * q;
+      const Vec3 offset = (sign / length * std::sqrt(rest / squared)) * cross(s, q);
+      return {true, false, false, foot - offset, foot + offset};
+    }
+  }
+  Meeting meeting;
+  meeting.covers_first = sign * (d - c - 0.5 * first.cosine * squared) > 0;
+  meeting.covers_second = c - d - 0.5 * sign * second.cosine * squared > 0;
+  return meeting;
+}
+
 // With the unit vectors u and v, w = u x v and the cosines c and d, the line n . u = c, n . v = d
-// is (c (v x w) + d (w x u)) / |w|^2 + t w. This form loses no digits if u and v are almost equal.
+// is (c (v x w) + d (w x u)) / |w|^2 + t w.
 SpherePartFinder::Meeting SpherePartFinder::meet(const SphericalCap& first,
                                                  const SphericalCap& second) {
   const Vec3 w = cross(first.axis, second.axis);
   const double squared = squared_norm(w), along = dot(first.axis, second.axis);
+  if (squared < almost_parallel) return meet_almost_parallel(first, second);
   Meeting meeting;
-  if (squared > 0) {
-    const Vec3 foot = (1 / squared) *
-                      (first.cosine * cross(second.axis, w) + second.cosine * cross(w, first.axis));
-    const double rest = 1 - squared_norm(foot);
-    if (rest > 0) {
-      const Vec3 offset = std::sqrt(rest / squared) * w;
-      return {true, false, false, foot - offset, foot + offset};
-    }
+  const Vec3 foot =
+      (1 / squared) * (first.cosine * cross(second.axis, w) + second.cosine * cross(w, first.axis));
+  const double rest = 1 - squared_norm(foot);
+  if (rest > 0) {
+    const Vec3 offset = std::sqrt(rest / squared) * w;
+    return {true, false, false, foot - offset, foot + offset};
   }
   // The rims do not meet, so each is on one side of the other cap's plane.
   meeting.covers_first = first.cosine * along > second.cosine;
@@ -157,8 +188,9 @@ void SpherePartFinder::keep_distinct(std::span<const SphericalCap> caps) {
   for (std::uint32_t k = 0; k < caps.size(); ++k) {
     if (caps[k].cosine >= 1) continue;
     const bool is_known = std::any_of(caps_.begin(), caps_.end(), [&](const SphericalCap& known) {
-      return std::fabs(known.cosine - caps[k].cosine) < same_cap &&
-             squared_norm(known.axis - caps[k].axis) < same_cap * same_cap;
+      return squared_norm(known.axis - caps[k].axis) < same_cap * same_cap &&
+             std::fabs(known.cosine - caps[k].cosine) <=
+                 same_cap * std::max(same_cap, sine_of(caps[k].cosine));
     });
     if (is_known) continue;
     caps_.push_back(caps[k]);
@@ -224,8 +256,11 @@ SpherePart SpherePartFinder::find(std::span<const SphericalCap> caps) {
     for (std::size_t l = k + 1; l < count; ++l) meetings_[k * count + l] = meet(caps_[k], caps_[l]);
   for (std::uint32_t k = 0; k < count; ++k) find_arcs(k);
   if (arcs_.empty()) return {};
+  const SphericalCap& largest = *std::min_element(
+      caps_.begin(), caps_.end(),
+      [](const SphericalCap& a, const SphericalCap& b) { return a.cosine < b.cosine; });
   SpherePart sum;
-  for (const RimArc& arc : arcs_) sum += boundary_term(caps[arc.cap], arc);
+  for (const RimArc& arc : arcs_) sum += boundary_term(caps[arc.cap], arc, largest.axis);
   sum.solid_angle = solid_angle_of(sum.solid_angle, [&](Vec3 direction) {
     return std::none_of(caps_.begin(), caps_.end(), [&](const SphericalCap& cap) {
       return dot(direction, cap.axis) > cap.cosine;

@@ -40,8 +40,10 @@ struct RimArc {
 double angle_about(Vec3 axis, Vec3 start, Vec3 end);
 
 /// Returns the contribution of an arc to the part of the sphere that it bounds. The sum over all
-/// arcs has the vector area, and the solid angle up to a multiple of 4 pi.
-SpherePart boundary_term(const SphericalCap& cap, const RimArc& arc);
+/// arcs has the vector area, and the solid angle up to a multiple of 4 pi. `covered` is a unit
+/// vector, the same for all arcs. Rounding errors are inversely proportional to its distance from
+/// the ends of the arcs. The axis of a cap is far from them, because the arcs are outside of it.
+SpherePart boundary_term(const SphericalCap& cap, const RimArc& arc, Vec3 covered);
 
 /// Returns the contribution of an arc to the integral of n (n . vector) over the part, where n is
 /// the outward normal. The sum over all arcs, plus a third of the solid angle times `vector`, is
@@ -78,6 +80,7 @@ class SpherePartFinder {
   };
 
   static Meeting meet(const SphericalCap& first, const SphericalCap& second);
+  static Meeting meet_almost_parallel(const SphericalCap& first, const SphericalCap& second);
   void keep_distinct(std::span<const SphericalCap> caps);
   void find_arcs(std::uint32_t k);
 

@@ -20,7 +20,7 @@
 #include "input/other_formats.hpp"
 #include "output/grid_map.hpp"
 #include "output/mesh_writer.hpp"
-#include "surface/measure_patches.hpp"
+#include "surface/find_cavities.hpp"
 #include "system/bytes_text.hpp"
 #include "system/formatted.hpp"
 #include "system/hints.hpp"

@@ -346,8 +346,8 @@ void ComponentFinder::merge_sums() {
 void ComponentFinder::add_face(Wall& wall, AtomIndex atom, const FaceIntegrals& integrals) const {
   const double r = surface_.atoms[atom].radius, R = r + surface_.probe_radius;
   const Vec3 position = surface_.atoms[atom].center - origin_;
-  wall.faces += face_sums(r, surface_.probe_radius, integrals.solid_angle,
-                          dot(position, integrals.vector_area));
+  wall.faces +=
+      face_sums(r, surface_.probe_radius, position, integrals.solid_angle, integrals.vector_area);
   // |x|^2 = |a|^2 + R^2 + 2 R a . n, with x = a + R n.
   const Vec3 squares = integrals.moment + (integrals.solid_angle / 3) * position;
   wall.moment = wall.moment +
@@ -361,12 +361,16 @@ void ComponentFinder::add_divided_atom(AtomIndex atom, Components::DividedAtom& 
   for (const SphereArc& arc : divided.arcs) divided.walls.push_back(arc.node);
   std::sort(divided.walls.begin(), divided.walls.end());
   divided.walls.erase(std::unique(divided.walls.begin(), divided.walls.end()), divided.walls.end());
+  const Vec3 covered =
+      std::min_element(divided.arcs.begin(), divided.arcs.end(), [](const auto& a, const auto& b) {
+        return a.cap.cosine < b.cap.cosine;
+      })->cap.axis;
   for (const std::uint32_t wall : divided.walls) {
     SpherePart boundary;
     FaceIntegrals integrals;
     for (const SphereArc& arc : divided.arcs) {
       if (arc.node != wall) continue;
-      boundary += boundary_term(arc.cap, arc.arc);
+      boundary += boundary_term(arc.cap, arc.arc, covered);
       integrals.moment =
           integrals.moment +
           second_moment_term(arc.cap, arc.arc, surface_.atoms[atom].center - origin_);
@@ -481,9 +485,10 @@ void ComponentFinder::find_overlaps(const std::vector<Node>& labels, Components&
     if (caps.size() == cut.caps.size()) continue;
     const SpherePart part = finder.find(caps);
     const double angle = part.solid_angle - cut.part.solid_angle;
+    const Vec3 vector_area = p * p * (part.vector_area - cut.part.vector_area);
     components.corrections[own] +=
-        {0, p * p * angle,
-         -p * p * (dot(cut.center, part.vector_area - cut.part.vector_area) + p * angle), 0};
+        {0, p * p * angle, -dot(cut.center, vector_area) - p * p * p * angle, 0,
+         sphere_load(cut.center, -vector_area)};
   }
   std::sort(components.overlaps.begin(), components.overlaps.end());
   components.overlaps.erase(std::unique(components.overlaps.begin(), components.overlaps.end()),

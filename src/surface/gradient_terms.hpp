@@ -2,12 +2,12 @@
 /// Derivatives of areas and volumes by the centres and SAS radii of atoms, and by the probe radius.
 
 #include <array>
+#include <cstddef>
+#include <cstdint>
 #include <span>
 #include <vector>
 
-#include "geometry/sphere_part.hpp"
 #include "surface/patches.hpp"
-#include "surface/saddle.hpp"
 
 namespace eses::detail {
 
@@ -40,13 +40,6 @@ struct GradientTerms {
   }
 };
 
-/// An arc with its circle.
-struct ArcShape {
-  const Arc& arc;
-  const ContactCircle& circle;
-  const SweptArc& swept;
-};
-
 /// The weights of the areas of all atoms.
 class AreaWeights {
  public:
@@ -58,45 +51,14 @@ class AreaWeights {
   std::span<const double> weights_;
 };
 
-/// Adds the derivatives of the areas of the two faces at an arc, and of the area of its saddle for
-/// ends that move with the circle.
-void add_arc_area_gradient(const SurfaceModel& surface, const ArcShape& shape,
-                           const SaddleOutline& outline, const AreaWeights& weights,
-                           Quantity sas_quantity, Quantity ses_quantity, GradientTerms& terms);
+/// Adds the derivatives for a placement that moves, with the derivative by its centre. The centre
+/// keeps its distance from three atoms: (v - a) . (dv - da) = R dR.
+void add_motion(const SurfaceModel& surface, const ProbePlacement& placement, Quantity quantity,
+                Vec3 by_center, GradientTerms& terms);
 
-/// Adds the derivatives of the volume of a saddle. `saddle` has the integrals over the patch.
-void add_arc_volume_gradient(const SurfaceModel& surface, const ArcShape& shape,
-                             const SurfaceIntegrals& saddle, GradientTerms& terms);
-
-/// Adds the derivatives of the areas of the three saddles that end at a placement, which follow
-/// from its motion.
-void add_saddle_end_gradient(const SurfaceModel& surface, const ProbePlacement& placement,
-                             const AreaWeights& weights, Quantity quantity, GradientTerms& terms);
-
-/// The placements that touch three atoms into which a placement divides: itself, or those of
-/// divide_cone. A placement that does not move has none.
-using PlacementParts = std::span<const ProbePlacement>;
-
-/// A part of the patch at a placement that touches three atoms.
-struct ConcavePart {
-  const ProbePlacement& placement;
-  SpherePart part;
-  std::span<const SphericalCap> caps;  ///< three bounding planes, then those of `cutters`, borders
-  std::span<const RimArc> arcs;        ///< that bound the part
-  std::span<const PlacementParts> cutters;
-  PlacementParts parts;  ///< that arise together with `placement`, and the placement itself
-  /// The atom of the part, if the patch is divided among its atoms. The border with atom
-  /// `borders[k]` is the cap with the number 3 + cutters.size() + k.
-  AtomIndex owner = 0;
-  std::span<const AtomIndex> borders;
-};
-
-/// Adds the derivatives of the area of a part, times `weight`.
-void add_concave_area_gradient(const SurfaceModel& surface, const ConcavePart& concave,
-                               double weight, Quantity quantity, GradientTerms& terms);
-
-/// Adds the derivatives of the volume at a concave patch.
-void add_concave_volume_gradient(const SurfaceModel& surface, const ProbePlacement& placement,
-                                 const SpherePart& part, GradientTerms& terms);
+/// Does the same for a probe that touches several atoms. Of all derivatives that move the probe
+/// with the atoms if they all move together, adds the smallest ones.
+void add_common_motion(const SurfaceModel& surface, Vec3 center, std::span<const AtomIndex> touched,
+                       Quantity quantity, Vec3 by_center, GradientTerms& terms);
 
 }  // namespace eses::detail

@@ -7,9 +7,9 @@ namespace eses::detail {
 namespace {
 
 // With the radial unit vector e, the axis u and the angle t along the outline, a point of the
-// saddle is (rho - p cos t) e + p sin t u, its outward normal is cos t e - sin t u, and the element
-// of area is p (rho - p cos t) dt dphi (Connolly, J. Appl. Cryst. 16, 548, 1983,
-// doi:10.1107/S0021889883010985).
+// saddle is (rho - p cos t) e + p sin t u, its outward normal is cos t e - sin t u, the cross
+// product of both is -rho sin t (e x u), and the element of area is p (rho - p cos t) dt dphi
+// (Connolly, J. Appl. Cryst. 16, 548, 1983, doi:10.1107/S0021889883010985).
 SurfaceIntegrals integrate(const SaddleOutline& outline, const OutlineRange& range, Vec3 axis,
                            const SweptArc& arc) {
   const auto [rho, p] = std::pair(outline.rho, outline.probe);
@@ -22,9 +22,11 @@ SurfaceIntegrals integrate(const SaddleOutline& outline, const OutlineRange& ran
   const double sine_cosine = 0.5 * (sin_high - sin_low) * (sin_high + sin_low);
   const double weight = rho * length - p * cosine;  // integral of rho - p cos t
   const double weight_cosine = rho * cosine - p * cosine_squared;
+  const double weight_sine = rho * sine - p * sine_cosine;
   return {arc.angle * p * weight,
-          p * (weight_cosine * arc.radial - (arc.angle * (rho * sine - p * sine_cosine)) * axis),
-          arc.angle * p * (rho * weight_cosine - p * weight)};
+          p * (weight_cosine * arc.radial - (arc.angle * weight_sine) * axis),
+          arc.angle * p * (rho * weight_cosine - p * weight),
+          (p * rho * weight_sine) * cross(axis, arc.radial)};
 }
 
 }  // namespace

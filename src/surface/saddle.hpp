@@ -12,11 +12,13 @@ struct SurfaceIntegrals {
   double area = 0;
   Vec3 vector_area;  ///< integral of the outward normal
   double flux = 0;   ///< integral of the scalar product of position and outward normal
+  Vec3 moment;       ///< integral of the cross product of position and outward normal
 
   SurfaceIntegrals& operator+=(const SurfaceIntegrals& other) {
     area += other.area;
     vector_area = vector_area + other.vector_area;
     flux += other.flux;
+    moment = moment + other.moment;
     return *this;
   }
 };

@@ -12,7 +12,7 @@ from support import DATA, PROGRAM, PROJECT, TestCase, forget_signals
 
 NAMES = ("bounding_box.txt", "grid_info.txt", "intersection_info.txt", "partition_area.txt")
 LIBRARY = os.environ.get("ESES_FAULT_LIBRARY")  # see fault.cpp
-FAULTY_PROGRAM = os.environ.get("ESES_FAULTY_BINARY")  # see faulty_solver.cpp
+FAULTY_PROGRAM = os.environ.get("ESES_FAULTY_BINARY")  # faulty_solver.cpp, faulty_cutters.cpp
 SMALL = DATA / "c60.xyzr"
 MMCIF = PROJECT / "tests" / "data" / "1a8o.cif.gz"
 # Seconds until a test gives up. Only a run that never ends takes so long, on any machine.
@@ -77,8 +77,8 @@ class FaultTest(TestCase):
     def start(self, *arguments, fault=None, spoil=None, prepare=forget_signals, **how):
         """Starts the program, which writes into `self.output`.
 
-        With `fault`, fault.cpp makes a call fail. With `spoil`, the program of faulty_solver.cpp is
-        started, whose results are wrong.
+        With `fault`, fault.cpp makes a call fail. With `spoil`, the program of faulty_solver.cpp
+        and faulty_cutters.cpp is started, whose results are wrong.
         """
         environment = dict(os.environ)
         if spoil is not None:

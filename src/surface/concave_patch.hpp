@@ -1,0 +1,58 @@
+#pragma once
+/// The part of the probe's sphere that one probe placement contributes to the surface.
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "geometry/sphere_part.hpp"
+#include "surface/placement_index.hpp"
+
+namespace eses::detail {
+
+/// The concave patch of a placement: the directions of its normal cone that no other placement cuts
+/// off. The vectors keep their memory for the next patch.
+struct ConcavePatch {
+  std::uint32_t number = 0;        ///< of the placement
+  std::vector<AtomIndex> touched;  ///< the atoms that the probe touches
+  std::vector<Vec3> toward;        ///< unit vectors to them, which span the cone
+  /// Complements of the half spaces that bound the cone, followed by one cap for each of `cutters`.
+  std::vector<SphericalCap> caps;
+  std::vector<std::uint32_t> cutters;  ///< placements that cut the cone
+  std::vector<Vec3> tangent;  ///< directions to placements that just touch the probe's sphere
+  SpherePart cone;            ///< without cuts
+  SpherePart part;
+
+  std::size_t plane_count() const { return caps.size() - cutters.size(); }
+};
+
+/// Scratch memory of a thread.
+struct ConcaveScratch {
+  SpherePartFinder finder;
+  std::vector<std::uint32_t> node, near;
+  std::vector<SphericalCap> caps;
+  std::vector<AtomIndex> borders;  ///< touched atoms beside the owner of a part
+};
+
+/// Sets the atoms and the cone of a placement that touches three atoms.
+void set_triangle(const SurfaceModel& surface, const ProbePlacement& placement,
+                  ConcavePatch& patch);
+
+/// Sets the atoms and the cone of the first placement of a node. It has no cutters.
+void set_cone(const PlacementIndex& placements, std::uint32_t number, ConcaveScratch& scratch,
+              ConcavePatch& patch);
+
+/// Finds the cutters of a cone, and the part of it that remains.
+void cut_cone(const PlacementIndex& placements, ConcaveScratch& scratch, ConcavePatch& patch);
+
+/// Returns whether another placement just touches the patch.
+bool has_tangent_patch(const ConcavePatch& patch, double probe_radius);
+
+/// Returns the part of a patch that belongs to an atom. The direction n belongs to the touched atom
+/// with the smallest value of radius - n . (center of the atom - center of the probe).
+/// `scratch.caps` then has the caps of the patch, followed by those of `scratch.borders`, and
+/// `scratch.finder` the arcs that bound the part.
+SpherePart part_of_atom(const SurfaceModel& surface, const ConcavePatch& patch, AtomIndex owner,
+                        ConcaveScratch& scratch);
+
+}  // namespace eses::detail

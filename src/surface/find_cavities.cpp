@@ -1,0 +1,87 @@
+#include "surface/find_cavities.hpp"
+
+#include <limits>
+#include <utility>
+#include <vector>
+
+#include "surface/atom_loops.hpp"
+#include "surface/cavity_list.hpp"
+#include "surface/cluster_terms.hpp"
+#include "surface/patch_sweep.hpp"
+#include "surface/void_volumes.hpp"
+
+namespace eses::detail {
+namespace {
+
+// Finds the components of a surface, without the sums over faces.
+Components sweep_components(const std::shared_ptr<ScheduledSurface>& surface,
+                            const MeasureSettings& settings) {
+  PatchSweep sweep(surface, {0, true, false}, settings.threads, settings.check);
+  ComponentFinder finder(surface->surface, middle_of(surface->surface.atoms));
+  std::vector<ComponentFinder::RootSums> roots;
+  sweep.run([&](const SweepLayer& layer) {
+    finder.begin_layer(layer);
+    for (ClusterIndex cluster = layer.begin; cluster < layer.end; ++cluster) {
+      const std::uint32_t first = layer.first_placement[cluster];
+      const std::size_t count = surface->schedule.patches().of_cluster(cluster).placements.size();
+      roots.clear();
+      for (std::uint32_t k = first; k < first + count; ++k) {
+        const ComponentFinder::Node root = finder.root_of_placement(k);
+        sums_of(roots, root).box.include(layer.centers[k]);
+        finder.keep(root, layer.centers[k]);
+      }
+      for (const ComponentFinder::RootSums& sums : roots) finder.add(sums);
+    }
+    finder.end_layer();
+    return true;
+  });
+  return finder.finish({});
+}
+
+}  // namespace
+
+std::shared_ptr<ScheduledSurface> schedule_patches(const SurfaceModel& surface, bool has_bounds) {
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  return std::make_shared<ScheduledSurface>(surface, HeightRange{-infinity, infinity}, has_bounds);
+}
+
+std::shared_ptr<ScheduledSurface> schedule_patches(const Molecule& molecule, double probe_radius) {
+  return schedule_patches(SurfaceModel(molecule, probe_radius), true);
+}
+
+std::shared_ptr<const CavityMap> find_cavities(const std::shared_ptr<ScheduledSurface>& surface,
+                                               const MeasureSettings& settings) {
+  const Components components = sweep_components(surface, settings);
+  const SurfaceModel& model = surface->surface;
+  const std::vector<Cavity> cavities = measure_voids(model, settings, components);
+  std::vector<ComponentNumber> number_of(components.count);
+  std::vector<double> volumes;
+  for (const std::size_t c : order_by_void(cavities)) {
+    volumes.push_back(cavities[c].void_volume);
+    number_of[c + 1] = static_cast<ComponentNumber>(volumes.size());
+  }
+  const auto map = std::make_shared<CavityMap>(model, components, number_of, std::move(volumes));
+  if (settings.max_filled_void) map->fill(*settings.max_filled_void);
+  if (settings.kept_component) map->keep_only(*settings.kept_component);
+  return map;
+}
+
+FoundCavities find_cavities(const Molecule& molecule, const MeasureSettings& settings,
+                            bool keeps_patches) {
+  auto surface = schedule_patches(SurfaceModel(molecule, settings.probe_radius), keeps_patches);
+  if (keeps_patches) surface->schedule.keep_passed();
+  FoundCavities found{find_cavities(surface, settings), nullptr};
+  if (!keeps_patches) return found;
+  surface->schedule.rewind();
+  if (found.map->has_filled()) {
+    surface->surface.cavities = found.map;
+    Patches& patches = surface->schedule.patches();
+    for_each_index(patches.clusters().count(), settings.threads, [&](std::size_t cluster) {
+      patches.drop_filled(static_cast<ClusterIndex>(cluster));
+    });
+  }
+  found.patches = std::move(surface);
+  return found;
+}
+
+}  // namespace eses::detail

@@ -1,0 +1,87 @@
+#include "surface/patch_sweep.hpp"
+
+#include <algorithm>
+#include <limits>
+#include <utility>
+
+#include "geometry/box.hpp"
+#include "system/parallel.hpp"
+
+namespace eses::detail {
+namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+// Number of clusters in a layer. It bounds the memory, and is much larger than the number of
+// threads.
+constexpr ClusterIndex clusters_per_layer = 128;
+
+}  // namespace
+
+Vec3 middle_of(std::span<const Atom> atoms) {
+  Box box{atoms.front().center, atoms.front().center};
+  for (const Atom& atom : atoms) box.include(atom.center);
+  return 0.5 * box.low + 0.5 * box.high;
+}
+
+PatchSweep::PatchSweep(std::shared_ptr<ScheduledSurface> scheduled, const PlacementIndex::Use& use,
+                       int threads, const CheckCallback& check)
+    : scheduled_(std::move(scheduled)),
+      threads_(threads),
+      check_(check),
+      placements_(scheduled_->surface, use),
+      scratch_(static_cast<std::size_t>(threads)) {}
+
+bool PatchSweep::run(const std::function<bool(const SweepLayer& layer)>& visit) {
+  const ClusterIndex count = scheduled_->schedule.patches().clusters().count();
+  for (ClusterIndex begin = 0; begin < count;) {
+    if (check_) check_();
+    const ClusterIndex end = std::min(begin + clusters_per_layer, count);
+    if (!visit_layer(begin, end, visit)) return false;
+    begin = end;
+  }
+  return true;
+}
+
+// The clusters of a layer need the placements that cut their concave patches, up to twice the probe
+// radius away.
+bool PatchSweep::visit_layer(ClusterIndex begin, ClusterIndex end,
+                             const std::function<bool(const SweepLayer& layer)>& visit) {
+  const AtomClusters& clusters = schedule().patches().clusters();
+  const double reach = surface().probe_radius + look_up_slack;
+  double high = -infinity, low = infinity;
+  for (ClusterIndex cluster = begin; cluster < end; ++cluster)
+    high = std::max(high, clusters.heights(cluster).high);
+  build_patches(high + reach);
+  placements_.reset(schedule());
+  if (!visit({schedule(), begin, end, clusters.count_below(high + 2 * reach),
+              placements_.placements(), placements_.centers(), placements_.tree(),
+              placements_.first_of_cluster(), placements_.first_of_node(), threads_}))
+    return false;
+  for (ClusterIndex cluster = end; cluster < clusters.count(); ++cluster)
+    low = std::min(low, clusters.heights(cluster).low);
+  scheduled_->schedule.pass(low - reach);
+  return true;
+}
+
+void PatchSweep::build_patches(double up_to) {
+  PatchSchedule& schedule = scheduled_->schedule;
+  Patches& patches = schedule.patches();
+  std::vector<BuildStep> steps;
+  while (!schedule.is_ready(up_to)) {
+    steps.clear();
+    while (const auto step = schedule.take(up_to)) steps.push_back(*step);
+    const auto count = static_cast<std::int64_t>(steps.size());
+    parallel_for(count, std::min<int>(threads_, static_cast<int>(count)),
+                 [&](std::int64_t k, int thread) {
+                   const BuildStep& step = steps[static_cast<std::size_t>(k)];
+                   if (step.kind == BuildStep::Kind::find_arcs)
+                     patches.find_arcs(step.cluster, scratch_[static_cast<std::size_t>(thread)]);
+                   else
+                     patches.complete(step.cluster);
+                 });
+    for (const BuildStep& step : steps) schedule.finish(step);
+  }
+}
+
+}  // namespace eses::detail

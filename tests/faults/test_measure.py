@@ -1,0 +1,32 @@
+"""Tests of a measurement that misses placements which cut a patch: it fails, and names atoms."""
+
+import re
+
+from faults import FaultTest
+from support import DATA
+
+PROTEIN = DATA / "1ubq.xyzr"
+
+
+class Measure(FaultTest):
+    def test_right_cutters_fit(self):
+        done = self.run_program("measure", PROTEIN, "--write", "atoms", spoil="")
+        self.assertDone(done)
+        self.assertRegex(done.stdout, "SES patches: ")
+
+    def test_missed_cutters_are_found(self):
+        for more in (["atoms"], ["cavities"], ["derivatives"], ["atoms", "-t", "3"]):
+            with self.subTest(more=more):
+                done = self.run_program("measure", PROTEIN, "--write", *more, spoil="cutter")
+                self.assertDone(done, 1)
+                self.assertNotIn("SES patches: ", done.stdout)
+                found = re.search(r"the patches of the surface do not fit together: sum of the "
+                                  r"forces \S+ square angstrom.*; at atoms ([0-9, ]+)", done.stderr)
+                self.assertTrue(found, done.stderr)
+                self.assertEqual(self.all_files(), [])
+
+    def test_grids_with_exact_values_fail_as_well(self):
+        done = self.run_program(PROTEIN, "1.4", "0.8", "1.6", "--exact", spoil="cutter")
+        self.assertDone(done, 1)
+        self.assertIn("the patches of the surface do not fit together", done.stderr)
+        self.assertEqual(self.all_files(), [])
