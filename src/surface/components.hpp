@@ -51,6 +51,8 @@ class Components {
 
   std::vector<Wall> walls;
   std::uint32_t count = 1;
+  /// By atom: the index of its piece of the molecule, see find_pieces.
+  std::vector<std::uint32_t> piece_of_atom;
   /// By component: what to add to the sums of its walls, because only its own probes cut patches.
   std::vector<PatchSums> corrections;
   /// A placement on a wall.
@@ -66,6 +68,12 @@ class Components {
   /// Returns the index of the wall that has the face of an atom in this direction. Returns nothing
   /// if the direction is in a cap, or if rounding decides.
   std::optional<std::uint32_t> wall_at(AtomIndex atom, Vec3 direction) const;
+
+  /// Returns the index of the wall that has the arc of an atom nearest to a direction, which must be
+  /// accessible up to rounding. Returns nothing if the atom has no face.
+  std::optional<std::uint32_t> nearest_wall(AtomIndex atom, Vec3 direction) const;
+
+  bool has_face(AtomIndex atom) const { return wall_of_atom_[atom] != no_wall; }
 
   /// Calls `action(wall)` once for the index of each wall that has a face of the atom.
   template <class Action>
@@ -190,7 +198,6 @@ class ComponentFinder {
   void add_faces(const std::vector<Node>& labels,
                  const std::function<FaceIntegrals(AtomIndex)>& integrals_of,
                  Components& components);
-  void connect_walls(Components& components) const;
   void find_overlaps(const std::vector<Node>& labels, Components& components);
 
   const SurfaceModel& surface_;
