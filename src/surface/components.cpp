@@ -24,6 +24,10 @@ constexpr double end_search = 1e-5;
 constexpr double connected = tolerance::touching;
 static_assert(connected <= end_search, "PlacementCells finds placements within end_search only");
 
+// A patch is hidden if a point of it is deeper than this in a SAS ball, which is not due to rounding
+// (angstrom).
+constexpr double hidden = 2e-11;
+
 // A node of an atom from here on is an index of a divided atom.
 constexpr DisjointSets::Element divided_begin = 0x80000000;
 
@@ -258,6 +262,8 @@ void ComponentFinder::connect_arcs(const SweepLayer& layer) {
   for (std::size_t k = 0; k < chosen.size(); ++k)
     for (const ArcMatch& match : matches[k])
       sets_.unite(first_node_[chosen[k]] + match.arc, placement_node_[match.placement]);
+  for (const ClusterIndex cluster : chosen)
+    if (are_connected_[cluster] != 0) find_hidden_patches(layer, cluster);
   for_each_complete(layer, [&](ClusterIndex cluster, const ClusterPatches& patches) {
     if (!may_hide_arcs(surface_, patches)) return;
     const std::uint32_t first = layer.first_placement[cluster];
@@ -275,6 +281,39 @@ void ComponentFinder::connect_arcs(const SweepLayer& layer) {
   if (surface_.has_slack) return;
   for (std::uint32_t k = 0; k < layer.placements.size(); ++k)
     sets_.unite(placement_node_[k], placement_node_[layer.first_coinciding[k]]);
+}
+
+// Between nearly equal atoms, an arc or a placement can be in the ball of another one that is nearly
+// equal, too.
+void ComponentFinder::find_hidden_patches(const SweepLayer& layer, ClusterIndex cluster) {
+  const ClusterPatches& patches = layer.schedule.patches().of_cluster(cluster);
+  if (!surface_.has_slack || !may_hide_arcs(surface_, patches)) return;
+  std::vector<AtomIndex> found;
+  const auto visit = [&](Vec3 point, Node node) {
+    surface_.cells().find_reaching(point, surface_.probe_radius + look_up_slack, found);
+    double max_depth = hidden;
+    std::optional<AtomIndex> outermost;
+    for (const AtomIndex i : found) {
+      const SasSphere sphere = surface_.sas_sphere(i);
+      const double depth = sphere.radius - norm(point - sphere.center);
+      if (depth <= max_depth || surface_.molecule.is_contained(i)) continue;
+      max_depth = depth;
+      outermost = i;
+    }
+    if (outermost)
+      hidden_.push_back(
+          {node, *outermost, normalized(point - surface_.atoms[*outermost].center)});
+  };
+  for (std::uint32_t k = 0; k < patches.arcs.size(); ++k) {
+    const SasSphere first = surface_.sas_sphere(patches.arcs[k].first);
+    const ContactCircle circle =
+        make_contact_circle(first, surface_.sas_sphere(patches.arcs[k].second));
+    visit(first.center + first.radius * middle_of(on_first_sphere(patches.arcs[k], circle, first)),
+          first_node_[cluster] + k);
+  }
+  const std::uint32_t first = layer.first_placement[cluster];
+  for (std::uint32_t k = first; k < first + patches.placements.size(); ++k)
+    visit(layer.centers[k], placement_node_[k]);
 }
 
 // Sets the nodes of the atoms whose clusters are measured in this layer. All arcs of these atoms
@@ -481,6 +520,8 @@ Components ComponentFinder::finish(const std::function<FaceIntegrals(AtomIndex)>
   }
   components.placements = std::move(kept_);
   for (auto& placement : components.placements) placement.wall = labels[placement.wall];
+  components.hidden = std::move(hidden_);
+  for (auto& patch : components.hidden) patch.wall = labels[patch.wall];
   add_faces(labels, integrals_of, components);
   components.piece_of_atom = find_pieces(surface_);
   connect_walls(surface_, components);

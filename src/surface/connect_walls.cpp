@@ -20,7 +20,7 @@ constexpr int max_directions = 100;
 
 // Atoms whose SAS spheres are within this distance of a point may have the face at the point: the
 // spheres of nearly equal atoms, between which rounding decides (angstrom).
-constexpr double nearly_equal = tolerance::touching;
+constexpr double at_point = tolerance::touching;
 
 // Length of the parts of a ray for which atoms are searched together (angstrom).
 constexpr double ray_step = 8;
@@ -106,6 +106,12 @@ class WallConnector {
     }
   }
 
+  void connect_hidden_patches() {
+    for (const Components::HiddenPatch& patch : components_.hidden)
+      if (const auto wall = components_.nearest_wall(patch.atom, patch.direction))
+        sets_.unite(*wall + 1, patch.wall + 1);
+  }
+
   void set_components() {
     const std::vector<DisjointSets::Element> labels = sets_.labels();
     for (std::uint32_t w = 0; w < components_.walls.size(); ++w) {
@@ -154,8 +160,8 @@ class WallConnector {
     for (const AtomIndex k : found_) {
       const SasSphere sphere = surface_.sas_sphere(k);
       const double gap = norm(point - sphere.center) - sphere.radius;
-      if (gap < -nearly_equal && !surface_.molecule.is_contained(k)) return std::nullopt;
-      if (gap <= nearly_equal)
+      if (gap < -at_point && !surface_.molecule.is_contained(k)) return std::nullopt;
+      if (gap <= at_point)
         ranked_.push_back({-height_of(k), k, normalized(point - sphere.center)});
     }
     return wall_of_first(components_, ranked_);
@@ -185,7 +191,7 @@ class WallConnector {
         ranked_.push_back({distance, k, normalized(distance * along_ - offset)});
       }
       std::erase_if(ranked_,
-                    [&](const RankedAtom& each) { return each.rank > first + nearly_equal; });
+                    [&](const RankedAtom& each) { return each.rank > first + at_point; });
       is_hit = !ranked_.empty();
       if (is_hit) return wall_of_first(components_, ranked_);
     }
@@ -259,9 +265,9 @@ std::vector<std::uint32_t> find_pieces(const SurfaceModel& surface) {
 
 void connect_walls(const SurfaceModel& surface, Components& components) {
   WallConnector connector(surface, components);
-  if (getenv("DBG")) for (const Wall& w : components.walls) fprintf(stderr, "W atom %d box %.12g %.12g %.12g .. %g %g %g touched %zu\n", w.atom ? (int)*w.atom : -1, w.box.low.x, w.box.low.y, w.box.low.z, w.box.high.x, w.box.high.y, w.box.high.z, touched_atoms(surface, 0.5 * (w.box.low + w.box.high)).size());
   connector.connect_pieces();
   connector.connect_placements();
+  connector.connect_hidden_patches();
   connector.set_components();
 }
 
