@@ -77,10 +77,7 @@ class CavityLister {
  public:
   CavityLister(const SurfaceModel& surface, Vec3 origin, double probe_radius,
                const Components& components)
-      : surface_(surface),
-        origin_(origin),
-        probe_radius_(probe_radius),
-        components_(components) {}
+      : surface_(surface), origin_(origin), probe_radius_(probe_radius), components_(components) {}
 
   void list(int threads, bool has_largest_probes, std::vector<Cavity>& cavities,
             std::vector<Piece>& pieces) {
@@ -126,7 +123,8 @@ class CavityLister {
       const bool is_outside = wall.component == Components::outside;
       if (is_outside && !wall.atom) continue;
       const std::size_t c = wall.component - std::size_t{1};
-      const std::size_t piece = components_.piece_of_atom[wall.atom ? *wall.atom : cavities[c].atoms.front()];
+      const std::size_t piece =
+          components_.piece_of_atom[wall.atom ? *wall.atom : cavities[c].atoms.front()];
       by_piece[piece].add(wall);
       if (is_outside) continue;
       by_cavity[c].add(wall);

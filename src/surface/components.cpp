@@ -24,8 +24,8 @@ constexpr double end_search = 1e-5;
 constexpr double connected = tolerance::touching;
 static_assert(connected <= end_search, "PlacementCells finds placements within end_search only");
 
-// A patch is hidden if a point of it is deeper than this in a SAS ball, which is not due to rounding
-// (angstrom).
+// A patch is hidden if a point of it is deeper than this in a SAS ball, which is not due to
+// rounding (angstrom).
 constexpr double hidden = 2e-11;
 
 // A node of an atom from here on is an index of a divided atom.
@@ -140,9 +140,9 @@ void for_each_complete(const SweepLayer& layer, Action&& action) {
       action(cluster, layer.schedule.patches().of_cluster(cluster));
 }
 
-// Calls `action(cluster, arc)` for the arcs of complete clusters that a placement of their two atoms
-// lies on. If a probe just fits between the atoms, it need not be an end of these arcs: the third
-// atom blocks less of the circle than the tolerance.
+// Calls `action(cluster, arc)` for the arcs of complete clusters that a placement of their two
+// atoms lies on. If a probe just fits between the atoms, it need not be an end of these arcs: the
+// third atom blocks less of the circle than the tolerance.
 template <class Action>
 void for_each_arc_through(const SurfaceModel& surface, const SweepLayer& layer,
                           const ProbePlacement& placement, Action&& action) {
@@ -283,8 +283,8 @@ void ComponentFinder::connect_arcs(const SweepLayer& layer) {
     sets_.unite(placement_node_[k], placement_node_[layer.first_coinciding[k]]);
 }
 
-// Between nearly equal atoms, an arc or a placement can be in the ball of another one that is nearly
-// equal, too.
+// Between nearly equal atoms, an arc or a placement can be in the ball of another one that is
+// nearly equal, too.
 void ComponentFinder::find_hidden_patches(const SweepLayer& layer, ClusterIndex cluster) {
   const ClusterPatches& patches = layer.schedule.patches().of_cluster(cluster);
   if (!surface_.has_slack || !may_hide_arcs(surface_, patches)) return;
@@ -301,8 +301,7 @@ void ComponentFinder::find_hidden_patches(const SweepLayer& layer, ClusterIndex 
       outermost = i;
     }
     if (outermost)
-      hidden_.push_back(
-          {node, *outermost, normalized(point - surface_.atoms[*outermost].center)});
+      hidden_.push_back({node, *outermost, normalized(point - surface_.atoms[*outermost].center)});
   };
   for (std::uint32_t k = 0; k < patches.arcs.size(); ++k) {
     const SasSphere first = surface_.sas_sphere(patches.arcs[k].first);

@@ -60,8 +60,8 @@ class Components {
     Vec3 center;
     std::uint32_t wall = 0;
   };
-  /// An arc or a placement within a SAS ball, which only the tolerance of the accessibility exposes.
-  /// A point of it is at the face of an atom in this direction.
+  /// An arc or a placement within a SAS ball, which only the tolerance of the accessibility
+  /// exposes. A point of it is at the face of an atom in this direction.
   struct HiddenPatch {
     std::uint32_t wall = 0;
     AtomIndex atom = 0;
@@ -77,8 +77,8 @@ class Components {
   /// if the direction is in a cap, or if rounding decides.
   std::optional<std::uint32_t> wall_at(AtomIndex atom, Vec3 direction) const;
 
-  /// Returns the index of the wall that has the arc of an atom nearest to a direction, which must be
-  /// accessible up to rounding. Returns nothing if the atom has no face.
+  /// Returns the index of the wall that has the arc of an atom nearest to a direction, which must
+  /// be accessible up to rounding. Returns nothing if the atom has no face.
   std::optional<std::uint32_t> nearest_wall(AtomIndex atom, Vec3 direction) const;
 
   bool has_face(AtomIndex atom) const { return wall_of_atom_[atom] != no_wall; }
@@ -219,8 +219,8 @@ class ComponentFinder {
   std::vector<Node> placement_node_;  // by placement of the layer
   std::vector<RootSums> sums_;
   std::vector<SharedCut> cuts_;
-  std::vector<Components::WallPlacement> kept_;     // with nodes instead of walls
-  std::vector<Components::HiddenPatch> hidden_;     // with nodes instead of walls
+  std::vector<Components::WallPlacement> kept_;  // with nodes instead of walls
+  std::vector<Components::HiddenPatch> hidden_;  // with nodes instead of walls
   AtomIndex lowest_atom_ = 0;                    // it has a face outside
   Node outside_root_ = no_node;                  // in the current layer, if known
 };

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <iterator>
 #include <limits>
+#include <map>
 #include <optional>
 #include <span>
 #include <utility>
@@ -67,7 +68,8 @@ class WallConnector {
   void connect_pieces() {
     const std::vector<std::uint32_t>& piece_of = components_.piece_of_atom;
     std::vector<std::uint8_t> is_known(
-        piece_of.empty() ? 0 : *std::max_element(piece_of.begin(), piece_of.end()) + std::size_t{1});
+        piece_of.empty() ? 0
+                         : *std::max_element(piece_of.begin(), piece_of.end()) + std::size_t{1});
     std::size_t left = is_known.size();
     for (int trial = 0; trial < max_directions && left > 0; ++trial) {
       along_ = trial_direction(trial);
@@ -106,10 +108,20 @@ class WallConnector {
     }
   }
 
+  // A wall that the tolerance alone exposes has most of its hidden patches at the face of another
+  // wall. On other walls, rounding decides for a few.
   void connect_hidden_patches() {
+    std::map<std::pair<std::uint32_t, std::uint32_t>, std::size_t> counts;
     for (const Components::HiddenPatch& patch : components_.hidden)
       if (const auto wall = components_.nearest_wall(patch.atom, patch.direction))
-        sets_.unite(*wall + 1, patch.wall + 1);
+        ++counts[{patch.wall, *wall}];
+    for (auto next = counts.begin(); next != counts.end();) {
+      const std::uint32_t wall = next->first.first;
+      auto most = next;
+      for (; next != counts.end() && next->first.first == wall; ++next)
+        if (next->second > most->second) most = next;
+      sets_.unite(wall + 1, most->first.second + 1);
+    }
   }
 
   void set_components() {
@@ -122,8 +134,7 @@ class WallConnector {
 
  private:
   double height_of(AtomIndex i) const {
-    return dot(surface_.atoms[i].center, along_) + surface_.atoms[i].radius +
-           surface_.probe_radius;
+    return dot(surface_.atoms[i].center, along_) + surface_.atoms[i].radius + surface_.probe_radius;
   }
 
   void find_extremes(std::size_t pieces) {
@@ -161,8 +172,7 @@ class WallConnector {
       const SasSphere sphere = surface_.sas_sphere(k);
       const double gap = norm(point - sphere.center) - sphere.radius;
       if (gap < -at_point && !surface_.molecule.is_contained(k)) return std::nullopt;
-      if (gap <= at_point)
-        ranked_.push_back({-height_of(k), k, normalized(point - sphere.center)});
+      if (gap <= at_point) ranked_.push_back({-height_of(k), k, normalized(point - sphere.center)});
     }
     return wall_of_first(components_, ranked_);
   }
@@ -190,8 +200,7 @@ class WallConnector {
         first = std::min(first, distance);
         ranked_.push_back({distance, k, normalized(distance * along_ - offset)});
       }
-      std::erase_if(ranked_,
-                    [&](const RankedAtom& each) { return each.rank > first + at_point; });
+      std::erase_if(ranked_, [&](const RankedAtom& each) { return each.rank > first + at_point; });
       is_hit = !ranked_.empty();
       if (is_hit) return wall_of_first(components_, ranked_);
     }
@@ -225,15 +234,14 @@ DisjointSets connect_atoms(const SurfaceModel& surface) {
   const double min_overlap = surface.has_slack ? tolerance::containment : 0;
   // A contained atom is connected with those that contain it only.
   const auto is_in = [&](AtomIndex inner, AtomIndex outer, double distance) {
-    return distance <= surface.atoms[outer].radius - surface.atoms[inner].radius +
-                           tolerance::containment;
+    return distance <=
+           surface.atoms[outer].radius - surface.atoms[inner].radius + tolerance::containment;
   };
   const auto connect = [&](AtomIndex i, AtomIndex k) {
     const SasSphere first = surface.sas_sphere(i), second = surface.sas_sphere(k);
     const double squared = squared_norm(first.center - second.center);
     const double reach = first.radius + second.radius - min_overlap;
-    const bool is_in_another =
-        surface.molecule.is_contained(i) || surface.molecule.is_contained(k);
+    const bool is_in_another = surface.molecule.is_contained(i) || surface.molecule.is_contained(k);
     if (is_in_another ? is_in(i, k, std::sqrt(squared)) || is_in(k, i, std::sqrt(squared))
                       : squared < reach * reach)
       sets.unite(i, k);

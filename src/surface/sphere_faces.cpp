@@ -79,8 +79,8 @@ bool add_crossings(const GreatCircle& circle, const SphereArc& on,
   return true;
 }
 
-// Where several caps start or end at the same rim, the outermost crossing bounds a face. Removes the
-// other ones, and calls `unite` for their nodes.
+// Where several caps start or end at the same rim, the outermost crossing bounds a face. Removes
+// the other ones, and calls `unite` for their nodes.
 template <class Unite>
 void keep_outermost(std::vector<ArcCrossing>& crossings, Unite&& unite) {
   std::vector<ArcCrossing> kept;
