@@ -448,6 +448,20 @@ TEST_CASE("cavities: a trapped probe") {
   CHECK(measure_cavities(octahedron(1 + p + 1e-3, 1), p).cavities[0].probe_center_volume > 1e-10);
 }
 
+TEST_CASE("cavities: the largest probe of a cube that holds a probe by a hair") {
+  for (const double excess : {1e-9, 1e-8, 1e-6, 1e-3, 0.1}) {
+    INFO(excess);
+    const double half = (3.1 + excess) / std::numbers::sqrt3;
+    std::vector<Atom> atoms;
+    for (const double x : {-half, half})
+      for (const double y : {-half, half})
+        for (const double z : {-half, half}) atoms.push_back({{x, y, z}, 1.7});
+    const Measures measures = measure_cavities(atoms, 1.4);
+    REQUIRE(measures.cavities.size() == 1);
+    CHECK(std::fabs(measures.cavities[0].largest_probe - (1.4 + excess)) < 1e-12);
+  }
+}
+
 TEST_CASE("cavities: parts that touch in one point are one cavity") {
   const double probe = 1;
   for (const double gap : {1e-6, 1e-9, 0.0}) {

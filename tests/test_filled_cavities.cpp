@@ -196,6 +196,19 @@ TEST_CASE("filled cavities: a shell of atoms around one void") {
   CHECK(check_with_oracle(atoms, probe, 0.41, all) == 1);
 }
 
+TEST_CASE("filled cavities: without a probe, the voids between the atoms are filled") {
+  const std::vector<Atom> atoms = make_icosahedron(3.5, 2.3);
+  const Measures bare = measure_filled(atoms, 0, {}, {.probe_radius = 0, .cavities = true});
+  REQUIRE(bare.cavities.size() == 1);
+  const Measures filled = measure_filled(atoms, 0, all, {.probe_radius = 0, .van_der_waals = true});
+  REQUIRE(filled.filled_cavities.size() == 1);
+  const Cavity& cavity = bare.cavities[0];
+  CHECK(filled.ses_area == Approx(bare.ses_area - cavity.ses_area).epsilon(1e-10));
+  CHECK(filled.ses_volume == Approx(bare.ses_volume + cavity.void_volume).epsilon(1e-10));
+  // The van der Waals surface keeps its cavities.
+  CHECK(filled.vdw_area == Approx(bare.ses_area).epsilon(1e-10));
+}
+
 TEST_CASE("filled cavities: the volume decides which of two is filled") {
   const double probe = 0.9;
   std::vector<Atom> large = make_icosahedron(4.6, 2.3), small = make_icosahedron(4.4, 2.2);

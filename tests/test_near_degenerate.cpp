@@ -18,13 +18,17 @@
 #include <vector>
 
 #include "catch.hpp"
+#include "eses/compute.hpp"
 #include "eses/error.hpp"
+#include "eses/measure.hpp"
+#include "eses/pockets.hpp"
 #include "solve/block_features.hpp"
 #include "support/all_patches.hpp"
 #include "support/atom_sets.hpp"
 #include "support/brute_force.hpp"
 #include "support/near_degenerate.hpp"
 #include "support/run.hpp"
+#include "surface/measure_patches.hpp"
 
 namespace eses::detail::test {
 namespace {
@@ -185,7 +189,84 @@ void check_files(const std::vector<Atom>& atoms, const Parameters& parameters) {
   CHECK(faults.empty());
 }
 
+// Checks that filling, the search of pockets and the measures make no error, and that the filled
+// surface agrees with the verification.
+void check_components(const NearDegenerateSet& set) {
+  const Surface bare(set.atoms, {.probe_radius = set.probe_radius});
+  const Surface filled(set.atoms, {.probe_radius = set.probe_radius,
+                                   .max_filled_void = std::numeric_limits<double>::infinity()});
+  const double largest =
+      std::max_element(set.atoms.begin(), set.atoms.end(), [](const Atom& a, const Atom& b) {
+        return a.radius < b.radius;
+      })->radius;
+  const Measures measures = measure(bare, {.cavities = true, .threads = 1});
+  for (const Cavity& cavity : measures.cavities)
+    CHECK(cavity.void_volume > 4 * M_PI / 3 * std::pow(set.probe_radius, 3) * (1 - 1e-6));
+  // The outer surface encloses each atom.
+  const Measures outer = measure(filled, {.threads = 1});
+  CHECK(outer.ses_area > 4 * M_PI * largest * largest * (1 - 1e-6));
+  CHECK(outer.ses_volume > 4 * M_PI / 3 * std::pow(largest, 3) * (1 - 1e-6));
+  const double spacing = std::clamp(0.6 * set.probe_radius, 0.3, 0.5);
+  const Grid grid = make_grid(bare, {.spacing = spacing, .margin = 0.8});
+  CHECK_NOTHROW(compute(filled, grid, {.threads = 1, .verify = 500}));
+  CHECK_NOTHROW(find_pockets(bare, {.large_probe_radius = 1.7 * set.probe_radius + 0.3,
+                                    .spacing = std::min(0.5, 0.8 * set.probe_radius),
+                                    .threads = 1}));
+  CHECK_NOTHROW(find_cavities(Molecule(set.atoms),
+                              {.probe_radius = set.probe_radius, .kept_component = 0}, false));
+}
+
 }  // namespace
+
+TEST_CASE("near-degenerate: components, filled cavities and pockets") {
+  for (std::uint64_t seed = 0; seed < set_count(); ++seed) {
+    const NearDegenerateSet set = make_near_cavity_set(seed);
+    INFO(set.name << ", noise " << set.noise << ", probe radius " << set.probe_radius);
+    check_components(set);
+  }
+}
+
+TEST_CASE("near-degenerate: a ring that a probe just fits has no cavity") {
+  for (const int count : {5, 6, 8, 12})
+    for (const double offset : {-1e-12, -1e-11, -1e-10, -2e-10}) {
+      INFO(count << " atoms, offset " << offset);
+      NearDegenerateSet ring{"ring", {}, 1.4, std::fabs(offset)};
+      for (int i = 0; i < count; ++i) {
+        const double angle = 2 * M_PI * i / count;
+        ring.atoms.push_back({(3.1 + offset) * Vec3{std::cos(angle), std::sin(angle), 0}, 1.7});
+      }
+      check_components(ring);
+      const FoundCavities found =
+          find_cavities(Molecule(ring.atoms), {.probe_radius = 1.4, .max_filled_void = 1e9}, false);
+      CHECK(found.map->filled().empty());
+    }
+}
+
+TEST_CASE("near-degenerate: nearly equal atoms have the cavities of one of them", "[degenerate]") {
+  for (const double offset : {1e-9, 1.2e-9, 3e-9, 1e-8, 1e-7, 2e-7}) {
+    INFO("offset " << offset);
+    const Measures two =
+        measure(Surface({{{0, 0, 0}, 1.7}, {{offset, 0, 0}, 1.7}}, {.max_filled_void = 1e9}),
+                {.cavities = true});
+    CHECK(two.filled_cavities.empty());
+    CHECK(two.cavities.empty());
+    CHECK(two.ses_area == Catch::Approx(4 * M_PI * 1.7 * 1.7).epsilon(1e-6));
+    // A shell around one cavity, with all atoms doubled.
+    std::vector<Atom> shell = make_icosahedron(4, 1.9);
+    const Cavity single =
+        measure(Surface(shell), {.probe_radius = 1, .cavities = true}).cavities.at(0);
+    for (std::size_t i = 0; i < 12; ++i)
+      shell.push_back({shell[i].center + offset * Vec3{0.36, 0.48, 0.8}, 1.9});
+    const Measures doubled = measure(Surface(shell), {.probe_radius = 1, .cavities = true});
+    REQUIRE(doubled.cavities.size() == 1);
+    CHECK(doubled.cavities[0].void_volume == Catch::Approx(single.void_volume).epsilon(1e-5));
+    if (offset < 3e-9) continue;  // see doc/accuracy.md
+    const FoundCavities found =
+        find_cavities(Molecule(shell), {.probe_radius = 1, .max_filled_void = 1e9}, false);
+    REQUIRE(found.map->filled().size() == 1);
+    CHECK(found.map->filled()[0].void_volume == Catch::Approx(single.void_volume).epsilon(1e-5));
+  }
+}
 
 TEST_CASE("near-degenerate: every patch is accessible, and every vertex is on a patch") {
   for (std::uint64_t seed = 0; seed < set_count(); ++seed) {

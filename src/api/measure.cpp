@@ -50,14 +50,15 @@ Measures measure(const Surface& surface, const MeasureOptions& options) {
       options.gradients, options.weights,
       options.cavities,  options.threads > 0 ? options.threads : detail::available_threads(),
       options.check};
-  if (probe_radius > 0) settings.max_filled_void = surface.max_filled_void();
+  settings.max_filled_void = surface.max_filled_void();
   Measures measures = measure_patches(molecule, settings);
   if (options.van_der_waals) {
     settings.probe_radius = 0;
     settings.by_atom = settings.gradients = settings.cavities = false;
     settings.weights = {};
+    const bool is_measured = probe_radius == 0 && !settings.max_filled_void;
     settings.max_filled_void.reset();
-    const Measures bare = probe_radius == 0 ? measures : measure_patches(molecule, settings);
+    const Measures bare = is_measured ? measures : measure_patches(molecule, settings);
     measures.vdw_area = bare.sas_area;
     measures.vdw_volume = bare.sas_volume;
   }

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <iterator>
 #include <numbers>
 #include <numeric>
 
@@ -19,34 +18,6 @@ using std::numbers::pi;
 // Volumes that differ by less than this have the same rank, so that rounding does not decide the
 // order of equal ones (cubic angstrom).
 constexpr double same_volume = 1e-6;
-
-/// Connects the atoms whose SAS balls overlap. The neighbours of atoms in the set of one given atom
-/// are not searched: of two overlapping atoms in different sets, at least one is outside of this
-/// set, and the search for its neighbours connects them.
-DisjointSets connect_atoms(const SurfaceModel& surface) {
-  DisjointSets sets(static_cast<DisjointSets::Element>(surface.atoms.size()));
-  const auto connect = [&](AtomIndex i, AtomIndex k) {
-    const Atom &first = surface.atoms[i], &second = surface.atoms[k];
-    const double reach = first.radius + second.radius + 2 * surface.probe_radius;
-    if (squared_norm(first.center - second.center) < reach * reach) sets.unite(i, k);
-  };
-  const std::span<const AtomIndex> order = surface.cells().order();
-  for (std::size_t k = 1; k < order.size(); ++k) connect(order[k - 1], order[k]);
-  const AtomIndex given = order[order.size() / 2];
-  std::vector<AtomIndex> found;
-  const auto connect_neighbours = [&](AtomIndex i) {
-    if (i != given && sets.shorten(i) == sets.shorten(given)) return;
-    surface.tree().find_reaching(surface.atoms[i].center,
-                                 surface.atoms[i].radius + 2 * surface.probe_radius + look_up_slack,
-                                 found);
-    for (const AtomIndex k : found) connect(i, k);
-  };
-  // Outwards from the given atom, most atoms are near others that are already connected with it.
-  const auto middle = order.begin() + static_cast<std::ptrdiff_t>(order.size() / 2);
-  std::for_each(middle, order.end(), connect_neighbours);
-  std::for_each(std::reverse_iterator(middle), order.rend(), connect_neighbours);
-  return sets;
-}
 
 std::int64_t rank_of(double volume) { return -std::llround(volume / same_volume); }
 
@@ -106,11 +77,7 @@ class CavityLister {
  public:
   CavityLister(const SurfaceModel& surface, Vec3 origin, double probe_radius,
                const Components& components)
-      : surface_(surface),
-        origin_(origin),
-        probe_radius_(probe_radius),
-        components_(components),
-        piece_of_atom_(connect_atoms(surface).labels()) {}
+      : surface_(surface), origin_(origin), probe_radius_(probe_radius), components_(components) {}
 
   void list(int threads, bool has_largest_probes, std::vector<Cavity>& cavities,
             std::vector<Piece>& pieces) {
@@ -134,8 +101,8 @@ class CavityLister {
     cavities.assign(components_.count - 1, {});
     pieces.clear();
     for (AtomIndex i = 0; i < surface_.atoms.size(); ++i) {
-      if (piece_of_atom_[i] == pieces.size()) pieces.emplace_back();
-      pieces[piece_of_atom_[i]].atoms.push_back(i);
+      if (components_.piece_of_atom[i] == pieces.size()) pieces.emplace_back();
+      pieces[components_.piece_of_atom[i]].atoms.push_back(i);
       components_.for_each_wall_of(i, [&](std::uint32_t wall) {
         const std::uint32_t component = components_.walls[wall].component;
         if (component == Components::outside) return;
@@ -156,7 +123,8 @@ class CavityLister {
       const bool is_outside = wall.component == Components::outside;
       if (is_outside && !wall.atom) continue;
       const std::size_t c = wall.component - std::size_t{1};
-      const std::size_t piece = piece_of_atom_[wall.atom ? *wall.atom : cavities[c].atoms.front()];
+      const std::size_t piece =
+          components_.piece_of_atom[wall.atom ? *wall.atom : cavities[c].atoms.front()];
       by_piece[piece].add(wall);
       if (is_outside) continue;
       by_cavity[c].add(wall);
@@ -230,7 +198,6 @@ class CavityLister {
   Vec3 origin_;
   double probe_radius_;
   const Components& components_;
-  std::vector<std::uint32_t> piece_of_atom_;
 };
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "eses/error.hpp"
+#include "surface/patches.hpp"
 #include "system/formatted.hpp"
 
 namespace eses::detail {
@@ -14,6 +15,11 @@ namespace {
 // Two placements within this distance are the same one, and a probe touches the atoms whose SAS
 // spheres are within this distance (angstrom).
 constexpr double same = tolerance::touching;
+
+// Atoms whose SAS spheres are equally near to a point, up to rounding (angstrom). It is far below
+// the distance of atoms that are not contained in each other, because the face of a nearly equal
+// atom in the direction of the point is hidden behind that of the nearest one.
+constexpr double equally_near = 1e-12;
 
 // Directions that differ by less than this lead to the same probe (radians).
 constexpr double same_direction = 1e-6;
@@ -39,7 +45,7 @@ CavityMap::CavityMap(const SurfaceModel& surface, const Components& components,
   std::iota(numbers_.begin(), numbers_.end(), ComponentNumber{0});
   add_atoms(surface, components, number_of);
   add_placements(surface, components, number_of);
-  add_surroundings(surface);
+  add_surroundings(surface, components);
 }
 
 // A probe centre that is extreme in some direction touches an atom whose centre is farther in this
@@ -113,7 +119,8 @@ void CavityMap::add_contacts(std::span<const std::pair<AtomIndex, WallAtom::Cont
   }
 }
 
-void CavityMap::add_surroundings(const SurfaceModel& surface) {
+// A ball without a face is nowhere the nearest one.
+void CavityMap::add_surroundings(const SurfaceModel& surface, const Components& components) {
   std::vector<AtomIndex> found;
   std::vector<std::uint8_t> is_near(surface.atoms.size());
   for (const auto& [atom, position] : index_) {
@@ -124,7 +131,7 @@ void CavityMap::add_surroundings(const SurfaceModel& surface) {
   }
   std::vector<Atom> balls;
   for (AtomIndex i = 0; i < is_near.size(); ++i) {
-    if (is_near[i] == 0 || surface.molecule.is_contained(i)) continue;
+    if (is_near[i] == 0 || !components.has_face(i)) continue;
     const auto wall_atom =
         std::lower_bound(index_.begin(), index_.end(), std::pair(i, std::uint32_t{0}));
     const bool has_wall = wall_atom != index_.end() && wall_atom->first == i;
@@ -210,6 +217,22 @@ ComponentNumber CavityMap::component_of_placement(Vec3 center) const {
   return 0;
 }
 
+// A placement in a window that a probe just fits need not be known by its centre.
+ComponentNumber CavityMap::component_of(std::span<const Atom> atoms,
+                                        const ProbePlacement& placement) const {
+  if (const ComponentNumber component = component_of_placement(placement.center)) return component;
+  std::optional<ComponentNumber> common;
+  for (const AtomIndex i : placement.atoms) {
+    const WallAtom* const atom = find(i);
+    if (atom == nullptr) return 0;
+    const ComponentNumber component =
+        atom->component_at(normalized(placement.center - atoms[i].center));
+    if (common && component != *common) return 0;
+    common = component;
+  }
+  return *common;
+}
+
 // All faces of an atom without arcs here are in one component. A placement may touch an atom at a
 // point of another component, but placements in cavities are known by their centres.
 ComponentNumber CavityMap::number_at(std::span<const Atom> atoms,
@@ -253,7 +276,7 @@ CavityMap::Location CavityMap::locate(Vec3 center, std::vector<AtomIndex>& found
   } while (min_gap > reach);
   Location location{0, std::max(0.0, min_gap)};
   for (const AtomIndex i : found) {
-    if (gap_to(i) > min_gap + same) continue;
+    if (gap_to(i) > min_gap + equally_near) continue;
     if (atom_of_ball_[i] == none) return {0, location.clearance};
     const Vec3 offset = center - balls[i].center;
     const ComponentNumber component =

@@ -26,6 +26,8 @@ namespace eses::detail {
 /// others are the numbers of the cavities, in descending order of their voids.
 using ComponentNumber = std::uint32_t;
 
+struct ProbePlacement;
+
 /// An atom that touches probes in a cavity.
 struct WallAtom {
   /// The direction to a probe that touches the atom where it has no face.
@@ -78,7 +80,9 @@ class CavityMap {
 
   /// Returns the component of an arc of a surface with the same probe.
   ComponentNumber component_of(const SurfaceModel& surface, const Arc& arc) const;
-  /// Returns the component of a placement by its centre.
+  /// Returns the component of a placement of a surface with the same probe.
+  ComponentNumber component_of(std::span<const Atom> atoms, const ProbePlacement& placement) const;
+  /// Returns the component of a placement by its centre: 0 if no cavity has a placement there.
   ComponentNumber component_of_placement(Vec3 center) const;
 
   /// Returns the component of a probe that touches a point of the surface, after `fill` by its
@@ -125,7 +129,7 @@ class CavityMap {
   void add_placements(const SurfaceModel& surface, const Components& components,
                       std::span<const ComponentNumber> number_of);
   void add_contacts(std::span<const std::pair<AtomIndex, WallAtom::Contact>> contacts);
-  void add_surroundings(const SurfaceModel& surface);
+  void add_surroundings(const SurfaceModel& surface, const Components& components);
   void choose_boxes();
   bool meets_box_unlike_outside(const Box& box) const;
 

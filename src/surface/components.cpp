@@ -5,8 +5,9 @@
 #include <limits>
 #include <utility>
 
+#include "geometry/arc_sector.hpp"
 #include "surface/atom_loops.hpp"
-#include "surface/normal_cone.hpp"
+#include "surface/connect_walls.hpp"
 
 namespace eses::detail {
 namespace {
@@ -20,12 +21,9 @@ constexpr double end_search = 1e-5;
 constexpr double connected = tolerance::touching;
 static_assert(connected <= end_search, "placements are searched within end_search only");
 
-// The extreme point of a wall must be this far outside of the other SAS balls, or this deep in one
-// of them, so that rounding does not decide whether it is accessible (angstrom).
-constexpr double clear_of_others = 1e-7;
-
-// Length of the parts of a ray for which atoms are searched together (angstrom).
-constexpr double ray_step = 8;
+// A patch is hidden if a point of it is deeper than this in a SAS ball, which is not due to
+// rounding (angstrom).
+constexpr double hidden = 2e-11;
 
 // A node of an atom from here on is an index of a divided atom.
 constexpr DisjointSets::Element divided_begin = 0x80000000;
@@ -79,66 +77,27 @@ void for_each_complete(const SweepLayer& layer, Action&& action) {
       action(cluster, layer.schedule.patches().of_cluster(cluster));
 }
 
-// Where a ray enters a SAS ball: a direction from the atom's centre.
-struct RayHit {
-  AtomIndex atom;
-  Vec3 direction;
-};
-
-// Returns the first SAS ball on a ray, among those that extend beyond the start in its direction.
-std::optional<RayHit> first_hit(const SurfaceModel& surface, Vec3 from, Vec3 along, double length) {
-  constexpr double above_start = 1e-9;  // angstrom
-  std::vector<AtomIndex> found;
-  for (double begin = 0; begin < length; begin += ray_step) {
-    Box box{from + begin * along, from + begin * along};
-    box.include(from + (begin + ray_step) * along);
-    surface.tree().find_reaching(box, surface.probe_radius + look_up_slack, found);
-    double min_distance = begin + ray_step;
-    std::optional<AtomIndex> first;
-    for (const AtomIndex k : found) {
-      if (surface.molecule.is_contained(k)) continue;
-      const SasSphere sphere = surface.sas_sphere(k);
-      const Vec3 offset = sphere.center - from;
-      const double height = dot(offset, along);
-      const double squared_half =
-          sphere.radius * sphere.radius - squared_norm(offset) + height * height;
-      if (height + sphere.radius <= above_start || squared_half <= 0) continue;
-      const double half = std::sqrt(squared_half);
-      if (height + half <= 0) continue;
-      const double distance = std::max(0.0, height - half);
-      if (distance >= min_distance) continue;
-      min_distance = distance;
-      first = k;
+// Calls `action(cluster, arc)` for the arcs of complete clusters that a placement of their two
+// atoms lies on. If a probe just fits between the atoms, it need not be an end of these arcs: the
+// third atom blocks less of the circle than the tolerance.
+template <class Action>
+void for_each_arc_through(const SurfaceModel& surface, const SweepLayer& layer,
+                          const ProbePlacement& placement, Action&& action) {
+  const auto& [a, b, c] = placement.atoms;
+  for (const auto& [first, second] : {std::pair(a, b), {a, c}, {b, c}}) {
+    const auto [cluster, member] = layer.schedule.patches().clusters().position_of(first);
+    if (!layer.schedule.is_complete(cluster)) continue;
+    const ClusterPatches& patches = layer.schedule.patches().of_cluster(cluster);
+    const ContactCircle circle =
+        make_contact_circle(surface.sas_sphere(first), surface.sas_sphere(second));
+    for (std::uint32_t k = patches.arc_begin[member]; k < patches.arc_begin[member + 1]; ++k) {
+      const Arc& arc = patches.arcs[k];
+      if (arc.second == second &&
+          projects_onto_arc(make_arc_sector(circle.axis, arc.kind, arc.start, arc.end),
+                            placement.center - circle.center))
+        action(cluster, k);
     }
-    if (first)
-      return RayHit{*first, normalized(from + min_distance * along - surface.atoms[*first].center)};
   }
-  return std::nullopt;
-}
-
-enum class Access : std::uint8_t { accessible, covered, uncertain };
-
-// Returns whether a point on the SAS sphere of an atom is outside of all other SAS balls.
-Access access_at(const SurfaceModel& surface, AtomIndex atom, Vec3 point) {
-  std::vector<AtomIndex> found;
-  surface.tree().find_reaching(point, surface.probe_radius + look_up_slack, found);
-  double min_gap = std::numeric_limits<double>::infinity();
-  for (const AtomIndex k : found) {
-    if (k == atom || surface.molecule.is_contained(k)) continue;
-    const SasSphere sphere = surface.sas_sphere(k);
-    min_gap = std::min(min_gap, norm(point - sphere.center) - sphere.radius);
-  }
-  if (min_gap > clear_of_others) return Access::accessible;
-  return min_gap < -clear_of_others ? Access::covered : Access::uncertain;
-}
-
-// Returns whether the atoms that a probe touches surround it.
-bool is_trapped(const SurfaceModel& surface, Vec3 center) {
-  std::vector<Vec3> toward;
-  for (const AtomIndex i : touched_atoms(surface, center))
-    toward.push_back(normalized(surface.atoms[i].center - center));
-  std::vector<SphericalCap> caps;
-  return toward.size() > 3 && bound_cone(toward, caps) == ConeShape::whole;
 }
 
 bool is_split(const DisjointSets& sets, std::span<const SphereArc> arcs) {
@@ -180,6 +139,13 @@ std::optional<std::uint32_t> Components::wall_at(AtomIndex atom, Vec3 direction)
   if (wall == no_wall) return std::nullopt;
   if (wall < split_begin_) return wall;
   return node_of_face(divided_[wall - split_begin_].arcs, direction);
+}
+
+std::optional<std::uint32_t> Components::nearest_wall(AtomIndex atom, Vec3 direction) const {
+  const std::uint32_t wall = wall_of_atom_[atom];
+  if (wall == no_wall) return std::nullopt;
+  if (wall < split_begin_) return wall;
+  return node_of_nearest_arc(divided_[wall - split_begin_].arcs, direction);
 }
 
 ComponentFinder::ComponentFinder(const SurfaceModel& surface, Vec3 origin)
@@ -232,17 +198,56 @@ void ComponentFinder::connect_arcs(const SweepLayer& layer) {
   for (std::size_t k = 0; k < chosen.size(); ++k)
     for (const ArcMatch& match : matches[k])
       sets_.unite(first_node_[chosen[k]] + match.arc, placement_node_[match.placement]);
+  for (const ClusterIndex cluster : chosen)
+    if (are_connected_[cluster] != 0) find_hidden_patches(layer, cluster);
   for_each_complete(layer, [&](ClusterIndex cluster, const ClusterPatches& patches) {
     if (!may_hide_arcs(surface_, patches)) return;
     const std::uint32_t first = layer.first_placement[cluster];
-    for (std::uint32_t k = first; k < first + patches.placements.size(); ++k)
+    for (std::uint32_t k = first; k < first + patches.placements.size(); ++k) {
+      for_each_arc_through(surface_, layer, *layer.placements[k],
+                           [&](ClusterIndex of_arc, std::uint32_t arc) {
+                             sets_.unite(first_node_[of_arc] + arc, placement_node_[k]);
+                           });
       layer.tree.for_each_within(layer.centers[k], connected, [&](std::uint32_t other) {
         sets_.unite(placement_node_[k], placement_node_[other]);
       });
+    }
   });
   if (surface_.has_slack) return;
   for (std::uint32_t k = 0; k < layer.placements.size(); ++k)
     sets_.unite(placement_node_[k], placement_node_[layer.first_coinciding[k]]);
+}
+
+// Between nearly equal atoms, an arc or a placement can be in the ball of another one that is
+// nearly equal, too.
+void ComponentFinder::find_hidden_patches(const SweepLayer& layer, ClusterIndex cluster) {
+  const ClusterPatches& patches = layer.schedule.patches().of_cluster(cluster);
+  if (!surface_.has_slack || !may_hide_arcs(surface_, patches)) return;
+  std::vector<AtomIndex> found;
+  const auto visit = [&](Vec3 point, Node node) {
+    surface_.tree().find_reaching(point, surface_.probe_radius + look_up_slack, found);
+    double max_depth = hidden;
+    std::optional<AtomIndex> outermost;
+    for (const AtomIndex i : found) {
+      const SasSphere sphere = surface_.sas_sphere(i);
+      const double depth = sphere.radius - norm(point - sphere.center);
+      if (depth <= max_depth || surface_.molecule.is_contained(i)) continue;
+      max_depth = depth;
+      outermost = i;
+    }
+    if (outermost)
+      hidden_.push_back({node, *outermost, normalized(point - surface_.atoms[*outermost].center)});
+  };
+  for (std::uint32_t k = 0; k < patches.arcs.size(); ++k) {
+    const SasSphere first = surface_.sas_sphere(patches.arcs[k].first);
+    const ContactCircle circle =
+        make_contact_circle(first, surface_.sas_sphere(patches.arcs[k].second));
+    visit(first.center + first.radius * middle_of(on_first_sphere(patches.arcs[k], circle, first)),
+          first_node_[cluster] + k);
+  }
+  const std::uint32_t first = layer.first_placement[cluster];
+  for (std::uint32_t k = first; k < first + patches.placements.size(); ++k)
+    visit(layer.centers[k], placement_node_[k]);
 }
 
 // Sets the nodes of the atoms whose clusters are measured in this layer. All arcs of these atoms
@@ -412,59 +417,6 @@ void ComponentFinder::add_faces(const std::vector<Node>& labels,
   }
 }
 
-// The extreme point of a wall that encloses atoms is on the SAS sphere of its extreme atom. That of
-// another wall is in the caps of other atoms, as all spheres of the wall end below it.
-void ComponentFinder::connect_walls(Components& components) const {
-  const std::span<const Atom> atoms = surface_.atoms;
-  std::vector<Wall>& walls = components.walls;
-  DisjointSets sets(static_cast<DisjointSets::Element>(walls.size()) + 1);  // 0 is the outside
-  std::vector<std::uint32_t> open;
-  for (std::uint32_t w = 0; w < walls.size(); ++w) {
-    if (walls[w].atom) {
-      open.push_back(w);
-    } else if (!is_trapped(surface_, 0.5 * (walls[w].box.low + walls[w].box.high))) {
-      sets.unite(0, w + 1);  // a placement near an arc that rounding has hidden bounds nothing
-    }
-  }
-  for (const Vec3 direction : sphere_part::test_directions()) {
-    if (open.empty()) break;
-    const Vec3 along = normalized(direction);
-    struct Extreme {
-      double height = -std::numeric_limits<double>::infinity();
-      AtomIndex atom = 0;
-    };
-    std::vector<Extreme> extremes(walls.size());
-    double top = -std::numeric_limits<double>::infinity();
-    for (AtomIndex i = 0; i < atoms.size(); ++i) {
-      const double height = dot(atoms[i].center, along) + atoms[i].radius + surface_.probe_radius;
-      top = std::max(top, height);
-      components.for_each_wall_of(i, [&](std::uint32_t wall) {
-        if (height > extremes[wall].height) extremes[wall] = {height, i};
-      });
-    }
-    std::erase_if(open, [&](std::uint32_t w) {
-      const AtomIndex atom = extremes[w].atom;
-      const SasSphere sphere = surface_.sas_sphere(atom);
-      const Vec3 extreme = sphere.center + sphere.radius * along;
-      const Access access = access_at(surface_, atom, extreme);
-      if (access != Access::accessible) return access == Access::covered;
-      const auto wall = components.wall_at(atom, along);
-      if (wall != w) return wall.has_value();
-      const auto hit = first_hit(surface_, extreme, along, top - extremes[w].height);
-      const auto next = hit ? components.wall_at(hit->atom, hit->direction) : std::nullopt;
-      if (hit && !next) return false;
-      walls[w].encloses_atoms = true;
-      sets.unite(w + 1, next ? *next + 1 : 0);
-      return true;
-    });
-  }
-  const std::vector<DisjointSets::Element> labels = sets.labels();
-  for (std::uint32_t w = 0; w < walls.size(); ++w) {
-    walls[w].component = labels[w + 1];
-    components.count = std::max(components.count, labels[w + 1] + 1);
-  }
-}
-
 // The void of a component alone is cut by its own placements only.
 void ComponentFinder::find_overlaps(const std::vector<Node>& labels, Components& components) {
   const double p = surface_.probe_radius;
@@ -507,8 +459,11 @@ Components ComponentFinder::finish(const std::function<FaceIntegrals(AtomIndex)>
   }
   components.placements = std::move(kept_);
   for (auto& placement : components.placements) placement.wall = labels[placement.wall];
+  components.hidden = std::move(hidden_);
+  for (auto& patch : components.hidden) patch.wall = labels[patch.wall];
   add_faces(labels, integrals_of, components);
-  connect_walls(components);
+  components.piece_of_atom = find_pieces(surface_);
+  connect_walls(surface_, components);
   find_overlaps(labels, components);
   return components;
 }

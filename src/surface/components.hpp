@@ -52,6 +52,8 @@ class Components {
 
   std::vector<Wall> walls;
   std::uint32_t count = 1;
+  /// By atom: the index of its piece of the molecule, see find_pieces.
+  std::vector<std::uint32_t> piece_of_atom;
   /// By component: what to add to the sums of its walls, because only its own probes cut patches.
   std::vector<PatchSums> corrections;
   /// A placement on a wall.
@@ -59,6 +61,14 @@ class Components {
     Vec3 center;
     std::uint32_t wall = 0;
   };
+  /// An arc or a placement within a SAS ball, which only the tolerance of the accessibility
+  /// exposes. A point of it is at the face of an atom in this direction.
+  struct HiddenPatch {
+    std::uint32_t wall = 0;
+    AtomIndex atom = 0;
+    Vec3 direction;
+  };
+  std::vector<HiddenPatch> hidden;
   /// The placements that ComponentFinder::keep has kept.
   std::vector<WallPlacement> placements;
   /// Pairs of components whose voids overlap, ascending. The first one of a pair is smaller.
@@ -67,6 +77,12 @@ class Components {
   /// Returns the index of the wall that has the face of an atom in this direction. Returns nothing
   /// if the direction is in a cap, or if rounding decides.
   std::optional<std::uint32_t> wall_at(AtomIndex atom, Vec3 direction) const;
+
+  /// Returns the index of the wall that has the arc of an atom nearest to a direction, which must
+  /// be accessible up to rounding. Returns nothing if the atom has no face.
+  std::optional<std::uint32_t> nearest_wall(AtomIndex atom, Vec3 direction) const;
+
+  bool has_face(AtomIndex atom) const { return wall_of_atom_[atom] != no_wall; }
 
   /// Calls `action(wall)` once for the index of each wall that has a face of the atom.
   template <class Action>
@@ -183,6 +199,7 @@ class ComponentFinder {
 
   void add_nodes(const SweepLayer& layer);
   void connect_arcs(const SweepLayer& layer);
+  void find_hidden_patches(const SweepLayer& layer, ClusterIndex cluster);
   void connect_faces_of_atoms(const SweepLayer& layer);
   void merge_sums();
   void find_outside();
@@ -192,7 +209,6 @@ class ComponentFinder {
   void add_faces(const std::vector<Node>& labels,
                  const std::function<FaceIntegrals(AtomIndex)>& integrals_of,
                  Components& components);
-  void connect_walls(Components& components) const;
   void find_overlaps(const std::vector<Node>& labels, Components& components);
 
   const SurfaceModel& surface_;
@@ -206,6 +222,7 @@ class ComponentFinder {
   std::vector<RootSums> sums_;
   std::vector<SharedCut> cuts_;
   std::vector<Components::WallPlacement> kept_;  // with nodes instead of walls
+  std::vector<Components::HiddenPatch> hidden_;  // with nodes instead of walls
   AtomIndex lowest_atom_ = 0;                    // it has a face outside
   Node outside_root_ = no_node;                  // in the current layer, if known
 };

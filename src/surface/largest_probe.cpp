@@ -22,8 +22,11 @@ constexpr double min_cell = 0.1 * max_error;
 // atoms need more: then all points of a curve are maxima with the same radius.
 constexpr int max_evaluations = 400'000;
 
-// Number of the nearest atoms among which a maximum is searched.
+// Number of the nearest atoms among which a maximum is searched, in an ordinary and in a small cell
+// (angstrom). The atoms of a small cell are equally near: a sphere that touches more than four.
 constexpr std::size_t max_touched = 5;
+constexpr std::size_t max_equally_near = 12;
+constexpr double small_cell = 1e-3;
 
 // An atom near a cell.
 struct NearAtom {
@@ -93,14 +96,20 @@ class Search {
   Search(const SurfaceModel& surface, const Components& components, std::uint32_t component,
          const Box& centers, std::span<const AtomIndex> adjacent)
       : surface_(surface), components_(components), component_(component) {
+    has_faces_ =
+        std::any_of(components.walls.begin(), components.walls.end(),
+                    [&](const Wall& wall) { return wall.component == component && wall.atom; });
     const Vec3 middle = 0.5 * (centers.low + centers.high);
-    const Vec3 half = 0.5 * (centers.high - centers.low);
+    Vec3 half = 0.5 * (centers.high - centers.low);
+    // The placements of a component without faces are not its corners.
+    if (!has_faces_)
+      half = half + Vec3{tolerance::touching, tolerance::touching, tolerance::touching};
     // No point of the component has a larger gap.
     double max_gap = surface.probe_radius + 2 * norm(half);
     for (const AtomIndex i : adjacent)
       max_gap = std::min(max_gap, near_atom(i, true).max_gap_to(middle, half));
     std::vector<AtomIndex> found;
-    surface.tree().find_reaching(centers, max_gap + look_up_slack, found);
+    surface.tree().find_reaching(Box{middle - half, middle + half}, max_gap + look_up_slack, found);
     for (const AtomIndex i : found)
       if (!surface.molecule.is_contained(i))
         all_.push_back(near_atom(i, std::binary_search(adjacent.begin(), adjacent.end(), i)));
@@ -134,12 +143,14 @@ class Search {
     return *nearest;
   }
 
-  // Returns the component of a point outside of all SAS balls.
+  // Returns the component of a point outside of all SAS balls. The faces of a tiny component are
+  // too small to be kept; then it is the one that is searched.
   std::optional<std::uint32_t> component_at(const NearAtom& nearest, Vec3 point) const {
     const Vec3 offset = point - nearest.center;
     const double length = norm(offset);
     if (length == 0) return std::nullopt;
-    const auto wall = components_.wall_at(nearest.index, (1 / length) * offset);
+    if (!has_faces_) return component_;
+    const auto wall = components_.nearest_wall(nearest.index, (1 / length) * offset);
     return wall ? std::optional(components_.walls[*wall].component) : std::nullopt;
   }
 
@@ -207,7 +218,8 @@ class Search {
   void improve(Cell& cell) {
     std::vector<NearAtom>& near = cell.near;
     take(cell.center, cell.gap);
-    const std::size_t count = std::min(max_touched, near.size());
+    const std::size_t count =
+        std::min(cell.size() < small_cell ? max_equally_near : max_touched, near.size());
     std::partial_sort(near.begin(), near.begin() + static_cast<std::ptrdiff_t>(count), near.end(),
                       [&](const NearAtom& a, const NearAtom& b) {
                         return a.gap_to(cell.center) < b.gap_to(cell.center);
@@ -281,6 +293,7 @@ class Search {
   const SurfaceModel& surface_;
   const Components& components_;
   std::uint32_t component_;
+  bool has_faces_ = true;
   std::vector<NearAtom> all_;
   std::vector<Cell> open_;    // a heap
   std::vector<double> gaps_;  // scratch memory of `add`

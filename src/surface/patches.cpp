@@ -318,7 +318,7 @@ void Patches::drop_filled_patches(std::span<const AtomIndex> members,
     return cavities.is_filled(cavities.component_of(surface_, arc));
   });
   drop_items(patches.placements, patches.placement_begin, [&](const ProbePlacement& placement) {
-    return cavities.is_filled(cavities.component_of_placement(placement.center));
+    return cavities.is_filled(cavities.component_of(surface_.atoms, placement));
   });
 }
 

@@ -18,6 +18,10 @@ constexpr int max_attempts = 12;
 // (radians).
 constexpr double margin = 1e-7;
 
+// The rims of nearly equal atoms are this close to each other, and the tolerance of the
+// accessibility exposes arcs of both (radians).
+constexpr double same_rim = 1e-6;
+
 // A point in which a great circle crosses an arc.
 struct ArcCrossing {
   double angle;     // along the great circle, in [0, 2 pi)
@@ -75,15 +79,41 @@ bool add_crossings(const GreatCircle& circle, const SphereArc& on,
   return true;
 }
 
+// Where several caps start or end at the same rim, the outermost crossing bounds a face. Removes
+// the other ones, and calls `unite` for their nodes.
+template <class Unite>
+void keep_outermost(std::vector<ArcCrossing>& crossings, Unite&& unite) {
+  std::vector<ArcCrossing> kept;
+  for (const ArcCrossing& crossing : crossings) {
+    if (kept.empty() || kept.back().leaves_cap != crossing.leaves_cap ||
+        crossing.angle - kept.back().angle > same_rim) {
+      kept.push_back(crossing);
+      continue;
+    }
+    unite(kept.back().node, crossing.node);
+    if (crossing.leaves_cap) kept.back() = crossing;
+  }
+  crossings.swap(kept);
+}
+
 // Replaces `crossings` by all crossings of a great circle, in the order of their angles. Returns
-// whether the circle keeps the margin, and faces and caps alternate.
+// whether the circle keeps the margin, and faces and caps alternate. Calls `unite` for the nodes of
+// arcs at the same rim.
+template <class Unite>
 bool find_crossings(const GreatCircle& circle, std::span<const SphereArc> arcs,
-                    std::vector<ArcCrossing>& crossings) {
+                    std::vector<ArcCrossing>& crossings, Unite&& unite) {
   crossings.clear();
   for (const SphereArc& arc : arcs)
     if (!add_crossings(circle, arc, crossings)) return false;
   std::sort(crossings.begin(), crossings.end(),
             [](const ArcCrossing& a, const ArcCrossing& b) { return a.angle < b.angle; });
+  const auto alternate = [&] {
+    return std::adjacent_find(crossings.begin(), crossings.end(),
+                              [](const ArcCrossing& a, const ArcCrossing& b) {
+                                return a.leaves_cap == b.leaves_cap;
+                              }) == crossings.end();
+  };
+  if (!alternate()) keep_outermost(crossings, unite);
   for (std::size_t k = 0; k < crossings.size(); ++k)
     if (crossings[k].leaves_cap == crossings[(k + 1) % crossings.size()].leaves_cap) return false;
   return true;
@@ -136,7 +166,7 @@ void connect_faces(std::span<const SphereArc> arcs,
       seen.push_back(arc.node);
       const auto circle =
           circle_through(trial_point(attempt), point_at(arc, trial_fraction(attempt)));
-      if (!circle || !find_crossings(*circle, arcs, crossings)) {
+      if (!circle || !find_crossings(*circle, arcs, crossings, unite)) {
         is_certain = false;
         continue;
       }
@@ -156,7 +186,9 @@ std::optional<DisjointSets::Element> node_of_face(std::span<const SphereArc> arc
   for (int attempt = 0; attempt < max_attempts; ++attempt) {
     const SphereArc& arc = arcs[static_cast<std::size_t>(attempt) % arcs.size()];
     const auto circle = circle_through(direction, point_at(arc, trial_fraction(attempt)));
-    if (!circle || !find_crossings(*circle, arcs, crossings) || crossings.empty()) continue;
+    if (!circle || !find_crossings(*circle, arcs, crossings, [](auto, auto) {}) ||
+        crossings.empty())
+      continue;
     if (crossings.front().leaves_cap) return std::nullopt;
     return crossings.front().node;
   }

@@ -39,15 +39,29 @@ std::vector<Atom> make_lattice(Random& random, double radius, double sas_radius)
   return make_cube(random.integer(2, 3), side, radius);
 }
 
-// One probe touches all atoms.
-std::vector<Atom> make_ring(Random& random, double radius, double sas_radius) {
+std::vector<Atom> make_ring_of(std::size_t count, double distance, double radius) {
   std::vector<Atom> atoms;
-  const std::size_t count = random.integer(3, 24);
   for (std::size_t i = 0; i < count; ++i) {
     const double angle = 2 * std::numbers::pi * static_cast<double>(i) / static_cast<double>(count);
-    atoms.push_back({{sas_radius * std::cos(angle), sas_radius * std::sin(angle), 0}, radius});
+    atoms.push_back({{distance * std::cos(angle), distance * std::sin(angle), 0}, radius});
   }
   return atoms;
+}
+
+// One probe touches all atoms.
+std::vector<Atom> make_ring(Random& random, double radius, double sas_radius) {
+  return make_ring_of(random.integer(3, 24), sas_radius, radius);
+}
+
+// Adds copies of some atoms 1e-9 to 2e-7 angstrom away. Sets the noise to this distance.
+void add_nearly_equal(Random& random, double share, NearDegenerateSet& set) {
+  set.noise = std::pow(10, -random.uniform(6.7, 9));
+  const std::size_t count = set.atoms.size();
+  for (std::size_t i = 0; i < count; ++i) {
+    if (!random.chance(share)) continue;
+    const Vec3 by{random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(0.1, 1)};
+    set.atoms.push_back({set.atoms[i].center + (set.noise / norm(by)) * by, set.atoms[i].radius});
+  }
 }
 
 // A cube or an icosahedron whose cavity a probe just fits into, sometimes within a larger one.
@@ -108,6 +122,40 @@ NearDegenerateSet make_near_degenerate_set(std::uint64_t seed) {
   set.noise = std::pow(10, -random.uniform(2, 14));
   for (Atom& atom : set.atoms)
     for (std::size_t q = 0; q < 3; ++q) atom.center[q] += set.noise * normal_number(random);
+  set.name += ' ';
+  set.name += std::to_string(seed);
+  return set;
+}
+
+NearDegenerateSet make_near_cavity_set(std::uint64_t seed) {
+  Random random(seed + 4711);
+  NearDegenerateSet set;
+  set.probe_radius = choose(random, std::array{0.5, 1.0, 1.4, 3.0});
+  const double radius = choose(random, std::array{1.0, 1.2, 1.7, 2.0});
+  const double sas_radius = radius + set.probe_radius;
+  const bool is_closed = random.chance(0.7);
+  set.noise = std::pow(10, -random.uniform(6, 13));
+  const double offset = is_closed ? -set.noise : set.noise;
+  switch (seed % 4) {
+    case 0:
+      set.name = "fitting ring";
+      set.atoms = make_ring_of(random.integer(3, 12), sas_radius + offset, radius);
+      break;
+    case 1:
+      set.name = "fitting lattice";
+      set.atoms =
+          make_cube(random.integer(2, 3), 2 * sas_radius / std::numbers::sqrt2 + offset, radius);
+      break;
+    case 2:
+      set.name = "doubled shell";
+      set.atoms = make_icosahedron(random.uniform(1.6, 2.6) * radius, radius);
+      add_nearly_equal(random, 1, set);
+      break;
+    default:
+      set.name = "doubled chain";
+      set.atoms = make_chain(random.integer(1, 20), seed);
+      add_nearly_equal(random, 0.4, set);
+  }
   set.name += ' ';
   set.name += std::to_string(seed);
   return set;

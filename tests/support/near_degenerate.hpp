@@ -20,6 +20,11 @@ struct NearDegenerateSet {
 /// on or in which a probe almost fits. Noise of 1e-2 to 1e-14 angstrom displaces each atom.
 NearDegenerateSet make_near_degenerate_set(std::uint64_t seed);
 
+/// Makes a set whose cavities are almost degenerate: rings of 3 to 12 atoms that a probe just fits
+/// into, lattices with windows that a probe just passes, or shells and chains with nearly equal
+/// atoms. Offsets are 1e-13 to 1e-6 angstrom, which is also `noise`.
+NearDegenerateSet make_near_cavity_set(std::uint64_t seed);
+
 /// Moves all atoms by a vector.
 std::vector<Atom> moved(std::vector<Atom> atoms, Vec3 by);
 
