@@ -137,7 +137,7 @@ void write_tables(const MeasuredFile& file, const TableChoice& choice,
   commit_all(files);
 }
 
-std::string result_text(const MeasureCommandOptions& options, const MeasuredFile& file) {
+std::string measured_text(const MeasureCommandOptions& options, const MeasuredFile& file) {
   if (options.json) return measure_json(options, file);
   return options.inputs.size() > 1 ? measure_line(options, file) : measure_text(options, file);
 }
@@ -160,7 +160,7 @@ Outcome outcome_of(const MeasureCommandOptions& options, const std::filesystem::
         if (!diagnostic.is_usual) lines.push_back(diagnostic.message);
     if (!outcome.errors.empty()) return outcome;
     if (directory != nullptr) write_tables(file, options.tables, *directory);
-    outcome.text = result_text(options, file);
+    outcome.text = measured_text(options, file);
     outcome.csv = measure_csv_line(options, file);
   } catch (const Error& error) {
     outcome.errors.push_back(message_with_file(error, path));
