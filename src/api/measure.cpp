@@ -28,7 +28,7 @@ void require_valid(const MeasureOptions& options) {
 
 namespace {
 
-void require_valid(std::span<const double> weights, std::size_t atoms) {
+void require_valid_weights(std::span<const double> weights, std::size_t atoms) {
   if (!weights.empty() && weights.size() != atoms)
     throw std::invalid_argument(
         detail::formatted("{} weights for {} atoms", weights.size(), atoms));
@@ -44,7 +44,7 @@ Measures measure(const Surface& surface, const MeasureOptions& options) {
   detail::require_valid(options);
   const double probe_radius = options.probe_radius.value_or(surface.probe_radius());
   const detail::Molecule& molecule = detail::SurfaceAccess::molecule(surface);
-  require_valid(options.weights, molecule.atoms().size());
+  require_valid_weights(options.weights, molecule.atoms().size());
   detail::MeasureSettings settings{
       probe_radius,      options.by_atom,
       options.gradients, options.weights,

@@ -151,7 +151,7 @@ DiffOptions parse_options(const Arguments& arguments) {
   return options;
 }
 
-std::string json_text(const DiffOptions& options, const Differences& found) {
+std::string diff_json(const DiffOptions& options, const Differences& found) {
   const Json document{{"program", "eses-blocks diff"},
                       {"version", version},
                       {"a", options.directories[0].string()},
@@ -169,28 +169,28 @@ std::string json_text(const DiffOptions& options, const Differences& found) {
 
 constexpr Sides<std::string_view> side_names{"A", "B"};
 
-std::string text_of(const GridIndex& point) { return formatted("{}", fmt::join(point, " ")); }
+std::string text_of_item(const GridIndex& point) { return formatted("{}", fmt::join(point, " ")); }
 
-std::string text_of(const GridEdge& edge) {
-  return formatted("{} -> {}", text_of(edge.inside()), text_of(edge.outside()));
+std::string text_of_item(const GridEdge& edge) {
+  return formatted("{} -> {}", text_of_item(edge.inside()), text_of_item(edge.outside()));
 }
 
-std::string text_of(AtomIndex atom) { return formatted("atom {}", atom); }
+std::string text_of_item(AtomIndex atom) { return formatted("atom {}", atom); }
 
-std::string text_of(const GridRow& row_of_a) {
-  return formatted("{}: {} in A, {} in B", text_of(row_of_a.point), sign_of(row_of_a.inside),
+std::string text_of_item(const GridRow& row_of_a) {
+  return formatted("{}: {} in A, {} in B", text_of_item(row_of_a.point), sign_of(row_of_a.inside),
                    sign_of(!row_of_a.inside));
 }
 
-std::string text_of(const CrossingPair& crossings) {
-  return formatted("{}: {} in A, {} in B", text_of(edge_of(crossings.a)),
+std::string text_of_item(const CrossingPair& crossings) {
+  return formatted("{}: {} in A, {} in B", text_of_item(edge_of(crossings.a)),
                    fmt::join(crossings.a.adjacent_atoms(), " "),
                    fmt::join(crossings.b.adjacent_atoms(), " "));
 }
 
 template <class Key>
-std::string text_of(const ItemDeviation<Key>& item) {
-  return formatted("{}: {:.3g}", text_of(item.key), item.difference);
+std::string text_of_item(const ItemDeviation<Key>& item) {
+  return formatted("{}: {:.3g}", text_of_item(item.key), item.difference);
 }
 
 template <class Item>
@@ -199,7 +199,7 @@ std::string list_text(const Counted<Item>& items, std::string_view title) {
   const std::size_t shown = items.first.size();
   const bool all = static_cast<std::int64_t>(shown) == items.count;
   std::string text = formatted("  {}{}:\n", title, all ? "" : formatted("; the first {}", shown));
-  for (const Item& item : items.first) text += formatted("    {}\n", text_of(item));
+  for (const Item& item : items.first) text += formatted("    {}\n", text_of_item(item));
   return text;
 }
 
@@ -225,7 +225,7 @@ std::string deviation_text(const Deviation<Key>& deviation, std::string_view qua
   const auto& [key, largest] = deviation.largest;
   if (largest == 0) return formatted("  {}: no difference\n", quantity);
   return formatted("  {}: at most {:.3g}{} apart ({}), {:.3g} on average\n", quantity, largest,
-                   unit, text_of(key), deviation.mean) +
+                   unit, text_of_item(key), deviation.mean) +
          list_text(deviation.above, formatted("{}: {} above the tolerance", quantity,
                                               counted(deviation.above.count, noun)));
 }
@@ -304,7 +304,7 @@ std::string report_text(const DiffOptions& options, const Differences& found) {
 int perform_diff(const Arguments& arguments, const Processes& /*processes*/) {
   const DiffOptions options = parse_options(arguments);
   const Differences found = compare_directories(options.directories, options.tolerance);
-  print(options.is_json ? json_text(options, found) : report_text(options, found));
+  print(options.is_json ? diff_json(options, found) : report_text(options, found));
   return found.same() ? exit_done : exit_different;
 }
 

@@ -53,7 +53,7 @@ void require_valid_potential(const MeshOptions& mesh) {
           "the limit of the potential must be a finite number above 0", limit);
 }
 
-void require_valid(const MeshOptions& mesh, const Molecule& molecule) {
+void require_valid_mesh(const MeshOptions& mesh, const Molecule& molecule) {
   required_mesh_format(mesh);
   if (mesh.color == MeshColor::chain && molecule.labels().empty())
     throw std::invalid_argument(
@@ -292,7 +292,7 @@ void require_valid(const Parameters& p) {
 }
 
 void require_valid(const Outputs& outputs, const Molecule& molecule) {
-  if (outputs.mesh) require_valid(*outputs.mesh, molecule);
+  if (outputs.mesh) require_valid_mesh(*outputs.mesh, molecule);
   if (outputs.mesh && outputs.mesh->component && !file_names(outputs).empty())
     throw std::invalid_argument("the mesh of one component excludes all other outputs");
   require_valid_maps(outputs);

@@ -21,7 +21,7 @@ constexpr double max_force_error = 1e-6;      // square angstrom
 constexpr double max_relative_force = 1e-10;  // of the area
 
 // Lengths of boundaries that differ by more than this do not fit (angstrom).
-constexpr double max_gap = 1e-5;
+constexpr double max_open_gap = 1e-5;
 
 // An error names at most this number of atoms.
 constexpr std::size_t max_named_atoms = 20;
@@ -70,7 +70,7 @@ class GapFinder {
       return true;
     });
     for (AtomIndex i = 0; i < gaps_.size(); ++i)
-      if (norm(gaps_[i]) > max_gap) open_.push_back(i);
+      if (norm(gaps_[i]) > max_open_gap) open_.push_back(i);
     std::sort(open_.begin(), open_.end());
     open_.erase(std::unique(open_.begin(), open_.end()), open_.end());
     return std::move(open_);
@@ -110,7 +110,7 @@ class GapFinder {
     if (patch_.touched.size() == 3)
       for (std::size_t q = 0; q < 3; ++q) {
         const double length = length_of_saddle(patch_.touched[q], patch_.touched[(q + 1) % 3]);
-        if (p * std::fabs(angles_[q] - length) > max_gap) add_touched(patch_);
+        if (p * std::fabs(angles_[q] - length) > max_open_gap) add_touched(patch_);
       }
     const std::vector<double> angles = angles_;
     for (std::size_t k = 0; k < patch_.cutters.size(); ++k) {
@@ -120,7 +120,7 @@ class GapFinder {
       for (std::size_t l = 0; l < other_.cutters.size(); ++l)
         if (other_.cutters[l] == number) expected += angles_[other_.plane_count() + l];
       const double difference = std::fabs(angles[patch_.plane_count() + k] - expected);
-      if (p * std::sqrt((1 - cap.cosine) * (1 + cap.cosine)) * difference <= max_gap) continue;
+      if (p * std::sqrt((1 - cap.cosine) * (1 + cap.cosine)) * difference <= max_open_gap) continue;
       add_touched(patch_);
       add_touched(other_);
     }

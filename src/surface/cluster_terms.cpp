@@ -12,7 +12,7 @@ namespace eses::detail {
 namespace {
 
 // Returns the unit vector from the centre of an arc's circle to the middle of the arc.
-Vec3 middle_of(const Arc& arc, Vec3 axis) {
+Vec3 middle_direction(const Arc& arc, Vec3 axis) {
   if (arc.kind == ArcKind::full) return any_perpendicular(axis);
   const Vec3 sum = arc.start + arc.end;
   // If the ends are almost opposite, their sum has no direction.
@@ -24,7 +24,7 @@ Vec3 middle_of(const Arc& arc, Vec3 axis) {
 Vec3 middle_probe(const SurfaceModel& surface, const Arc& arc) {
   const ContactCircle circle =
       make_contact_circle(surface.sas_sphere(arc.first), surface.sas_sphere(arc.second));
-  return circle.center + circle.radius * middle_of(arc, circle.axis);
+  return circle.center + circle.radius * middle_direction(arc, circle.axis);
 }
 
 }  // namespace

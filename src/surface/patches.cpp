@@ -73,7 +73,7 @@ double place_uncertain_probe(const Patches& patches, ProbePlacement& placement) 
   return min_error;
 }
 
-bool is_regular(const Patches& patches, const ProbePlacement& placement) {
+bool is_regular_placement(const Patches& patches, const ProbePlacement& placement) {
   const SurfaceModel& surface = patches.surface();
   std::array<Vec3, 3> toward;
   for (std::size_t q = 0; q < 3; ++q)
@@ -94,7 +94,7 @@ std::optional<ProbePlacement> place_probe(const Patches& patches, const Placemen
   ProbePlacement placement{{}, key.atoms, key.side, false};
   if (key.is_certain) {
     placement.center = center_of(patches.surface(), placement, {0, 1, 2});
-    placement.is_regular = has_bounds && is_regular(patches, placement);
+    placement.is_regular = has_bounds && is_regular_placement(patches, placement);
   } else if (place_uncertain_probe(patches, placement) > tolerance::covered) {
     return std::nullopt;
   }

@@ -119,6 +119,13 @@ class CheckFolders(TestCase):
                      for line, name, file in ((4, "Part", "a.cpp"), (6, "parts_of", "a.cpp"),
                                               (7, "number", "a.cpp"), (8, "Words", "b.cpp"))))
 
+    def test_anonymous_name_of_a_function_in_a_header_is_reported(self):
+        self.write("src/low/a.hpp", "std::vector<int> parts_of(int number);\n"
+                                    "struct Part {\n  int size() const;\n};\n")
+        self.write("src/low/b.cpp", "namespace {\n\nint size() { return 0; }\n\n"
+                                    "int parts_of(double number) { return 0; }\n\n}  // namespace\n")
+        self.check("src/low/b.cpp:5: parts_of is also declared in a.hpp")
+
     def test_malformed_and_repeated_lines_are_reported(self):
         self.write("src/folders.txt", LIST + "attic | low\nlow: Again.\n")
         self.check("src/folders.txt:10: expected `FOLDER: SENTENCE. | FOLDER...` or "
