@@ -23,8 +23,9 @@ namespace {
 constexpr double mebibyte = 1 << 20;
 constexpr double base_bytes = 6 * mebibyte;           // program, libraries, survey
 constexpr double bytes_per_thread = 0.75 * mebibyte;  // stack, allocator, batches
-// The atom, its line number, its entries in the cell list and in the clusters, and its area share.
-constexpr double bytes_per_atom = sizeof(Atom) + 8 + 16 + 8 + sizeof(AreaShare);
+// The atom, its line number, its entries in the cell list, in the k-d tree and in the clusters, and
+// its area share.
+constexpr double bytes_per_atom = sizeof(Atom) + 8 + 16 + 16 + 8 + sizeof(AreaShare);
 // Memory of a freed layer that the allocator keeps, for each block and thread.
 constexpr double kept_per_block = 256;
 constexpr double bytes_per_layer = 64;  // an empty layer

@@ -212,7 +212,7 @@ void expect_mesh(const MeshOptions& mesh, const LabelTotals& labels, const Plan&
 // Returns the memory of Parameters::exact in bytes, besides that of patches: the measures of a
 // face, and a second molecule with its index to compare volumes.
 double exact_measure_bytes(std::size_t atoms) {
-  constexpr double face_bytes = 48, index_bytes = 32;
+  constexpr double face_bytes = 48, index_bytes = 48;
   return static_cast<double>(atoms) * (face_bytes + sizeof(Atom) + index_bytes);
 }
 
