@@ -224,8 +224,8 @@ Record<Kind> MeasureArrays::take() const {
   return record;
 }
 
-// Returns the frames as one array. A reader of trajectories may yield the same buffer for each frame,
-// so the frames of everything but an array are copied one by one.
+// Returns the frames as one array. A reader of trajectories may yield the same buffer for each
+// frame, so the frames of everything but an array are copied one by one.
 py::array frames_array(const py::object& frames) {
   constexpr const char* name = "frames";
   if (py::hasattr(frames, "__array__") || !py::isinstance<py::iterable>(frames))

@@ -1,6 +1,6 @@
-/// A search for cutters that misses some on purpose. It replaces surface/cutters.cpp, whose function
-/// it calls under another name. If the environment variable ESES_SPOIL is `cutter`, every fifth
-/// placement is cut by one placement less. Otherwise the result is right.
+/// A search for cutters that misses some on purpose. It replaces surface/cutters.cpp, whose
+/// function it calls under another name. If the environment variable ESES_SPOIL is `cutter`, every
+/// fifth placement is cut by one placement less. Otherwise the result is right.
 
 // NOLINTBEGIN(readability-identifier-naming,bugprone-suspicious-include): functions, renamed
 #define find_cutters right_find_cutters
