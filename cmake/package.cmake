@@ -42,7 +42,7 @@ results of many structures (eses-report) in a browser.")
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_NAME libeses-dev)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SECTION libdevel)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS zlib1g-dev)
-if(GEMMI_LIBRARY)  # a library of its own since version 0.6
+if(eses_gemmi_library)  # a library of its own since version 0.6
   string(APPEND CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS ", libgemmi-dev | gemmi-dev")
 endif()
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_RECOMMENDS "cmake, g++ (>= 4:12)")

@@ -124,6 +124,9 @@ build() {
 # which is an archive of the same objects.
 build_release() {
   install_packages "${packages[@]}"
-  configure build -DCMAKE_BUILD_TYPE=Release -DESES_BUILD_TESTS=OFF
+  # A directory that has the tests keeps them.
+  local tests=-DESES_BUILD_TESTS=OFF
+  if [[ -e build/CMakeCache.txt ]]; then tests=''; fi
+  configure build -DCMAKE_BUILD_TYPE=Release ${tests:+"$tests"}
   build build eses-blocks eses
 }

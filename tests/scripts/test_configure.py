@@ -28,6 +28,18 @@ class Configure(TestCase):
                 "-DCMAKE_IGNORE_PATH=/usr/include", f"-DESES_WITH_GEMMI={option}",
                 "-DCMAKE_DISABLE_FIND_PACKAGE_fmt=ON"))
 
+    def test_headers_of_gemmi_without_its_library_are_not_used(self):
+        for name, text in (("gemmi/version.hpp", '#define GEMMI_VERSION "0.7.5"\n'),
+                           ("gemmi/mmcif.hpp", ""), ("tao/pegtl.hpp", "")):
+            path = self.folder / "include" / name
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_text(text, encoding="utf-8")
+        include = self.folder / "include"
+        options = (f"-DGEMMI_INCLUDE_DIR={include}", f"-DPEGTL_INCLUDE_DIR={include}",
+                   "-DCMAKE_DISABLE_FIND_PACKAGE_fmt=ON", "-DGEMMI_LIBRARY=GEMMI_LIBRARY-NOTFOUND")
+        self.assertNotIn("gemmi-dev", self.missing_packages(*options))
+        self.assertIn("gemmi-dev", self.missing_packages(*options, "-DESES_WITH_GEMMI=ON"))
+
     def test_all_missing_packages_are_named(self):
         names = {"nlohmann_json": "nlohmann-json3-dev", "CLI11": "libcli11-dev", "fmt": "libfmt-dev",
                  "nanoflann": "libnanoflann-dev", "ZLIB": "zlib1g-dev", "PkgConfig": "pkg-config"}
