@@ -28,6 +28,7 @@
 #include "support/brute_force.hpp"
 #include "support/near_degenerate.hpp"
 #include "support/run.hpp"
+#include "surface/find_cavities.hpp"
 #include "surface/measure_patches.hpp"
 
 namespace eses::detail::test {
