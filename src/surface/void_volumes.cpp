@@ -74,14 +74,18 @@ std::vector<Cavity> measure_voids(const SurfaceModel& surface, const MeasureSett
     for (AtomIndex& i : cavity.atoms) i = chosen[i];
   std::vector<Cavity> cavities;
   for (std::size_t c = 1; c < shapes.size(); ++c) {
-    // The void is that of the cavity with the same atoms and nearly the same box.
+    // The void is that of the cavity with nearly the same box. Of nearly equal atoms, rounding
+    // decides which ones have a face there.
+    const std::vector<AtomIndex>& own = shapes[c].atoms;
     const Box box = grown(shapes[c].box, settings.probe_radius);
     double min_difference = same_shape;
     Cavity& cavity = cavities.emplace_back();
     cavity.void_volume = 4 * std::numbers::pi / 3 * std::pow(settings.probe_radius, 3);
     cavity.atoms = shapes[c].atoms;
     for (const Cavity& candidate : found) {
-      if (candidate.atoms != shapes[c].atoms) continue;
+      if (std::none_of(candidate.atoms.begin(), candidate.atoms.end(),
+                       [&](AtomIndex i) { return std::binary_search(own.begin(), own.end(), i); }))
+        continue;
       const double difference = largest_difference({candidate.low, candidate.high}, box);
       if (difference > min_difference) continue;
       min_difference = difference;
