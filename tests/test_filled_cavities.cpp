@@ -198,9 +198,10 @@ TEST_CASE("filled cavities: a shell of atoms around one void") {
 
 TEST_CASE("filled cavities: without a probe, the voids between the atoms are filled") {
   const std::vector<Atom> atoms = make_icosahedron(3.5, 2.3);
-  const Measures bare = measure_filled(atoms, 0, {}, {.probe_radius = 0, .cavities = true});
+  const Measures bare = measure_filled(atoms, 1.4, {}, {.probe_radius = 0, .cavities = true});
   REQUIRE(bare.cavities.size() == 1);
-  const Measures filled = measure_filled(atoms, 0, all, {.probe_radius = 0, .van_der_waals = true});
+  const Measures filled =
+      measure_filled(atoms, 1.4, all, {.probe_radius = 0, .van_der_waals = true});
   REQUIRE(filled.filled_cavities.size() == 1);
   const Cavity& cavity = bare.cavities[0];
   CHECK(filled.ses_area == Approx(bare.ses_area - cavity.ses_area).epsilon(1e-10));
