@@ -280,7 +280,7 @@ TEST_CASE("a build without gemmi refuses PDB and mmCIF files", "[cli]") {
   }
 }
 
-TEST_CASE("--version tells the formats that the build reads", "[cli]") {
+TEST_CASE("the version line names the formats that the build reads", "[cli]") {
   const std::string version = std::string(eses::detail::gemmi_version());
   CHECK(contains(Sandbox().run({"--version"}).out,
                  version.empty() ? "\nreads: xyzr and PQR (built without gemmi)\n"
