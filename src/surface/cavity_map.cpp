@@ -119,15 +119,22 @@ void CavityMap::add_contacts(std::span<const std::pair<AtomIndex, WallAtom::Cont
   }
 }
 
-// A ball without a face is nowhere the nearest one.
+// A ball without a face is nowhere the nearest one, because others cover it. If it covers a ball with
+// a face of a cavity, one of those that cover it may be the nearest one. They are therefore needed.
 void CavityMap::add_surroundings(const SurfaceModel& surface, const Components& components) {
-  std::vector<AtomIndex> found;
+  std::vector<AtomIndex> found, open;
   std::vector<std::uint8_t> is_near(surface.atoms.size());
-  for (const auto& [atom, position] : index_) {
-    const SasSphere sphere = surface.sas_sphere(atom);
+  for (const auto& [atom, position] : index_) open.push_back(atom);
+  while (!open.empty()) {
+    const SasSphere sphere = surface.sas_sphere(open.back());
+    open.pop_back();
     surface.tree().find_reaching(sphere.center,
                                  sphere.radius + surface.probe_radius + look_up_slack, found);
-    for (const AtomIndex i : found) is_near[i] = 1;
+    for (const AtomIndex i : found) {
+      if (is_near[i] != 0) continue;
+      is_near[i] = 1;
+      if (!components.has_face(i)) open.push_back(i);
+    }
   }
   std::vector<Atom> balls;
   for (AtomIndex i = 0; i < is_near.size(); ++i) {

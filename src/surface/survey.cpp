@@ -18,8 +18,7 @@ using std::numbers::pi;
 constexpr std::size_t min_samples = 128, max_samples = 1024, atoms_per_sample = 16;
 constexpr std::size_t sampled_boxes = 12;
 constexpr int exposure_frequency = 3;  // 92 directions sample the exposed part of a sphere
-// Maximum number of bins along z, and their number for each atom of a small molecule.
-constexpr std::size_t max_bins = 4096, bins_per_atom = 64;
+constexpr std::size_t bins = 4096;     // number of bins along z
 
 std::size_t sample_size(std::size_t atoms) {
   return std::min(atoms, std::clamp(atoms / atoms_per_sample, min_samples, max_samples));
@@ -127,7 +126,6 @@ double SurfaceSurvey::size_of(std::size_t patched) const {
 
 void SurfaceSurvey::prepare_bins() {
   const double probe = surface_.probe_radius;
-  const std::size_t bins = std::min(max_bins, bins_per_atom * patched_count());
   low_z_ = surface_.atoms[patched_atom(0)].center.z;
   double high = low_z_;
   for (std::size_t i = 0; i < patched_count(); ++i) {
@@ -274,7 +272,7 @@ void SurfaceSurvey::add_area(double area, double weight, Box box, double patch_a
   totals_.area += weight * area;
   const auto bin_of = [&](double z) {
     return static_cast<std::size_t>(
-        std::clamp((z - low_z_) / bin_, 0.0, static_cast<double>(bin_count() - 1)));
+        std::clamp((z - low_z_) / bin_, 0.0, static_cast<double>(bins - 1)));
   };
   const std::size_t begin = bin_of(box.low.z), end = bin_of(box.high.z) + 1;
   const auto add = [&](std::vector<double>& steps, double amount) {
@@ -289,7 +287,7 @@ void SurfaceSurvey::add_area(double area, double weight, Box box, double patch_a
 
 double SurfaceSurvey::area_between(double low_z, double high_z) const {
   const auto area_below = [this](double z) {
-    const double position = std::clamp((z - low_z_) / bin_, 0.0, static_cast<double>(bin_count()));
+    const double position = std::clamp((z - low_z_) / bin_, 0.0, static_cast<double>(bins));
     const auto bin = static_cast<std::size_t>(position);
     const double below = bin > 0 ? area_[bin - 1] : 0;
     return below + (position - static_cast<double>(bin)) * (area_[bin] - below);
@@ -314,9 +312,9 @@ double SurfaceSurvey::max_slab_area(double thickness) const {
 // across z that are `thickness` apart.
 double SurfaceSurvey::max_fraction(double thickness) const {
   const auto width = static_cast<std::size_t>(
-      std::min(static_cast<double>(bin_count()), std::ceil(thickness / bin_) + 1));
+      std::min(static_cast<double>(bins), std::ceil(thickness / bin_) + 1));
   std::size_t within = 0, max_within = 0;
-  for (std::size_t end = 0; end < bin_count(); ++end) {
+  for (std::size_t end = 0; end < bins; ++end) {
     within += atoms_[end];
     if (end >= width) within -= atoms_[end - width];
     max_within = std::max(max_within, within);

@@ -65,7 +65,6 @@ class SurfaceSurvey {
   };
   double size_of(std::size_t patched) const;
   void prepare_bins();
-  std::size_t bin_count() const { return atoms_.size(); }
   Strata make_strata() const;
   void visit(AtomIndex i, double weight, AtomPatchScratch& scratch, BuiltPatches& patches);
   void add_convex(AtomIndex i, double weight, const CapList& caps);
