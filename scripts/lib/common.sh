@@ -124,9 +124,6 @@ build() {
 # which is an archive of the same objects.
 build_release() {
   install_packages "${packages[@]}"
-  # A directory that has the tests keeps them.
-  local tests=-DESES_BUILD_TESTS=OFF
-  if [[ -e build/CMakeCache.txt ]]; then tests=''; fi
-  configure build -DCMAKE_BUILD_TYPE=Release ${tests:+"$tests"}
+  configure build -DCMAKE_BUILD_TYPE=Release -DESES_BUILD_TESTS=OFF
   build build eses-blocks eses
 }

@@ -119,8 +119,8 @@ void CavityMap::add_contacts(std::span<const std::pair<AtomIndex, WallAtom::Cont
   }
 }
 
-// A ball without a face is nowhere the nearest one, because others cover it. If it covers a ball with
-// a face of a cavity, one of those that cover it may be the nearest one. They are therefore needed.
+// A ball without a face is nowhere the nearest one, because others cover it. Where it covers a ball
+// with a face of a cavity, one of these others may be the nearest one, so they are needed, too.
 void CavityMap::add_surroundings(const SurfaceModel& surface, const Components& components) {
   std::vector<AtomIndex> found, open;
   std::vector<std::uint8_t> is_near(surface.atoms.size());
