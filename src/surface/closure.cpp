@@ -14,9 +14,10 @@
 namespace eses::detail {
 namespace {
 
-// Bounds of the rounding errors. Faults of the curvature are of the order of 1. The force has the
-// rounding errors of the contact circles of atoms almost in the same place, too.
-constexpr double max_curvature_error = 1e-6;
+// Bounds of the rounding errors. The force has those of the contact circles of atoms almost in the
+// same place, too. In a unit of 1 angstrom, they are those of the angles that the curvature adds up.
+// Faults of the curvature are of the order of 1, so their bound stays far below it.
+constexpr double min_curvature_error = 1e-6, max_curvature_error = 1e-3;
 constexpr double max_force_error = 1e-6;      // square angstrom
 constexpr double max_relative_force = 1e-10;  // of the area
 
@@ -45,6 +46,7 @@ Closure make_closure(double curvature, double area, double extent, const Pressur
   closure.curvature = std::fabs(curvature - 2 * std::round(curvature / 2));
   closure.force = std::max(largest_of(ses.force), largest_of(sas.force));
   closure.torque = std::max(largest_of(ses.torque), largest_of(sas.torque));
+  closure.max_curvature = std::min(min_curvature_error + ses.rounding, max_curvature_error);
   closure.max_force = max_force_error + max_relative_force * area + ses.rounding;
   closure.max_torque = closure.max_force * std::max(1.0, extent);
   return closure;
@@ -156,7 +158,7 @@ class GapFinder {
 double Closure::excess() const {
   double largest = 0;
   for (const double ratio :
-       {curvature / max_curvature_error, force / max_force, torque / max_torque})
+       {curvature / max_curvature, force / max_force, torque / max_torque})
     largest = ratio <= largest ? largest : ratio;  // NaN is larger than all numbers
   return std::isnan(largest) ? std::numeric_limits<double>::infinity() : largest;
 }

@@ -17,7 +17,7 @@ struct Closure {
   double curvature = 0;
   double force = 0;   ///< largest absolute sum of the forces of SES or SAS volume, square angstrom
   double torque = 0;  ///< largest absolute sum of the torques, cubic angstrom
-  double max_force = 0, max_torque = 0;  ///< bounds of the rounding errors
+  double max_curvature = 0, max_force = 0, max_torque = 0;  ///< bounds of the rounding errors
 
   /// Returns the largest ratio of a difference and its bound.
   double excess() const;
