@@ -15,7 +15,7 @@ namespace eses::detail {
 namespace {
 
 // Bounds of the rounding errors. The force has those of the contact circles of atoms almost in the
-// same place, too. In a unit of 1 angstrom, they are those of the angles that the curvature adds up.
+// same place, too. In units of angstrom, they are those of the angles that the curvature adds up.
 // Faults of the curvature are of the order of 1, so their bound stays far below it.
 constexpr double min_curvature_error = 1e-6, max_curvature_error = 1e-3;
 constexpr double max_force_error = 1e-6;      // square angstrom
@@ -157,8 +157,7 @@ class GapFinder {
 
 double Closure::excess() const {
   double largest = 0;
-  for (const double ratio :
-       {curvature / max_curvature, force / max_force, torque / max_torque})
+  for (const double ratio : {curvature / max_curvature, force / max_force, torque / max_torque})
     largest = ratio <= largest ? largest : ratio;  // NaN is larger than all numbers
   return std::isnan(largest) ? std::numeric_limits<double>::infinity() : largest;
 }
