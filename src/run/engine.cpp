@@ -31,13 +31,14 @@
 namespace eses::detail {
 namespace {
 
-// Opens the output files in the first process. Returns null in the others, and if there are none.
+// Opens the output files in the first process. Returns null in the others, and if there are neither
+// files nor a checkpoint.
 std::unique_ptr<OutputFiles> open_files(const RunTask& task, const RunPlan& plan,
                                         const Processes& processes) {
   std::unique_ptr<OutputFiles> files;
   processes.all_or_throw([&] {
     if (!processes.is_first()) return;
-    if (!task.outputs.mesh && file_names(task.outputs).empty()) return;
+    if (!plan.checkpoint && !task.outputs.mesh && file_names(task.outputs).empty()) return;
     files = std::make_unique<OutputFiles>(task.outputs, task.output_directory, plan.files);
     if (plan.checkpoint) plan.checkpoint->prepare();
   });
