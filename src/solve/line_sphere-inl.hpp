@@ -40,7 +40,8 @@ void meet_lines(const BlockGrid& grid, const SpherePart& sphere, IsOnPatch&& is_
   const auto low = broadcast(sphere.box.low[axis]), high = broadcast(sphere.box.high[axis]);
   const auto center = broadcast(sphere.center[axis]);
   for (std::int64_t k = rows.begin; k < rows.end; ++k) {
-    Points offset;
+    // With g++, a constructor that the compiler makes lacks the instruction set of the vectors.
+    Points offset{broadcast(0), broadcast(0), broadcast(0)};
     along<row>(offset) =
         broadcast(grid.coordinates[row][static_cast<std::size_t>(k)] - sphere.center[row]);
     const auto squared_row = along<row>(offset) * along<row>(offset);

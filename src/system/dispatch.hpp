@@ -5,6 +5,8 @@
 /// library, which spends 2 ms on measuring the timer's resolution when it is loaded. That is a
 /// tenth of the run time for a small protein, so this folder uses Highway's headers only.
 ///
+/// Only x86 has several versions. The baseline of aarch64 has the vectors of NEON.
+///
 /// All versions of a kernel return the same bits: lanes are independent of each other, only
 /// correctly rounded operations are used, and multiply-adds are not contracted.
 
