@@ -3,7 +3,7 @@
 /// range. If it stops early, its message is well-formed. Items that are printed and read again are
 /// the same.
 
-#include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>

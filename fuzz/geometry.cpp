@@ -1,7 +1,7 @@
 /// Fuzzes the whole geometry: compares every point, edge and sum of a run on a small, degenerate
 /// molecule with the brute-force oracle.
 
-#include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <cstddef>
 #include <cstdint>

@@ -1,7 +1,6 @@
 // Tests of grids that the user chooses: their options, the files from which they are read, and the
 // surface on them.
 
-#include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <zlib.h>
 

@@ -1,7 +1,7 @@
 // Tests of comparing directories. Known differences are put into the files of a run, and each must
 // give an exact report.
 
-#include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <sys/stat.h>
 #include <zlib.h>
 

@@ -1,6 +1,6 @@
 // Tests of mmCIF files. The reference is the wwPDB's format.
 
-#include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <cstddef>
 #include <cstdint>

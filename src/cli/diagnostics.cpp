@@ -1,6 +1,6 @@
 #include "cli/diagnostics.hpp"
 
-#include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <array>
 #include <cstddef>

@@ -1,6 +1,6 @@
 #include "cli/measured_file.hpp"
 
-#include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cstddef>

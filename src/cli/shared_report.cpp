@@ -1,6 +1,6 @@
 #include "cli/shared_report.hpp"
 
-#include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>

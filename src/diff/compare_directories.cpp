@@ -1,6 +1,6 @@
 #include "diff/compare_directories.hpp"
 
-#include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>

@@ -1,6 +1,6 @@
 #include "input/eses_reader.hpp"
 
-#include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>

@@ -1,6 +1,6 @@
 #include "output/map_writer.hpp"
 
-#include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <array>
 #include <stdexcept>

@@ -1,6 +1,6 @@
 #include "output/measure_tables.hpp"
 
-#include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>

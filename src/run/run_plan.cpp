@@ -1,6 +1,6 @@
 #include "run/run_plan.hpp"
 
-#include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <zlib.h>
 
 #include <algorithm>

@@ -1,6 +1,6 @@
 #include "input/structure/assign_radii.hpp"
 
-#include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cstddef>

@@ -1,6 +1,6 @@
 #include "input/structure/build_assembly.hpp"
 
-#include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cstddef>

@@ -1,6 +1,6 @@
 #include "input/read_structure.hpp"
 
-#include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>

@@ -1,6 +1,6 @@
 #include "input/structure/select_atoms.hpp"
 
-#include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>
