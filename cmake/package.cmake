@@ -68,9 +68,9 @@ if(ESES_BUILD_PYTHON)
   set(CPACK_DEBIAN_PYTHON_PACKAGE_SUGGESTS "eses-blocks, python3-mdanalysis")
   set(CPACK_DEBIAN_PYTHON_DESCRIPTION
 "solvent excluded surface on a grid: Python package
-The library of eses-blocks as the Python package eses. It computes the
-analytical solvent excluded surface of a molecule on a Cartesian grid
-and returns numpy arrays: inside points, crossings of grid lines with
-normals and adjacent atoms, areas of atoms, meshes.")
+The library of eses-blocks as the Python package eses_blocks. It
+computes the analytical solvent excluded surface of a molecule on a
+Cartesian grid and returns numpy arrays: inside points, crossings of
+grid lines with normals and adjacent atoms, areas of atoms, meshes.")
 endif()
 include(CPack)

@@ -1,62 +1,11 @@
-"""Solvent excluded surface of molecules on Cartesian grids.
+"""The old name of the package eses_blocks. The next version will not have it any more."""
 
-Lengths are in angstrom, areas in square angstrom, volumes in cubic angstrom. Indices start from 0.
+import sys
+import warnings
 
-Examples
---------
->>> import eses
->>> atoms = eses.read_atoms("1ubq.xyzr")
->>> surface = eses.Surface(atoms.centers, atoms.radii, probe_radius=1.4)
->>> grid = surface.grid(spacing=0.5, margin=1.0)
->>> result = surface.compute(grid)
->>> result.inside.shape == grid.shape
-True
-"""
+from eses_blocks import *  # noqa: F403  # pylint: disable=wildcard-import,unused-wildcard-import
+from eses_blocks import __all__, __doc__, __version__, _core  # noqa: F401
 
-from ._core import (
-    AtomAreas,
-    Atoms,
-    Block,
-    BlockIterator,
-    Crossings,
-    Diagnostic,
-    FrameMeasures,
-    Gradient,
-    Gradients,
-    Grid,
-    Labels,
-    Measures,
-    Mesh,
-    Result,
-    Surface,
-    __version__,
-    measure_frames,
-    read_atoms,
-    read_grid,
-)
-from ._shown import add_methods
-
-add_methods(Mesh, Result, Surface)
-del add_methods
-
-__all__ = [
-    "AtomAreas",
-    "Atoms",
-    "Block",
-    "BlockIterator",
-    "Crossings",
-    "Diagnostic",
-    "FrameMeasures",
-    "Gradient",
-    "Gradients",
-    "Grid",
-    "Labels",
-    "Measures",
-    "Mesh",
-    "Result",
-    "Surface",
-    "__version__",
-    "measure_frames",
-    "read_atoms",
-    "read_grid",
-]
+warnings.warn("the package eses is now eses_blocks: write `import eses_blocks as eses`", FutureWarning,
+              stacklevel=2)
+sys.modules[f"{__name__}._core"] = _core  # for programs that name it

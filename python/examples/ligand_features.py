@@ -14,7 +14,7 @@ import sys
 
 import numpy as np
 
-import eses
+import eses_blocks as eses
 
 
 def areas_on(grid, centers, radii):

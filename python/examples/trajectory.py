@@ -12,7 +12,7 @@ import sys
 
 import numpy as np
 
-import eses
+import eses_blocks as eses
 
 
 def read_frames(path):

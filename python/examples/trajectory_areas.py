@@ -15,7 +15,7 @@ import numpy as np
 from MDAnalysis import Universe
 from MDAnalysis.analysis.base import AnalysisBase
 
-import eses
+import eses_blocks as eses
 
 BATCH = 64  # frames that are measured at a time, on all processors
 

@@ -217,7 +217,7 @@ py::object texts_of(const AtomFile& file, std::size_t count, std::string AtomLab
 
 void bind_atoms(py::module_& module) {
   py::class_<Labels> labels(module, "Labels", labels_text);
-  labels.attr("__module__") = "eses";
+  labels.attr("__module__") = "eses_blocks";
   labels.def("__len__", [](const Labels& self) { return self.file->labels.size(); })
       .def_property_readonly(
           "chain", [](const Labels& self) { return names(self, &AtomLabel::chain); },
@@ -240,11 +240,11 @@ void bind_atoms(py::module_& module) {
   protect_instances(labels);
 
   py::class_<AtomFile, std::shared_ptr<AtomFile>> atoms(module, "Atoms", atoms_text);
-  atoms.attr("__module__") = "eses";
+  atoms.attr("__module__") = "eses_blocks";
   atoms.def("__len__", [](const AtomFile& self) { return self.atoms.size(); })
       .def("__repr__",
            [](const AtomFile& self) {
-             return "<eses.Atoms: " + std::to_string(self.atoms.size()) + " atoms>";
+             return "<eses_blocks.Atoms: " + std::to_string(self.atoms.size()) + " atoms>";
            })
       .def_property_readonly(
           "centers",

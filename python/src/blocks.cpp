@@ -63,7 +63,7 @@ py::tuple slices_of(const BlockCopy& block) {
 
 void bind_block(py::module_& module) {
   py::class_<BlockCopy, std::shared_ptr<BlockCopy>> type(module, "Block", block_text);
-  type.attr("__module__") = "eses";
+  type.attr("__module__") = "eses_blocks";
   type.def_property_readonly(
           "region", [](const BlockCopy& self) { return as_tuple(self.owned); },
           "tuple of 2 index triples: first point of the block, and one more than the last point "
@@ -90,7 +90,7 @@ void bind_block(py::module_& module) {
 void bind_blocks(py::module_& module) {
   bind_block(module);
   py::class_<BlockStream, BlockStreamPointer> type(module, "BlockIterator", iterator_text);
-  type.attr("__module__") = "eses";
+  type.attr("__module__") = "eses_blocks";
   type.def("__iter__", [](const py::object& self) { return self; })
       .def("__next__", &next_block)
       .def("__enter__", [](const py::object& self) { return self; })

@@ -129,11 +129,11 @@ std::vector<Crossing> crossings_of_state(const py::tuple& state) {
 
 void bind_crossings(py::module_& module) {
   py::class_<Crossings> type(module, "Crossings", class_text);
-  type.attr("__module__") = "eses";
+  type.attr("__module__") = "eses_blocks";
   type.def("__len__", [](const Crossings& self) { return self.list().size(); })
       .def("__repr__",
            [](const Crossings& self) {
-             return "<eses.Crossings: " + std::to_string(self.list().size()) + " crossings>";
+             return "<eses_blocks.Crossings: " + std::to_string(self.list().size()) + " crossings>";
            })
       .def_property_readonly("lower", &lower_ends,
                              "(M, 3) int64: lower ends of the edges, as indices in the whole grid.")

@@ -101,7 +101,7 @@ py::tuple origin_of(const Grid& grid) {
 }
 
 py::str text_of(const Grid& grid) {
-  return py::str("eses.Grid(origin={}, spacing={}, shape={})")
+  return py::str("eses_blocks.Grid(origin={}, spacing={}, shape={})")
       .format(origin_of(grid), grid.spacing, as_tuple(grid.size));
 }
 
@@ -113,7 +113,7 @@ bool are_equal(const Grid& a, const Grid& b) {
 
 void bind_grid(py::module_& module) {
   py::class_<Grid> type(module, "Grid", class_text);
-  type.attr("__module__") = "eses";
+  type.attr("__module__") = "eses_blocks";
   type.def(py::init(&make), init_text, py::arg("origin"), py::arg("spacing"), py::arg("shape"))
       .def_property_readonly("origin", &origin_of,
                              "tuple of 3 floats: position of point (0, 0, 0), in angstrom.")

@@ -158,7 +158,7 @@ Record<Kind> record_of_state(const py::tuple& state) {
 template <class Kind>
 py::class_<Record<Kind>> bind_record(py::module_& module) {
   py::class_<Record<Kind>> type(module, Kind::name, Kind::text);
-  type.attr("__module__") = "eses";
+  type.attr("__module__") = "eses_blocks";
   for (std::size_t k = 0; k < Kind::fields.size(); ++k) {
     const auto& [name, shape, text] = Kind::fields[k];
     type.def_property_readonly(
@@ -185,13 +185,13 @@ void bind_measure_records(py::module_& module) {
   bind_record<GradientKind>(module);
   bind_record<GradientsKind>(module);
   bind_record<MeasuresKind>(module).def("__repr__", [](const Record<MeasuresKind>& self) {
-    return py::str("<eses.Measures: SES area {:.6g}, SES volume {:.6g}>")
+    return py::str("<eses_blocks.Measures: SES area {:.6g}, SES volume {:.6g}>")
         .format(self.values[0], self.values[1]);
   });
   bind_record<FrameMeasuresKind>(module)
       .def("__len__", [](const Record<FrameMeasuresKind>& self) { return py::len(self.values[0]); })
       .def("__repr__", [](const Record<FrameMeasuresKind>& self) {
-        return py::str("<eses.FrameMeasures: {} frames>").format(py::len(self.values[0]));
+        return py::str("<eses_blocks.FrameMeasures: {} frames>").format(py::len(self.values[0]));
       });
 }
 

@@ -1,5 +1,5 @@
-// The extension module eses._core. Docstrings begin with the signature in the form from which
-// CPython makes __text_signature__.
+// The extension module eses_blocks._core. Docstrings begin with the signature in the form from
+// which CPython makes __text_signature__.
 
 #include <pybind11/pybind11.h>
 
@@ -49,7 +49,7 @@ void translate(std::exception_ptr thrown) {  // NOLINT: the type is that of pybi
 PYBIND11_MODULE(_core, module) {
   py::options options;
   options.disable_function_signatures();
-  module.doc() = "Implementation of the package eses.";
+  module.doc() = "Implementation of the package eses_blocks.";
   module.attr("__version__") = eses::version;
   py::register_local_exception_translator(&translate);
   eses::python::bind_atoms(module);

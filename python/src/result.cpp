@@ -216,13 +216,13 @@ std::shared_ptr<Mesh> mesh_of_state(const py::tuple& state) {
 }
 
 py::str text_of(const ComputedResult& result) {
-  return py::str("<eses.Result: area {:.6g}, volume {:.6g}>")
+  return py::str("<eses_blocks.Result: area {:.6g}, volume {:.6g}>")
       .format(result.area(), result.volume());
 }
 
 void bind_mesh(py::module_& module) {
   py::class_<Mesh, std::shared_ptr<Mesh>> type(module, "Mesh", mesh_class_text);
-  type.attr("__module__") = "eses";
+  type.attr("__module__") = "eses_blocks";
   const auto vectors = [](std::vector<Vec3> Mesh::*member) {
     return [member](const py::object& self) {
       const std::vector<Vec3>& list = self.cast<const Mesh&>().*member;
@@ -269,7 +269,7 @@ void bind_mesh(py::module_& module) {
           "cavity from 1; see ``Result.mesh``.")
       .def("__repr__",
            [](const Mesh& self) {
-             return "<eses.Mesh: " + std::to_string(self.vertices.size()) + " vertices, " +
+             return "<eses_blocks.Mesh: " + std::to_string(self.vertices.size()) + " vertices, " +
                     std::to_string(self.faces.size()) + " faces>";
            })
       .def(py::pickle(&mesh_state, &mesh_of_state));
@@ -287,7 +287,7 @@ auto total(Value Summary::*member) {
 void bind_result(py::module_& module) {
   bind_mesh(module);
   py::class_<ComputedResult, std::shared_ptr<ComputedResult>> type(module, "Result", result_text);
-  type.attr("__module__") = "eses";
+  type.attr("__module__") = "eses_blocks";
   type.def_property_readonly("area", &ComputedResult::area,
                              "float: area of the surface, in square angstrom.")
       .def_property_readonly("volume", &ComputedResult::volume, volume_text)

@@ -279,7 +279,7 @@ py::list examples_of(const Diagnostic& diagnostic) {
 
 void bind_diagnostic(py::module_& module) {
   py::class_<Diagnostic> type(module, "Diagnostic", diagnostic_text);
-  type.attr("__module__") = "eses";
+  type.attr("__module__") = "eses_blocks";
   type.def_property_readonly(
           "kind", [](const Diagnostic& self) { return name_of(self.kind); },
           "str: what is suspicious.\n\n"
@@ -301,7 +301,8 @@ void bind_diagnostic(py::module_& module) {
           "is_usual", [](const Diagnostic& self) { return is_usual(self.kind); },
           "bool: whether correct files often have such atoms.")
       .def("__repr__", [](const Diagnostic& self) {
-        return py::str("<eses.Diagnostic: {} (count {})>").format(name_of(self.kind), self.count);
+        return py::str("<eses_blocks.Diagnostic: {} (count {})>")
+            .format(name_of(self.kind), self.count);
       });
   protect_instances(type);
 }
@@ -327,14 +328,14 @@ std::optional<double> max_filled_void(const py::object& fill_cavities) {
 void bind_surface(py::module_& module) {
   bind_diagnostic(module);
   py::class_<Surface> type(module, "Surface", class_text);
-  type.attr("__module__") = "eses";
+  type.attr("__module__") = "eses_blocks";
   type.def(py::init(&make_surface), init_text, py::arg("centers"), py::arg("radii"),
            py::arg("probe_radius") = 1.4, py::kw_only(), py::arg("fill_cavities") = false,
            py::arg("threads") = 0)
       .def("__len__", [](const Surface& self) { return self.atoms().size(); })
       .def("__repr__",
            [](const Surface& self) {
-             return py::str("<eses.Surface: {} atoms, probe radius {}>")
+             return py::str("<eses_blocks.Surface: {} atoms, probe radius {}>")
                  .format(self.atoms().size(), self.probe_radius());
            })
       .def_property_readonly("probe_radius", &Surface::probe_radius,

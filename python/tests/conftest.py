@@ -8,7 +8,7 @@ import sys
 import numpy as np
 import pytest
 
-import eses
+import eses_blocks as eses
 
 PROJECT = pathlib.Path(__file__).resolve().parents[2]
 DATA = PROJECT / "data"

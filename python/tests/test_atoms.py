@@ -7,7 +7,7 @@ import pathlib
 import numpy as np
 import pytest
 
-import eses
+import eses_blocks as eses
 from conftest import DATA
 
 
@@ -21,7 +21,7 @@ def test_xyzr_file_has_the_numbers_of_its_lines():
     assert np.array_equal(atoms.radii, rows[:, 3])
     assert np.array_equal(atoms.lines, np.arange(1, 603))
     assert atoms.labels is None
-    assert repr(atoms) == "<eses.Atoms: 602 atoms>"
+    assert repr(atoms) == "<eses_blocks.Atoms: 602 atoms>"
 
 
 def test_pqr_file_has_labels():

@@ -11,7 +11,7 @@ import time
 import numpy as np
 import pytest
 
-import eses
+import eses_blocks as eses
 
 
 def thread_count():
@@ -171,7 +171,7 @@ def test_iterator_of_the_parent_is_refused_after_a_fork():
     # An open iterator, one whose computation has ended, and one with all totals.
     code = """
 import os, time
-import numpy as np, eses
+import numpy as np, eses_blocks as eses
 centers = np.stack(np.meshgrid(*[3.9 * np.arange(10)] * 3), axis=-1).reshape(-1, 3)
 surface = eses.Surface(centers, np.full(len(centers), 1.7))
 blocks = surface.blocks(surface.grid(0.2), threads=1)
@@ -204,7 +204,7 @@ print(next(blocks).inside.size > 0)
 
 def test_interpreter_ends_while_an_iterator_is_open():
     code = """
-import numpy as np, eses
+import numpy as np, eses_blocks as eses
 centers = np.stack(np.meshgrid(*[3.9 * np.arange(10)] * 3), axis=-1).reshape(-1, 3)
 surface = eses.Surface(centers, np.full(len(centers), 1.7))
 blocks = surface.blocks(surface.grid(0.2), threads=2)

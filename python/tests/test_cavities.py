@@ -6,7 +6,7 @@ import pickle
 import numpy as np
 import pytest
 
-import eses
+import eses_blocks as eses
 
 
 def octahedron(distance):

@@ -5,7 +5,7 @@ import shutil
 
 import pytest
 
-import eses
+import eses_blocks as eses
 from conftest import DATA, PROJECT
 
 FLAGS = doctest.ELLIPSIS | doctest.NORMALIZE_WHITESPACE

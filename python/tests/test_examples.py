@@ -8,7 +8,7 @@ import sys
 import numpy as np
 import pytest
 
-import eses
+import eses_blocks as eses
 from conftest import DATA, PROJECT
 
 EXAMPLES = PROJECT / "python/examples"

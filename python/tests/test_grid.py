@@ -5,7 +5,7 @@ import pickle
 import numpy as np
 import pytest
 
-import eses
+import eses_blocks as eses
 
 
 def test_grid_of_a_surface_is_the_one_computed_by_hand():
@@ -47,8 +47,8 @@ def test_grids_compare_and_print():
     assert grid != eses.Grid((1, 2, 3), 0.25, (3, 4, 5))
     assert grid != eses.Grid((1, 2, 0), 0.5, (3, 4, 5))
     assert grid != "grid" and not grid == None  # noqa: E711
-    assert repr(grid) == "eses.Grid(origin=(1.0, 2.0, 3.0), spacing=0.5, shape=(3, 4, 5))"
-    assert eval(repr(grid)) == grid
+    assert repr(grid) == "eses_blocks.Grid(origin=(1.0, 2.0, 3.0), spacing=0.5, shape=(3, 4, 5))"
+    assert eval(repr(grid), {"eses_blocks": eses}) == grid
     assert pickle.loads(pickle.dumps(grid)) == grid
 
 

@@ -10,7 +10,7 @@ import time
 import numpy as np
 import pytest
 
-import eses
+import eses_blocks as eses
 
 ATTEMPTS = 2
 
@@ -153,7 +153,7 @@ def test_exit_after_an_interrupt(tmp_path):
     path = tmp_path / "large.cif"
     write_mmcif(path, 200_000)
     program = f"""
-import eses, signal
+import eses_blocks as eses, signal
 signal.signal(signal.SIGALRM, signal.default_int_handler)
 signal.setitimer(signal.ITIMER_REAL, 0.1)
 try:

@@ -6,7 +6,7 @@ import os
 import numpy as np
 import pytest
 
-import eses
+import eses_blocks as eses
 from conftest import DATA
 
 

@@ -5,7 +5,7 @@ import itertools
 import numpy as np
 import pytest
 
-import eses
+import eses_blocks as eses
 from conftest import DATA
 
 SOLUTE, SOLVENT = 4.0, 80.0

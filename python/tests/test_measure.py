@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-import eses
+import eses_blocks as eses
 
 PI = math.pi
 NUMBERS = ("ses_area", "ses_volume", "convex_area", "saddle_area", "concave_area", "sas_area", "sas_volume",
@@ -166,8 +166,8 @@ def test_arguments_of_measure_are_checked(chain):
 
 
 def test_representation():
-    assert repr(eses.Surface([[0, 0, 0]], [1]).measure()) == "<eses.Measures: SES area 12.5664, SES volume 4.18879>"
-    assert repr(eses.measure_frames(np.zeros((3, 1, 3)), [1])) == "<eses.FrameMeasures: 3 frames>"
+    assert repr(eses.Surface([[0, 0, 0]], [1]).measure()) == "<eses_blocks.Measures: SES area 12.5664, SES volume 4.18879>"
+    assert repr(eses.measure_frames(np.zeros((3, 1, 3)), [1])) == "<eses_blocks.FrameMeasures: 3 frames>"
 
 
 def moving_pairs(distances):

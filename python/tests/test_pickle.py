@@ -8,7 +8,7 @@ import sys
 import numpy as np
 import pytest
 
-import eses
+import eses_blocks as eses
 from conftest import DATA
 
 REBUILDS = {f"pickle {protocol}": lambda value, protocol=protocol: pickle.loads(
@@ -147,7 +147,7 @@ def test_workers_return_results():
     # The test runs in a process of its own, because a fork does not have the threads of this one.
     code = """
 import multiprocessing
-import numpy as np, eses
+import numpy as np, eses_blocks as eses
 surface = eses.Surface([[0, 0, 0], [2, 0, 0]], [1.5, 1.7])
 
 def compute(spacing):

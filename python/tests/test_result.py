@@ -8,7 +8,7 @@ import threading
 import numpy as np
 import pytest
 
-import eses
+import eses_blocks as eses
 from conftest import DATA
 
 
@@ -121,7 +121,7 @@ def test_arrays_have_documented_shapes_and_types(ubiquitin_surface):
     assert result.atom_areas.sum() == pytest.approx(result.area, rel=1e-12)
     assert result.convex_area + result.saddle_area + result.concave_area == pytest.approx(
         result.area, rel=1e-12)
-    assert "eses.Result" in repr(result) and str(count) in repr(crossings)
+    assert "eses_blocks.Result" in repr(result) and str(count) in repr(crossings)
 
 
 def test_arrays_are_read_only_views_that_live_on(ubiquitin_surface):
@@ -197,7 +197,7 @@ def test_forked_processes_compute():
     # The test runs in a process of its own, because the threads of this one must not take part.
     code = """
 import multiprocessing
-import eses
+import eses_blocks as eses
 surface = eses.Surface([[0, 0, 0], [2, 0, 0]], [1.5, 1.7])
 grid = surface.grid(0.2)
 expected = surface.compute(grid, threads=2).area

@@ -8,7 +8,7 @@ import sys
 import numpy as np
 import pytest
 
-import eses
+import eses_blocks as eses
 from conftest import DATA
 
 
@@ -114,7 +114,7 @@ def test_missing_packages_are_named(tmp_path):
     program = (
         "import sys\n"
         "for name in ('trimesh', 'pyvista', 'xarray', 'k3d', 'pandas'): sys.modules[name] = None\n"
-        "import eses\n"
+        "import eses_blocks as eses\n"
         "surface = eses.Surface([[0, 0, 0]], [1.7])\n"
         "result = surface.compute(surface.grid(0.8))\n"
         "mesh = result.mesh()\n"

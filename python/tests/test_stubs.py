@@ -9,8 +9,8 @@ import sys
 
 import pytest
 
-import eses
-from eses import _core
+import eses_blocks as eses
+from eses_blocks import _core
 
 STUB = pathlib.Path(eses.__file__).with_name("_core.pyi")
 # Names that Python gives to every class, and those that pickle uses.
@@ -105,11 +105,25 @@ def test_package_is_typed():
     assert STUB.with_name("py.typed").is_file()
     for name in eses.__all__:
         if name != "__version__":
-            assert getattr(eses, name).__module__ in ("eses", "eses._core")
+            assert getattr(eses, name).__module__ in ("eses_blocks", "eses_blocks._core")
+
+
+def test_old_name_warns_and_is_the_same_package():
+    code = ("import pickle, warnings, eses_blocks\n"
+            "with warnings.catch_warnings(record=True) as caught:\n"
+            "    import eses, eses._core\n"
+            "assert [one.category for one in caught] == [FutureWarning], caught\n"
+            "assert 'import eses_blocks as eses' in str(caught[0].message)\n"
+            "assert all(getattr(eses, name) is getattr(eses_blocks, name) for name in eses_blocks.__all__)\n"
+            "assert eses._core is eses_blocks._core\n"
+            # The global `eses Grid`, as in files that earlier versions have pickled.
+            "assert pickle.loads(b'ceses\\nGrid\\n.') is eses_blocks.Grid\n")
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
 
 
 def test_module_has_no_command_line():
-    done = subprocess.run([sys.executable, "-m", "eses"], capture_output=True, text=True,
+    done = subprocess.run([sys.executable, "-m", "eses_blocks"], capture_output=True, text=True,
                           check=False)
     assert done.returncode != 0 and "cannot be directly executed" in done.stderr
 

@@ -7,7 +7,7 @@ import sys
 
 import pytest
 
-import eses
+import eses_blocks as eses
 
 pytestmark = pytest.mark.skipif(importlib.util.find_spec("mypy") is None, reason="mypy is not installed")
 
@@ -16,9 +16,9 @@ def test_stubtest(tmp_path):
     # No stub can tell the metaclass of pybind11, and the __init__ that it gives to classes without one.
     allowed = tmp_path / "allowed"
     # The stubs of modules for the package's own use leave names out.
-    allowed.write_text(r"eses(\._core)?\.\w+(\.__init__)?" + "\n" + r"eses\._(page|shown)\..*" + "\n",
+    allowed.write_text(r"eses_blocks(\._core)?\.\w+(\.__init__)?" + "\n" + r"eses_blocks\._(page|shown)\..*" + "\n",
                        encoding="ascii")
-    done = subprocess.run([sys.executable, "-m", "mypy.stubtest", "eses", "--allowlist", allowed,
+    done = subprocess.run([sys.executable, "-m", "mypy.stubtest", "eses_blocks", "--allowlist", allowed,
                            "--ignore-unused-allowlist"], capture_output=True, text=True, check=False, cwd=tmp_path,
                           env={"PYTHONPATH": str(pathlib.Path(eses.__file__).parents[1])})
     assert done.returncode == 0, done.stdout + done.stderr
@@ -28,7 +28,7 @@ def test_types_of_a_program(tmp_path):
     """A caller gets the types of the stubs: they hold, and a wrong use is found."""
     program = tmp_path / "program.py"
     program.write_text("""\
-import eses
+import eses_blocks as eses
 import numpy as np
 import numpy.typing as npt
 atoms = eses.read_atoms("1ubq.xyzr")

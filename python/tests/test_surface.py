@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-import eses
+import eses_blocks as eses
 
 
 def area_of(surface):
@@ -18,7 +18,7 @@ def test_surface_has_its_atoms(chain):
     assert np.array_equal(surface.centers, centers)
     assert np.array_equal(surface.radii, radii)
     assert eses.Surface(centers, radii).probe_radius == 1.4
-    assert repr(surface) == "<eses.Surface: 12 atoms, probe radius 1.2>"
+    assert repr(surface) == "<eses_blocks.Surface: 12 atoms, probe radius 1.2>"
     with pytest.raises(ValueError, match="read-only"):
         surface.radii[0] = 2
 
@@ -149,7 +149,7 @@ def test_diagnostics_are_reported():
     assert kinds["duplicate"].examples == [(1, 0)]
     assert kinds["large_radius"].examples == [(2, 2)]
     assert not kinds["duplicate"].is_usual
-    assert repr(kinds["duplicate"]) == "<eses.Diagnostic: duplicate (count 1)>"
+    assert repr(kinds["duplicate"]) == "<eses_blocks.Diagnostic: duplicate (count 1)>"
     zero = eses.Surface([[0, 0, 0], [9, 0, 0]], [1.5, 0]).diagnostics
     assert [(each.kind, each.is_usual) for each in zero] == [("zero_radius", True)]
 

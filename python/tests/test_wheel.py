@@ -14,7 +14,7 @@ import pytest
 from conftest import DATA, PROJECT
 
 PROGRAM = f"""
-import eses
+import eses_blocks as eses
 atoms = eses.read_atoms({str(DATA / "c60.xyzr")!r})
 surface = eses.Surface(atoms.centers, atoms.radii)
 result = surface.compute(surface.grid(0.5))
@@ -41,7 +41,7 @@ def fixture_environment(tmp_path):
 
 def files_of_checkout():
     return [sorted(path.name for path in (PROJECT / folder).iterdir())
-            for folder in (".", "python", "python/eses")]
+            for folder in (".", "python", "python/eses_blocks", "python/eses")]
 
 
 def test_wheel_is_built_and_installed(environment, tmp_path):
@@ -56,9 +56,10 @@ def test_wheel_is_built_and_installed(environment, tmp_path):
     [wheel] = (tmp_path / "wheels").iterdir()
     assert wheel.name.startswith("eses_blocks-")
     names = zipfile.ZipFile(wheel).namelist()
-    assert all(name.startswith(("eses/", "eses_blocks-")) for name in names), names
-    assert {"eses/__init__.py", "eses/_core.pyi", "eses/_page.py", "eses/_shown.py", "eses/py.typed",
-            "eses/head.html", "eses/viewer/viewer.js"} < set(names)
+    assert all(name.startswith(("eses/", "eses_blocks/", "eses_blocks-")) for name in names), names
+    assert {f"eses_blocks/{name}" for name in ("__init__.py", "_core.pyi", "_page.py", "_shown.py", "py.typed",
+                                               "head.html", "viewer/viewer.js")} < set(names)
+    assert "eses/__init__.py" in names
 
     done = run(pip, "install", "--no-cache-dir", wheel, env=clean)
     assert done.returncode == 0, done.stdout + done.stderr

@@ -279,7 +279,7 @@ def add_methods(mesh, result, surface):
                            (surface, (surface_show,))):
         for method in methods:
             name = method.__name__.partition("_")[2]
-            method.__name__, method.__module__ = name, "eses"
+            method.__name__, method.__module__ = name, "eses_blocks"
             method.__doc__ = inspect.cleandoc(method.__doc__).replace("{page}", _PAGE_PARAMETERS)
             method.__qualname__ = f"{owner.__name__}.{name}"
             setattr(owner, name, method)
