@@ -21,12 +21,6 @@ TextToken concatenated(const TextToken& first, const TextToken& second) {
   return both;
 }
 
-char* append_number(char* out, const NumberBatch& numbers, std::size_t i) {
-  out = write_number(out, numbers, i);
-  *out++ = ' ';
-  return out;
-}
-
 std::size_t decimal_digits(std::uint64_t value) {
   std::size_t digits = 1;
   for (; value >= 10; value /= 10) ++digits;
@@ -139,41 +133,28 @@ GridText::RowText GridText::row_text(std::int64_t y, std::int64_t z) const {
 
 void GridText::append_crossings(TextBuffer& text, std::int64_t first_x, std::int64_t y,
                                 std::int64_t z, std::span<const BlockCrossing> crossings) const {
-  constexpr std::size_t numbers_per_line = 4, lines = NumberBatch::capacity / numbers_per_line;
   char* out = text.reserve(crossings.size() * max_crossing_line_length + token_overrun);
-  NumberBatch numbers;
   const RowText row = row_text(y, z);
-  while (!crossings.empty()) {
-    const auto part = crossings.first(std::min(lines, crossings.size()));
-    crossings = crossings.subspan(part.size());
-    numbers.count = 0;
-    for (const BlockCrossing& crossing : part)
-      for (const double value :
-           {crossing.normal.x, crossing.normal.y, crossing.normal.z, crossing.coordinate})
-        numbers.add(value);
-    make_digits(numbers);
-    for (std::size_t i = 0; i < part.size(); ++i)
-      out = append_crossing(out, first_x + part[i].x, row, part[i], numbers, numbers_per_line * i);
-  }
+  for (const BlockCrossing& crossing : crossings)
+    out = put_crossing(out, static_cast<std::size_t>(first_x + crossing.x), row, crossing);
   text.advance_to(out);
 }
 
-char* GridText::append_crossing(char* out, std::int64_t x, const RowText& row,
-                                const BlockCrossing& crossing, const NumberBatch& numbers,
-                                std::size_t first) const {
+// Writes the line of a crossing whose lower point has the index `x`.
+char* GridText::put_crossing(char* out, std::size_t x, const RowText& row,
+                             const BlockCrossing& crossing) const {
   const std::size_t axis = crossing.axis;
-  const auto lower = static_cast<std::size_t>(x);
-  const std::array<std::size_t, 2> x_index{lower, lower + (axis == 0)};
+  const std::array<std::size_t, 2> x_index{x, x + (axis == 0)};
   const std::array<const TextToken*, 2> y_and_z{row.indices.data(), &row.indices[axis]};
   const std::size_t inner = crossing.lower_is_inside ? 0 : 1;
   for (const std::size_t end : {inner, 1 - inner}) {
     out = put_token(out, indices_[0][x_index[end]]);
     out = put_token(out, *y_and_z[end]);
   }
-  out = axis == 0 ? append_number(out, numbers, first + 3) : put_token(out, coordinates_[0][lower]);
-  out = axis == 1 ? append_number(out, numbers, first + 3) : put_token(out, row.y);
-  out = axis == 2 ? append_number(out, numbers, first + 3) : put_token(out, row.z);
-  for (std::size_t q = 0; q < 3; ++q) out = append_number(out, numbers, first + q);
+  const std::array<const TextToken*, 3> lower{&coordinates_[0][x], &row.y, &row.z};
+  for (std::size_t q = 0; q < 3; ++q)
+    out = axis == q ? put_number(out, crossing.coordinate) : put_token(out, *lower[q]);
+  out = put_vector(out, crossing.normal);
   for (std::size_t q = 0; q < crossing.atom_count; ++q)
     out = put_index(out, as_number(file_indices_[crossing.atoms[q]]));
   *out++ = '\n';

@@ -36,10 +36,8 @@ class GridText {
   struct RowText;
   RowText row_text(std::int64_t y, std::int64_t z) const;
 
-  /// Writes one line. `first` is the index of the first component of its normal in `numbers`.
-  char* append_crossing(char* out, std::int64_t x, const RowText& row,
-                        const BlockCrossing& crossing, const NumberBatch& numbers,
-                        std::size_t first) const;
+  char* put_crossing(char* out, std::size_t x, const RowText& row,
+                     const BlockCrossing& crossing) const;
 
   TokensOfAxes indices_, coordinates_;
   FileIndices file_indices_;
