@@ -10,6 +10,7 @@
 #include <random>
 #include <sstream>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "catch.hpp"
@@ -121,6 +122,41 @@ TEST_CASE("measure: two spheres have their closed values") {
     check_near(box, bare.out, key, 2 * cut_sphere_area(radius, distance / 2));
   const Outcome standard_input = box.run({"measure", "-", "--json"}, "< two.xyzr");
   check_near(box, standard_input.out, "r['ses_area']", ses_of_two());
+}
+
+TEST_CASE("measure: only the chosen surfaces are measured and shown") {
+  const Molecules box;
+  const auto run = [&](const std::string& surfaces) {
+    return box.run({"measure", "two.xyzr", "--surface", surfaces});
+  };
+  const auto has = [](const Outcome& outcome, const char* name) {
+    return contains(outcome.out, fmt::format("\n{:<14}", name));
+  };
+  for (const auto& [surfaces, ses, sas, vdw] : {std::tuple{"ses", true, false, false},
+                                                {"sas", false, true, false},
+                                                {"vdw", false, false, true},
+                                                {"sas,vdw", false, true, true},
+                                                {"all", true, true, true}}) {
+    INFO(surfaces);
+    const Outcome outcome = run(surfaces);
+    REQUIRE(outcome.code == 0);
+    CHECK(has(outcome, "SES") == ses);
+    CHECK(has(outcome, "SAS") == sas);
+    CHECK(has(outcome, "van der Waals ") == vdw);
+    CHECK(contains(outcome.out, "Euler number") == ses);
+  }
+  const Outcome json = box.run({"measure", "two.xyzr", "--surface", "sas,vdw", "--json"});
+  check_near(box, json.out, "r['sas_area']", 2 * sas_of_one());
+  check_near(box, json.out, "r['vdw_area']", 2 * cut_sphere_area(radius, distance / 2));
+  check_json(box, json.out, "'ses_area' in r or 'euler_number' in r", "False");
+  const Outcome tables = box.run({"measure", "dimer.pqr", "--surface", "sas", "--parts", "chains",
+                                  "--write", "atoms,residues,chains", "-o", "sas"});
+  REQUIRE(tables.code == 0);
+  const auto chains = rows_of(box.directory() / "sas/dimer.chains.csv");
+  REQUIRE(chains.size() == 3);
+  CHECK(chains[0].size() == 6);
+  CHECK(std::stod(chains[0][3]) == Catch::Approx(sas_of_one()).margin(1e-6));
+  CHECK(std::stod(chains[0][5]) == Catch::Approx(free_sas() - sas_of_one()).margin(1e-6));
 }
 
 TEST_CASE("measure: tables have the areas of atoms, residues and chains") {
@@ -342,6 +378,14 @@ TEST_CASE("measure: bad requests are refused") {
   check_usage_error(
       box, {"measure", "two.xyzr", "--write", "x"},
       "--write is 'x', expected some of atoms,residues,chains,derivatives,cavities,pieces,pockets");
+  check_usage_error(box, {"measure", "two.xyzr", "--surface", "sas,x"},
+                    "--surface is 'sas,x', expected some of ses,sas,vdw, or all");
+  check_usage_error(box, {"measure", "two.xyzr", "--surface", "sas", "--cavities"},
+                    "--cavities needs --surface ses or all");
+  check_usage_error(box, {"measure", "two.xyzr", "--surface", "sas", "--write", "derivatives"},
+                    "--write derivatives needs --surface ses or all");
+  check_usage_error(box, {"measure", "two.xyzr", "--surface", "vdw", "--write", "atoms"},
+                    "--write needs --surface sas, ses or all");
   check_usage_error(box, {"measure", "-", "two.xyzr"},
                     "standard input (-) cannot be combined with other files");
   check_usage_error(box, {"measure", "two.xyzr", "-o", "out"}, "--output-dir needs --write");

@@ -197,8 +197,9 @@ TEST_CASE("potential: the estimated memory includes the map", "[plan][potential]
                         "items 1000000000000"),
                "counts 25 31 49", "counts 10000 10000 10000");
   write_file(map, header);
-  CHECK_THROWS_WITH(make_plan(molecule, {}, outputs),
-                    Catch::Matchers::ContainsSubstring("map.dx: the map of the potential needs 4 TB of"));
+  CHECK_THROWS_WITH(
+      make_plan(molecule, {}, outputs),
+      Catch::Matchers::ContainsSubstring("map.dx: the map of the potential needs 4 TB of"));
   write_file(map, replaced(replaced(header, "10000 10000 10000", "1000 1000 1000"), "1000000000000",
                            "1000000000"));
   CHECK_THROWS_WITH(make_plan(molecule, {.max_memory = 1 << 28}, outputs),

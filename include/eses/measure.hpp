@@ -19,8 +19,11 @@ struct MeasureOptions {
   /// Radius of the probe, in angstrom: 0, or `min_probe_radius` to `max_probe_radius`. The default
   /// is the radius of the surface. With 0, all surfaces are the van der Waals surface.
   std::optional<double> probe_radius = {};
-  /// Whether the van der Waals surface is measured, too. This takes 0.6 of the time of the
-  /// rest.
+  /// Whether the solvent excluded surface (SES) and the Euler number are measured, not only the
+  /// solvent accessible surface (SAS). That takes about four times as long. `gradients`, `weights`
+  /// and `cavities` need it.
+  bool ses = true;
+  /// Whether the van der Waals surface is measured.
   bool van_der_waals = false;
   /// Whether the areas are divided among the atoms.
   bool by_atom = false;
@@ -81,15 +84,15 @@ struct Gradients {
 };
 
 /// Areas (square angstrom) and volumes (cubic angstrom) of a surface. Cavities that can contain a
-/// probe are outside.
+/// probe are outside. Values of surfaces that are not measured are 0, and their lists are empty.
 struct Measures {
   double ses_area = 0;    ///< Area of the solvent excluded surface.
   double ses_volume = 0;  ///< Volume inside the solvent excluded surface.
   PatchAreas ses_areas;   ///< The parts of `ses_area`.
   double sas_area = 0;    ///< Area of the solvent accessible surface.
   double sas_volume = 0;  ///< Volume inside the solvent accessible surface.
-  double vdw_area = 0;    ///< Area of the van der Waals surface, if it is measured.
-  double vdw_volume = 0;  ///< Volume of the van der Waals spheres, if it is measured.
+  double vdw_area = 0;    ///< Area of the van der Waals surface.
+  double vdw_volume = 0;  ///< Volume of the van der Waals spheres.
   /// Sum of the SES areas of the atoms, each times its weight in MeasureOptions::weights. The
   /// surface is divided among the atoms as in AtomAreas.
   double weighted_ses_area = 0;
@@ -114,7 +117,8 @@ struct Measures {
 
 /// Measures the solvent excluded surface and the solvent accessible surface. Nothing is sampled:
 /// the result has rounding errors only. Throws std::invalid_argument if an option is out of its
-/// range, or if the number of weights is not that of the atoms.
+/// range, if the number of weights is not that of the atoms, or if something needs the SES and it
+/// is not measured.
 Measures measure(const Surface& surface, const MeasureOptions& options = {});
 
 }  // namespace eses

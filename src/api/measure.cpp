@@ -22,6 +22,9 @@ void require_valid(const MeasureOptions& options) {
   if (options.threads < 0)
     throw std::invalid_argument(
         formatted("the number of threads must not be negative, and is {}", options.threads));
+  if (!options.ses && (options.gradients || options.cavities || !options.weights.empty()))
+    throw std::invalid_argument(
+        "derivatives, cavities and weighted areas need the solvent excluded surface");
 }
 
 }  // namespace detail
@@ -51,14 +54,13 @@ Measures measure(const Surface& surface, const MeasureOptions& options) {
       options.cavities,  options.threads > 0 ? options.threads : detail::available_threads(),
       options.check};
   settings.max_filled_void = surface.max_filled_void();
-  Measures measures = measure_patches(molecule, settings);
+  Measures measures =
+      options.ses ? measure_patches(molecule, settings) : measure_sas(molecule, settings);
   if (options.van_der_waals) {
-    settings.probe_radius = 0;
-    settings.by_atom = settings.gradients = settings.cavities = false;
-    settings.weights = {};
     const bool is_measured = probe_radius == 0 && !settings.max_filled_void;
-    settings.max_filled_void.reset();
-    const Measures bare = is_measured ? measures : measure_patches(molecule, settings);
+    const Measures bare =
+        is_measured ? measures
+                    : measure_sas(molecule, {.threads = settings.threads, .check = options.check});
     measures.vdw_area = bare.sas_area;
     measures.vdw_volume = bare.sas_volume;
   }

@@ -38,6 +38,7 @@ Examples:
   eses-blocks measure 1crn.pdb                       areas and volumes of a protein
   eses-blocks measure --csv all.csv *.cif.gz         many files, in parallel
   eses-blocks measure 1crn.pdb --write residues      areas of residues
+  eses-blocks measure --surface sas --csv sas.csv *.pdb   the fastest way to SAS areas
   eses-blocks measure 1brs.pdb --parts 'A|D'         area buried between two chains
   eses-blocks measure 1crn.pdb --cavities            cavities and their volumes
   eses-blocks measure 1crn.pdb --pockets             pockets that a probe of 3 does not reach
@@ -60,6 +61,14 @@ std::optional<TableChoice> tables_in(const std::string& list) {
   std::vector<std::pair<std::string_view, bool TableChoice::*>> members;
   for (const Table& table : tables) members.emplace_back(table.name, table.is_chosen);
   return choice_in<TableChoice>(list, {}, members);
+}
+
+std::optional<SurfaceChoice> surfaces_in(const std::string& list) {
+  return choice_in<SurfaceChoice>(list, {},
+                                  {{"ses", &SurfaceChoice::ses},
+                                   {"sas", &SurfaceChoice::sas},
+                                   {"vdw", &SurfaceChoice::vdw},
+                                   {"all", &SurfaceChoice::all}});
 }
 
 std::optional<PartChoice> parts_in(const std::string& text) {
@@ -127,6 +136,10 @@ void add_measure_options(CLI::App& app, MeasureCommandOptions& options) {
             options.probe_radius,
             Format<double>{probe_radius_in, formatted("0, or a number from {} to {}, in angstrom",
                                                       min_probe_radius, max_probe_radius)});
+  add_value(app, "--surface", "LIST",
+            "surfaces to measure: some of ses,sas,vdw, or all; the SAS\n"
+            "alone is measured much faster [all]",
+            options.surfaces, Format<SurfaceChoice>{surfaces_in, "some of ses,sas,vdw, or all"});
   add_value(
       app, "--parts", "LIST",
       "measure also the parts of a complex and the areas that\n"
@@ -169,6 +182,28 @@ void refuse_repeated_chains(const PartChoice& choice) {
         throw UsageError(formatted("--parts names chain {} twice", chain));
 }
 
+/// Throws UsageError if an option needs a surface that is not measured.
+void check_surfaces(const MeasureCommandOptions& options) {
+  const SurfaceChoice& surfaces = options.surfaces;
+  const auto refuse_if = [](bool needs, std::string_view option, std::string_view surface) {
+    if (needs) throw UsageError(formatted("{} needs --surface {} or all", option, surface));
+  };
+  if (!surfaces.has_ses()) {
+    refuse_if(options.cavities, "--cavities", "ses");
+    refuse_if(options.pockets, "--pockets", "ses");
+    for (const Table& table : tables) {
+      const bool is_area = table.is_chosen == &TableChoice::atoms ||
+                           table.is_chosen == &TableChoice::residues ||
+                           table.is_chosen == &TableChoice::chains;
+      refuse_if(!is_area && options.tables.*table.is_chosen, formatted("--write {}", table.name),
+                "ses");
+    }
+  }
+  if (surfaces.has_ses() || surfaces.has_sas()) return;
+  refuse_if(options.tables.need_areas(), "--write", "sas, ses");
+  refuse_if(options.parts.is_chosen(), "--parts", "sas, ses");
+}
+
 /// Throws UsageError if an option cannot be used with these files.
 void check(const CLI::App& app, const MeasureCommandOptions& options) {
   refuse_repeated_chains(options.parts);
@@ -194,6 +229,7 @@ MeasureCommandOptions parse_measure_arguments(const Arguments& arguments) {
   parse(app, arguments, "FILE...");
   options.pocket_options.probe_radius = options.probe_radius;
   check_pocket_options(app, options);
+  check_surfaces(options);
   check(app, options);
   return options;
 }

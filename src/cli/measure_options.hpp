@@ -33,6 +33,15 @@ inline constexpr std::array tables{
     Table{"pockets", &TableChoice::pockets, append_pockets},
 };
 
+/// The surfaces to measure.
+struct SurfaceChoice {
+  bool ses = false, sas = false, vdw = false, all = false;
+
+  bool has_ses() const { return ses || all; }
+  bool has_sas() const { return sas || all; }
+  bool has_vdw() const { return vdw || all; }
+};
+
 /// Division of the atoms into the parts of a complex.
 struct PartChoice {
   bool by_chain = false;                             ///< whether each chain is a part
@@ -46,6 +55,7 @@ struct MeasureCommandOptions {
   AtomFormat format = AtomFormat::automatic;
   StructureOptions structure;  ///< for PDB and mmCIF files
   double probe_radius = SurfaceOptions().probe_radius;
+  SurfaceChoice surfaces{.all = true};
   PartChoice parts;
   std::optional<double> max_filled_void;  ///< see SurfaceOptions
   bool cavities = false;                  ///< whether cavities and pieces are reported

@@ -1,5 +1,7 @@
 #include "cli/measure_report.hpp"
 
+#include <fmt/ranges.h>
+
 #include <array>
 #include <functional>
 #include <string_view>
@@ -28,16 +30,30 @@ std::string surface_line(std::string_view name, double area, double volume) {
   return formatted("{:<16} {:>16.4f} {:>16.4f}\n", name, area, volume);
 }
 
-std::string parts_text(const MeasuredFile& file) {
+std::string patches_text(const Measures& measures) {
+  const PatchAreas& patches = measures.ses_areas;
+  return formatted("SES patches: {:.4f} convex, {:.4f} saddle, {:.4f} concave\n", patches.convex,
+                   patches.saddle, patches.concave) +
+         formatted("Euler number of the SAS: {}\n", measures.euler_number);
+}
+
+std::string parts_text(const SurfaceChoice& surfaces, const MeasuredFile& file) {
   if (file.parts.empty()) return "";
   std::string text;
-  for (const MeasuredPart& part : file.parts)
-    text += formatted("part {} alone: {}, SES area {:.4f}, SAS area {:.4f}\n", one_line(part.name),
-                      counted(part.atoms, "atom"), part.measures.ses_area, part.measures.sas_area);
+  for (const MeasuredPart& part : file.parts) {
+    text += formatted("part {} alone: {}", one_line(part.name), counted(part.atoms, "atom"));
+    if (surfaces.has_ses()) text += formatted(", SES area {:.4f}", part.measures.ses_area);
+    if (surfaces.has_sas()) text += formatted(", SAS area {:.4f}", part.measures.sas_area);
+    text += "\n";
+  }
   if (file.other_atoms > 0)
     text += formatted("left out: {} of other chains\n", counted(file.other_atoms, "atom"));
-  return text + formatted("buried area (parts alone minus complex): SES {:.4f}, SAS {:.4f}\n",
-                          file.buried(&Measures::ses_area), file.buried(&Measures::sas_area));
+  std::vector<std::string> buried;
+  if (surfaces.has_ses())
+    buried.push_back(formatted("SES {:.4f}", file.buried(&Measures::ses_area)));
+  if (surfaces.has_sas())
+    buried.push_back(formatted("SAS {:.4f}", file.buried(&Measures::sas_area)));
+  return text + formatted("buried area (parts alone minus complex): {}\n", fmt::join(buried, ", "));
 }
 
 /// Returns the numbers of an overlap list, with a word for the outside.
@@ -152,19 +168,30 @@ void add_pockets(Json& object, const PocketOptions& search, const MeasuredFile& 
 
 /// Areas and volumes with their names in tables and JSON.
 using NamedMeasure = std::pair<const char*, double Measures::*>;
-constexpr std::array areas_and_volumes{NamedMeasure{"ses_area", &Measures::ses_area},
-                                       NamedMeasure{"ses_volume", &Measures::ses_volume},
-                                       NamedMeasure{"sas_area", &Measures::sas_area},
-                                       NamedMeasure{"sas_volume", &Measures::sas_volume},
-                                       NamedMeasure{"vdw_area", &Measures::vdw_area},
-                                       NamedMeasure{"vdw_volume", &Measures::vdw_volume}};
 
-/// The areas that the parts of a complex bury. See MeasuredFile::buried.
-constexpr std::array buried_areas{NamedMeasure{"buried_ses_area", &Measures::ses_area},
-                                  NamedMeasure{"buried_sas_area", &Measures::sas_area}};
+/// Returns the areas and volumes of the chosen surfaces.
+std::vector<NamedMeasure> areas_and_volumes(const SurfaceChoice& surfaces) {
+  std::vector<NamedMeasure> chosen;
+  const auto add = [&](bool is_chosen, NamedMeasure area, NamedMeasure volume) {
+    if (is_chosen) chosen.insert(chosen.end(), {area, volume});
+  };
+  add(surfaces.has_ses(), {"ses_area", &Measures::ses_area}, {"ses_volume", &Measures::ses_volume});
+  add(surfaces.has_sas(), {"sas_area", &Measures::sas_area}, {"sas_volume", &Measures::sas_volume});
+  add(surfaces.has_vdw(), {"vdw_area", &Measures::vdw_area}, {"vdw_volume", &Measures::vdw_volume});
+  return chosen;
+}
 
-void add_measures(Json& object, const Measures& measures) {
-  for (const auto& [name, member] : areas_and_volumes) object[name] = measures.*member;
+/// Returns the areas that the parts of a complex bury. See MeasuredFile::buried.
+std::vector<NamedMeasure> buried_areas(const SurfaceChoice& surfaces) {
+  std::vector<NamedMeasure> chosen;
+  if (surfaces.has_ses()) chosen.emplace_back("buried_ses_area", &Measures::ses_area);
+  if (surfaces.has_sas()) chosen.emplace_back("buried_sas_area", &Measures::sas_area);
+  return chosen;
+}
+
+void add_measures(Json& object, const SurfaceChoice& surfaces, const Measures& measures) {
+  for (const auto& [name, member] : areas_and_volumes(surfaces)) object[name] = measures.*member;
+  if (!surfaces.has_ses()) return;
   object["euler_number"] = measures.euler_number;
   object["ses_area_by_kind"] = measures.ses_areas;
 }
@@ -199,17 +226,19 @@ std::vector<Column> columns_of(const MeasureCommandOptions& options) {
     };
     columns.push_back({name, width, value, true});
   };
-  for (const auto& [name, member] : areas_and_volumes)
+  for (const auto& [name, member] : areas_and_volumes(options.surfaces))
     columns.push_back(
         {name, 14, [member = member](const MeasuredFile& file) { return file.measures.*member; }});
-  add_count("euler_number", 12, [](const auto& file) { return file.measures.euler_number; });
+  if (options.surfaces.has_ses())
+    add_count("euler_number", 12, [](const auto& file) { return file.measures.euler_number; });
   using NamedPatch = std::pair<std::string_view, double PatchAreas::*>;
   for (const auto& [name, member] : {NamedPatch{"convex_area", &PatchAreas::convex},
                                      NamedPatch{"saddle_area", &PatchAreas::saddle},
                                      NamedPatch{"concave_area", &PatchAreas::concave}})
-    columns.push_back({name, 0, [member = member](const MeasuredFile& file) {
-                         return file.measures.ses_areas.*member;
-                       }});
+    if (options.surfaces.has_ses())
+      columns.push_back({name, 0, [member = member](const MeasuredFile& file) {
+                           return file.measures.ses_areas.*member;
+                         }});
   if (options.cavities) {
     add_count("cavities", 8, [](const auto& file) { return file.measures.cavities.size(); });
     add_count("pieces", 8, [](const auto& file) { return file.measures.pieces.size(); });
@@ -217,7 +246,7 @@ std::vector<Column> columns_of(const MeasureCommandOptions& options) {
   if (options.pockets)
     add_count("pockets", 7, [](const auto& file) { return file.pockets.pockets.size(); });
   if (options.parts.is_chosen())
-    for (const auto& [name, area] : buried_areas)
+    for (const auto& [name, area] : buried_areas(options.surfaces))
       columns.push_back(
           {name, 15, [area = area](const MeasuredFile& file) { return file.buried(area); }});
   return columns;
@@ -234,17 +263,16 @@ std::string measure_text(const MeasureCommandOptions& options, const MeasuredFil
     text += formatted("{:<16} {:>16} {:>16}\n", "surface", "area (A^2)", "volume (A^3)");
   }
   const Measures& measures = file.measures;
-  text += surface_line("SES", measures.ses_area, measures.ses_volume);
-  text += surface_line("SAS", measures.sas_area, measures.sas_volume);
-  text += surface_line("van der Waals", measures.vdw_area, measures.vdw_volume);
-  const PatchAreas& patches = measures.ses_areas;
-  text += formatted("SES patches: {:.4f} convex, {:.4f} saddle, {:.4f} concave\n", patches.convex,
-                    patches.saddle, patches.concave);
-  text += formatted("Euler number of the SAS: {}\n", measures.euler_number);
+  const SurfaceChoice& surfaces = options.surfaces;
+  if (surfaces.has_ses()) text += surface_line("SES", measures.ses_area, measures.ses_volume);
+  if (surfaces.has_sas()) text += surface_line("SAS", measures.sas_area, measures.sas_volume);
+  if (surfaces.has_vdw())
+    text += surface_line("van der Waals", measures.vdw_area, measures.vdw_volume);
+  if (surfaces.has_ses()) text += patches_text(measures);
   if (file.surface.max_filled_void()) text += filling_text(measures.filled_cavities);
   if (options.cavities) text += cavities_text(file);
   if (options.pockets) text += pockets_text(options, file.pockets);
-  return text + parts_text(file);
+  return text + parts_text(options.surfaces, file);
 }
 
 std::string measure_heading(const MeasureCommandOptions& options) {
@@ -265,19 +293,20 @@ std::string measure_json(const MeasureCommandOptions& options, const MeasuredFil
   Json object{{"file", file.path.string()},
               {"atoms", file.surface.atoms().size()},
               {"probe_radius", options.probe_radius}};
-  add_measures(object, file.measures);
+  add_measures(object, options.surfaces, file.measures);
   add_derivatives(object, file.measures.gradients);
   if (options.cavities) add_cavities(object, file);
   if (options.pockets) add_pockets(object, options.pocket_options, file);
   if (file.surface.max_filled_void()) object["filled_cavities"] = file.measures.filled_cavities;
   if (!file.parts.empty()) {
-    object["parts"] = array_of(file.parts, [](const MeasuredPart& part) {
+    object["parts"] = array_of(file.parts, [&](const MeasuredPart& part) {
       Json item{{"name", part.name}, {"atoms", part.atoms}};
-      add_measures(item, part.measures);
+      add_measures(item, options.surfaces, part.measures);
       return item;
     });
     object["other_atoms"] = file.other_atoms;
-    for (const auto& [name, area] : buried_areas) object[name] = file.buried(area);
+    for (const auto& [name, area] : buried_areas(options.surfaces))
+      object[name] = file.buried(area);
   }
   if (file.structure) object["structure"] = *file.structure;
   return text_of(object) + "\n";

@@ -110,6 +110,7 @@ MeasuredPart measure_part(std::uint32_t part, const MeasureOptions& options, Mea
   using Areas = std::vector<double> eses::AtomAreas::*;
   for (const Areas kind : {&eses::AtomAreas::sas, &eses::AtomAreas::convex,
                            &eses::AtomAreas::saddle, &eses::AtomAreas::concave}) {
+    if ((areas.*kind).empty()) continue;
     (file.areas_alone.*kind).resize(file.part_of_atom.size());
     for (std::size_t i = 0; i < subset.indices.size(); ++i)
       (file.areas_alone.*kind)[subset.indices[i]] = (areas.*kind)[i];
@@ -166,8 +167,11 @@ MeasuredFile measure_file(const MeasureCommandOptions& options, const std::files
     divide(options.parts, result);
     remove_other_atoms(indexing, result);
   }
-  MeasureOptions measuring{.probe_radius = options.probe_radius,
-                           .van_der_waals = true,
+  const SurfaceChoice& surfaces = options.surfaces;
+  const bool only_vdw = !surfaces.has_ses() && !surfaces.has_sas();
+  MeasureOptions measuring{.probe_radius = only_vdw ? 0 : options.probe_radius,
+                           .ses = surfaces.has_ses(),
+                           .van_der_waals = surfaces.has_vdw(),
                            .by_atom = options.tables.need_areas(),
                            .gradients = options.tables.derivatives,
                            .cavities = options.cavities || options.tables.need_cavities(),
@@ -181,7 +185,8 @@ MeasuredFile measure_file(const MeasureCommandOptions& options, const std::files
     result.pockets = find_pockets(result.surface, searching);
   }
   measuring.gradients = measuring.cavities = false;
-  measuring.van_der_waals = options.json;  // no other output shows it for a part
+  // No other output shows the van der Waals surface of a part.
+  measuring.van_der_waals = options.json && surfaces.has_vdw();
   for (std::uint32_t part = 0; part < result.part_names.size(); ++part)
     result.parts.push_back(measure_part(part, measuring, result));
   result.structure = std::move(file.structure);

@@ -18,7 +18,11 @@
 namespace eses::detail {
 namespace {
 
-constexpr std::string_view area_columns = "sas_area,ses_area,convex_area,saddle_area,concave_area";
+bool has_ses(const MeasuredAtoms& atoms) { return !atoms.areas.convex.empty(); }
+
+std::string_view area_columns(const MeasuredAtoms& atoms) {
+  return has_ses(atoms) ? "sas_area,ses_area,convex_area,saddle_area,concave_area" : "sas_area";
+}
 
 // Sums of the areas of some atoms, in square angstrom.
 struct AreaSums {
@@ -29,14 +33,17 @@ struct AreaSums {
   void add(const MeasuredAtoms& atoms, std::size_t i) {
     const eses::AtomAreas& areas = atoms.areas;
     sas += areas.sas[i];
+    if (atoms.areas_alone != nullptr) {
+      sas_alone += atoms.areas_alone->sas[i];
+      part = atoms.parts[i];
+    }
+    if (!has_ses(atoms)) return;
     ses.convex += areas.convex[i];
     ses.saddle += areas.saddle[i];
     ses.concave += areas.concave[i];
     if (atoms.areas_alone == nullptr) return;
     const eses::AtomAreas& alone = *atoms.areas_alone;
-    sas_alone += alone.sas[i];
     ses_alone += alone.convex[i] + alone.saddle[i] + alone.concave[i];
-    part = atoms.parts[i];
   }
 };
 
@@ -47,20 +54,23 @@ std::string difference_text(double alone, double together) {
   return formatted("{:.6f}", std::abs(difference) < half_last_digit ? 0 : difference);
 }
 
-std::string area_fields(const AreaSums& sums) {
+std::string area_fields(const MeasuredAtoms& atoms, const AreaSums& sums) {
+  if (!has_ses(atoms)) return formatted("{:.6f}", sums.sas);
   return formatted("{:.6f},{:.6f},{:.6f},{:.6f},{:.6f}", sums.sas, sums.ses.total(),
                    sums.ses.convex, sums.ses.saddle, sums.ses.concave);
 }
 
 std::string part_columns(const MeasuredAtoms& atoms) {
-  return atoms.areas_alone == nullptr ? "" : ",part,buried_sas_area,buried_ses_area";
+  if (atoms.areas_alone == nullptr) return "";
+  return has_ses(atoms) ? ",part,buried_sas_area,buried_ses_area" : ",part,buried_sas_area";
 }
 
 std::string part_fields(const MeasuredAtoms& atoms, const AreaSums& sums) {
   if (atoms.areas_alone == nullptr) return "";
-  return formatted(",{},{},{}", csv_field(atoms.part_names[sums.part]),
-                   difference_text(sums.sas_alone, sums.sas),
-                   difference_text(sums.ses_alone, sums.ses.total()));
+  const std::string fields = formatted(",{},{}", csv_field(atoms.part_names[sums.part]),
+                                       difference_text(sums.sas_alone, sums.sas));
+  if (!has_ses(atoms)) return fields;
+  return fields + "," + difference_text(sums.ses_alone, sums.ses.total());
 }
 
 std::string relative_sas(const AtomLabel& label, double sas_area) {
@@ -128,8 +138,8 @@ std::optional<double> max_sas_area(std::string_view residue) {
 }
 
 void append_measured_atoms(const MeasuredAtoms& atoms, BufferedText& text) {
-  text.append("serial,name,residue,residue_number,chain,element,x,y,z,radius,{}{}\n", area_columns,
-              part_columns(atoms));
+  text.append("serial,name,residue,residue_number,chain,element,x,y,z,radius,{}{}\n",
+              area_columns(atoms), part_columns(atoms));
   for (std::size_t i = 0; i < atoms.atoms.size(); ++i) {
     AreaSums sums;
     sums.add(atoms, i);
@@ -138,13 +148,13 @@ void append_measured_atoms(const MeasuredAtoms& atoms, BufferedText& text) {
     text.append("{},{},{},{},{},{},{},{},{},{},{}{}\n",
                 serial_number(atoms, static_cast<AtomIndex>(i)), csv_field(label.atom_name),
                 csv_field(label.residue), csv_field(label.residue_number), csv_field(label.chain),
-                csv_field(label.element), center.x, center.y, center.z, radius, area_fields(sums),
-                part_fields(atoms, sums));
+                csv_field(label.element), center.x, center.y, center.z, radius,
+                area_fields(atoms, sums), part_fields(atoms, sums));
   }
 }
 
 void append_measured_residues(const MeasuredAtoms& atoms, BufferedText& text) {
-  text.append("chain,residue_number,residue,atoms,{},relative_sas_area{}\n", area_columns,
+  text.append("chain,residue_number,residue,atoms,{},relative_sas_area{}\n", area_columns(atoms),
               part_columns(atoms));
   const ResidueRuns runs = residue_runs(atoms.labels);
   std::size_t atom = 0;
@@ -153,7 +163,7 @@ void append_measured_residues(const MeasuredAtoms& atoms, BufferedText& text) {
     for (const std::size_t end = atom + runs.atoms[run]; atom < end; ++atom) sums.add(atoms, atom);
     const AtomLabel& label = runs.labels[run];
     text.append("{},{},{},{},{},{}{}\n", csv_field(label.chain), csv_field(label.residue_number),
-                csv_field(label.residue), runs.atoms[run], area_fields(sums),
+                csv_field(label.residue), runs.atoms[run], area_fields(atoms, sums),
                 relative_sas(label, sums.sas), part_fields(atoms, sums));
   }
 }
@@ -175,10 +185,10 @@ void append_measured_chains(const MeasuredAtoms& atoms, BufferedText& text) {
     ++chain.atoms;
     chain.sums.add(atoms, i);
   }
-  text.append("chain,residues,atoms,{}{}\n", area_columns, part_columns(atoms));
+  text.append("chain,residues,atoms,{}{}\n", area_columns(atoms), part_columns(atoms));
   for (const Chain& chain : chains)
     text.append("{},{},{},{}{}\n", csv_field(chain.name), chain.residues, chain.atoms,
-                area_fields(chain.sums), part_fields(atoms, chain.sums));
+                area_fields(atoms, chain.sums), part_fields(atoms, chain.sums));
 }
 
 void append_derivatives(const MeasuredAtoms& atoms, BufferedText& text) {

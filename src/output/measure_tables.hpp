@@ -3,7 +3,8 @@
 /// pieces and pockets, as CSV (RFC 4180, but with LF as line end).
 ///
 /// The tables of areas have the columns `sas_area,ses_area,convex_area,saddle_area,concave_area`.
-/// The last three are the parts of `ses_area`. If parts of a complex were measured, the columns
+/// The last three are the parts of `ses_area`. If the SES was not measured, only `sas_area` and
+/// `buried_sas_area` are there. If parts of a complex were measured, the columns
 /// `part,buried_sas_area,buried_ses_area` follow: the area in the part alone minus the area in the
 /// complex.
 ///

@@ -5,76 +5,6 @@
 namespace eses::detail {
 namespace {
 
-// One search in the cell list serves a large group of atoms. Its result is then filtered for
-// smaller groups.
-struct GroupBounds {
-  AtomIndex max_count;
-  double max_distance;  // maximum distance from the first atom's centre to the others', angstrom
-};
-constexpr GroupBounds look_up_bounds{64, 12};
-constexpr GroupBounds filter_bounds{8, 6};
-
-// Returns the end of the group of consecutive atoms that starts at `begin`; at most `end`.
-AtomIndex end_of_group(std::span<const Atom> atoms, AtomIndex begin, AtomIndex end,
-                       const GroupBounds& bounds) {
-  const AtomIndex last = begin + std::min(bounds.max_count, end - begin);
-  const auto is_far = [&](const Atom& atom) {
-    return squared_norm(atom.center - atoms[begin].center) >
-           bounds.max_distance * bounds.max_distance;
-  };
-  AtomIndex group_end = begin + 1;
-  while (group_end < last && !is_far(atoms[group_end])) ++group_end;
-  return group_end;
-}
-
-double max_radius(std::span<const Atom> atoms) {
-  double radius = 0;
-  for (const Atom& atom : atoms) radius = std::max(radius, atom.radius);
-  return radius;
-}
-
-Box box_of(std::span<const Atom> group) {
-  Box box{group.front().center, group.front().center};
-  for (const Atom& atom : group) box.include(atom.center);
-  return box;
-}
-
-// Finds all atoms whose SAS sphere may meet that of an atom of the group. Their order decides which
-// of several ends at the same point is kept. It does not depend on the other atoms, so it is the
-// same in a part of the molecule.
-void look_up_neighbours(const SurfaceModel& surface, std::span<const Atom> group,
-                        AtomPatchScratch& scratch) {
-  surface.cells().find_reaching(
-      box_of(group), max_radius(group) + 2 * surface.probe_radius + look_up_slack, scratch.found);
-  SphereList& spheres = scratch.near_spheres;
-  spheres.make_room(scratch.found.size());
-  scratch.near.resize(scratch.found.size());
-  std::size_t count = 0;
-  for (const AtomIndex j : scratch.found) {
-    scratch.near[count] = j;
-    spheres.set(count, surface.sas_sphere(j));
-    count += surface.molecule.is_contained(j) ? 0 : 1;
-  }
-  scratch.near.resize(count);
-  spheres.count = count;
-}
-
-// Selects the found atoms whose SAS sphere may meet that of an atom of a smaller group.
-void filter_neighbours(const SurfaceModel& surface, std::span<const Atom> group,
-                       AtomPatchScratch& scratch) {
-  find_near_box(box_of(group), max_radius(group) + surface.probe_radius + look_up_slack,
-                scratch.near_spheres, scratch.group_positions);
-  choose_spheres(scratch.near_spheres, scratch.group_positions, scratch.group_spheres);
-}
-
-void collect_caps(const SurfaceModel& surface, AtomIndex i, AtomPatchScratch& scratch) {
-  const SasSphere sphere = surface.sas_sphere(i);
-  find_meeting(sphere, scratch.group_spheres, scratch.neighbours,
-               surface.has_slack ? tolerance::containment : 0);
-  make_caps(sphere, scratch.group_spheres, scratch.neighbours, scratch.caps);
-  if (!surface.has_slack) scratch.caps.blocking_height = scratch.caps.height;
-}
-
 // Keeps the relevant caps, by size, followed by the caps that are needed only to cover.
 void keep_caps(AtomPatchScratch& scratch) {
   CapList& kept = scratch.kept_caps;
@@ -83,8 +13,8 @@ void keep_caps(AtomPatchScratch& scratch) {
   scratch.kept_neighbours.clear();
   for (const auto* list : {&scratch.burial.relevant, &scratch.burial.covering})
     for (const std::uint32_t k : *list) {
-      kept.set(kept.count++, scratch.caps[k]);
-      scratch.kept_neighbours.push_back(scratch.neighbour(k));
+      kept.set(kept.count++, scratch.near.caps[k]);
+      scratch.kept_neighbours.push_back(scratch.near.neighbour(k));
     }
   if (scratch.kept_caps.size() > max_uncrowded)
     scratch.crowded.reset(scratch.kept_caps, scratch.kept_neighbours);
@@ -134,7 +64,7 @@ void add_circles_in_order(const SurfaceModel& surface, AtomIndex i, AtomPatchScr
                           BuiltPatches& patches) {
   std::sort(scratch.burial.relevant.begin(), scratch.burial.relevant.end(),
             [&](std::uint32_t a, std::uint32_t b) {
-              return scratch.neighbour(a) < scratch.neighbour(b);
+              return scratch.near.neighbour(a) < scratch.near.neighbour(b);
             });
   add_circles(surface, i, scratch, patches);
 }
@@ -160,9 +90,9 @@ void add_atom(const SurfaceModel& surface, const BurialPatches& burial, AtomInde
   if (surface.molecule.is_contained(i)) {
     exposure = AtomExposure::contained;
   } else if (surface.needs_patches(i)) {
-    collect_caps(surface, i, scratch);
+    collect_caps(surface, i, scratch.near);
     const double radius = surface.atoms[i].radius + surface.probe_radius;
-    if (is_buried(scratch.caps, radius, burial, scratch.burial)) {
+    if (is_buried(scratch.near.caps, radius, burial, scratch.burial)) {
       exposure = AtomExposure::buried;
     } else {
       add_exposed_atom(surface, i, scratch, patches);
@@ -193,24 +123,8 @@ void build_atom_patches(const SurfaceModel& surface, std::span<const AtomIndex> 
                         BuiltPatches& patches) {
   patches.clear();
   scratch.arc.min_length = surface.has_slack ? tolerance::arc_length : 0;
-  scratch.atoms.clear();
-  for (const AtomIndex i : atoms) scratch.atoms.push_back(surface.atoms[i]);
-  const auto count = static_cast<AtomIndex>(atoms.size());
-  const auto group_of = [&](AtomIndex begin, AtomIndex end) {
-    return std::span<const Atom>(scratch.atoms).subspan(begin, end - begin);
-  };
-  for (AtomIndex begin = 0; begin < count;) {
-    const AtomIndex end = end_of_group(scratch.atoms, begin, count, look_up_bounds);
-    const std::span<const AtomIndex> looked_up = atoms.subspan(begin, end - begin);
-    const bool is_needed = std::any_of(looked_up.begin(), looked_up.end(),
-                                       [&](AtomIndex i) { return surface.needs_patches(i); });
-    if (is_needed) look_up_neighbours(surface, group_of(begin, end), scratch);
-    while (begin < end) {
-      const AtomIndex group_end = end_of_group(scratch.atoms, begin, end, filter_bounds);
-      if (is_needed) filter_neighbours(surface, group_of(begin, group_end), scratch);
-      for (; begin < group_end; ++begin) add_atom(surface, burial, atoms[begin], scratch, patches);
-    }
-  }
+  for_each_with_neighbours(surface, atoms, scratch.near,
+                           [&](AtomIndex i) { add_atom(surface, burial, i, scratch, patches); });
 }
 
 Vec3 placement_center(const SasSphere& first, const SasSphere& second, const SasSphere& third,

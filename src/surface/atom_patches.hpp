@@ -10,6 +10,7 @@
 #include "geometry/circle_arcs.hpp"
 #include "surface/burial.hpp"
 #include "surface/crowded_atoms.hpp"
+#include "surface/neighbour_caps.hpp"
 #include "surface/surface_model.hpp"
 
 namespace eses::detail {
@@ -62,27 +63,14 @@ struct BuiltPatches {
 
 /// Scratch memory of `build_atom_patches`, one per thread.
 struct AtomPatchScratch {
-  std::vector<Atom> atoms;          ///< atoms whose patches are built
-  std::vector<AtomIndex> found;     ///< atoms near a group of atoms that is looked up together
-  std::vector<AtomIndex> near;      ///< atoms of `found` that are not contained in another one
-  SphereList near_spheres;          ///< SAS spheres of `near`
-  SpherePositions group_positions;  ///< positions in `near` of the atoms near a smaller group
-  SphereList group_spheres;         ///< SAS spheres at `group_positions`
-  SpherePositions neighbours;       ///< position in `group_spheres` of each cap of `caps`
-  CapList caps;                     ///< caps of one atom
-  CapList kept_caps;                ///< caps that can bound an accessible part or cover others
+  NeighbourScratch near;
+  CapList kept_caps;  ///< caps that can bound an accessible part or cover others
   std::vector<AtomIndex> kept_neighbours;  ///< atom of each cap of `kept_caps`
   BurialScratch burial;
   CrowdedCaps crowded;  ///< index of `kept_caps` if there are many
   ArcScratch arc;
   std::vector<CircleArc> arcs;
   std::vector<CircleEnd> ends;
-
-  /// The atom of cap `k` of `caps`.
-  AtomIndex neighbour(std::uint32_t k) const {
-    const auto position = static_cast<std::size_t>(neighbours.at[k]);
-    return near[static_cast<std::size_t>(group_positions.at[position])];
-  }
 };
 
 /// Replaces `patches` by the patches of these atoms. It is faster if they are near each other.

@@ -16,6 +16,7 @@
 #include "surface/find_cavities.hpp"
 #include "surface/measure_sums.hpp"
 #include "surface/patch_sweep.hpp"
+#include "surface/sphere_union.hpp"
 #include "system/parallel.hpp"
 
 namespace eses::detail {
@@ -248,6 +249,26 @@ Measures measure_patches(const Molecule& molecule, const MeasureSettings& settin
     for (Vec3* point : {&cavity.centroid, &cavity.low, &cavity.high, &cavity.largest_probe_center})
       *point = *point + middle;
   return measures;
+}
+
+Measures measure_sas(const Molecule& molecule, const MeasureSettings& settings) {
+  Measures result;
+  std::optional<SphereUnion> sas;
+  if (!settings.max_filled_void)
+    sas = measure_union(SurfaceModel(molecule, settings.probe_radius), settings.threads,
+                        settings.check);
+  if (sas) {
+    result.sas_area = sas->area;
+    result.sas_volume = sas->volume;
+    if (settings.by_atom) result.by_atom.sas = std::move(sas->areas);
+    return result;
+  }
+  Measures all = measure_patches(molecule, settings);
+  result.sas_area = all.sas_area;
+  result.sas_volume = all.sas_volume;
+  result.by_atom.sas = std::move(all.by_atom.sas);
+  result.filled_cavities = std::move(all.filled_cavities);
+  return result;
 }
 
 Measures measure_kept_patches(const std::shared_ptr<ScheduledSurface>& kept,

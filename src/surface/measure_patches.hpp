@@ -15,6 +15,10 @@ namespace eses::detail {
 /// Throws Error if the patches do not fit together, see closure.hpp.
 Measures measure_patches(const Molecule& molecule, const MeasureSettings& settings);
 
+/// Measures only the SAS, much faster: areas and volume. The settings must not ask for more. The
+/// patches are measured if rounding may decide, and if cavities are filled.
+Measures measure_sas(const Molecule& molecule, const MeasureSettings& settings);
+
 /// Does the same as measure_patches with patches that another sweep uses later. They are kept, and
 /// the schedule is at its start then. The settings must agree with the surface.
 Measures measure_kept_patches(const std::shared_ptr<ScheduledSurface>& kept,

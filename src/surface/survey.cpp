@@ -207,8 +207,8 @@ void SurfaceSurvey::visit(AtomIndex i, double weight, AtomPatchScratch& scratch,
   totals_.face_neighbours += weight * static_cast<double>(patches.face_neighbours.size());
 
   const AtomExposure exposure = patches.exposure.front();
-  if (exposure != AtomExposure::contained && scratch.caps.size() > max_uncrowded) {
-    const auto neighbours = static_cast<double>(scratch.caps.size());
+  if (exposure != AtomExposure::contained && scratch.near.caps.size() > max_uncrowded) {
+    const auto neighbours = static_cast<double>(scratch.near.caps.size());
     totals_.crowded_neighbours += weight * neighbours;
     totals_.max_neighbours = std::max(totals_.max_neighbours, neighbours);
     totals_.crowded_patches +=

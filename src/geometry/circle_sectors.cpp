@@ -1,0 +1,127 @@
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "geometry/circle_sectors.cpp"
+#include "geometry/circle_sectors.hpp"
+
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+#include "system/dispatch.hpp"
+#include "system/padding.hpp"
+
+#ifndef ESES_GEOMETRY_CIRCLE_SECTORS_SHARED_
+#define ESES_GEOMETRY_CIRCLE_SECTORS_SHARED_
+namespace eses::detail {
+namespace {
+
+// Margins of the decisions in single precision, see doc/algorithm.md: of the square of half the
+// chord that a cap cuts from the circle (in squared radii of the sphere), and of an end (in
+// sectors).
+constexpr float chord_margin = 4e-5F, end_margin = 0.03F;
+
+}  // namespace
+}  // namespace eses::detail
+#endif  // ESES_GEOMETRY_CIRCLE_SECTORS_SHARED_
+
+HWY_BEFORE_NAMESPACE();
+namespace eses::detail::HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+
+using Floats = hn::ScalableTag<float>;
+using Integers = hn::Repartition<std::int32_t, Floats>;
+using FloatVector = hn::Vec<Floats>;
+
+HWY_INLINE FloatVector set(double value) { return hn::Set(Floats(), static_cast<float>(value)); }
+
+// Vectors of the frame of a circle, the same in all lanes.
+struct FrameVector {
+  FloatVector x, y, z;
+
+  HWY_INLINE FrameVector(double scale, Vec3 a)
+      : x(set(scale * a.x)), y(set(scale * a.y)), z(set(scale * a.z)) {}
+  HWY_INLINE FloatVector dot(FloatVector ax, FloatVector ay, FloatVector az) const {
+    return hn::Add(hn::Add(hn::Mul(x, ax), hn::Mul(y, ay)), hn::Mul(z, az));
+  }
+};
+
+// Returns the sector, with its fraction, of a direction in the circle's plane.
+HWY_INLINE FloatVector sector_of(FloatVector x, FloatVector y) {
+  const auto zero = hn::Zero(Floats());
+  const auto is_right = hn::Ge(x, zero), is_upper = hn::Ge(y, zero);
+  const auto share =
+      hn::Div(hn::IfThenElse(hn::Xor(is_right, is_upper), x, y), hn::Add(hn::Abs(x), hn::Abs(y)));
+  const auto upper = hn::IfThenElse(is_right, share, hn::Sub(set(1), share));
+  const auto lower = hn::IfThenElse(is_right, hn::Add(set(3), share), hn::Sub(set(2), share));
+  return hn::Mul(set(sectors_per_unit), hn::IfThenElse(is_upper, upper, lower));
+}
+
+Sectors find_open(const CircleInFrame& circle, const FloatCaps& caps, CoveredSectors& covered) {
+  const Floats floats;
+  const Integers integers;
+  const FrameVector center(circle.height, circle.axis), e1(circle.radius, circle.e1),
+      e2(circle.radius, circle.e2);
+  Sectors open = ~Sectors{0};
+  for (std::size_t k = 0; k < caps.count; k += hn::Lanes(floats)) {
+    const auto x = hn::LoadU(floats, &caps.x[k]), y = hn::LoadU(floats, &caps.y[k]),
+               z = hn::LoadU(floats, &caps.z[k]);
+    // The cap covers the points with along1 cos(psi) + along2 sin(psi) > height.
+    const auto height = hn::Sub(hn::LoadU(floats, &caps.height[k]), center.dot(x, y, z));
+    const auto along1 = e1.dot(x, y, z), along2 = e2.dot(x, y, z);
+    const auto squared_chord =
+        hn::Sub(hn::Add(hn::Mul(along1, along1), hn::Mul(along2, along2)), hn::Mul(height, height));
+    const auto misses = hn::Lt(squared_chord, set(-chord_margin));
+    const auto is_below = hn::Lt(height, hn::Zero(floats));
+    if (!hn::AllFalse(floats, hn::And(misses, is_below))) return 0;
+
+    const auto chord = hn::Sqrt(hn::Max(squared_chord, hn::Zero(floats)));
+    const auto a1 = hn::Mul(along1, height), a2 = hn::Mul(along2, height);
+    const auto b1 = hn::Mul(along1, chord), b2 = hn::Mul(along2, chord);
+    const auto from = sector_of(hn::Add(a1, b2), hn::Sub(a2, b1));
+    auto to = sector_of(hn::Sub(a1, b2), hn::Add(a2, b1));
+    to = hn::IfThenElse(hn::Lt(to, from), hn::Add(to, set(sector_count)), to);
+    const auto one = hn::Set(integers, 1);
+    const auto first = hn::Add(hn::ConvertTo(integers, hn::Add(from, set(end_margin))), one);
+    const auto length = hn::Sub(hn::ConvertTo(integers, hn::Sub(to, set(end_margin))), first);
+    const auto cuts = hn::RebindMask(integers, hn::Gt(squared_chord, set(chord_margin)));
+    const auto otherwise =
+        hn::IfThenElse(hn::RebindMask(integers, misses), hn::Set(integers, CoveredSectors::nothing),
+                       hn::Set(integers, CoveredSectors::whole));
+    hn::StoreU(first, integers, &covered.first[k]);
+    hn::StoreU(hn::IfThenElse(cuts, length, otherwise), integers, &covered.length[k]);
+    for (std::size_t lane = 0; lane < hn::Lanes(floats); ++lane)
+      open &= ~covered.covered_by(k + lane);
+    if (open == 0) return 0;
+  }
+  return open;
+}
+
+}  // namespace eses::detail::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace eses::detail {
+
+void FloatCaps::assign(const CapList& caps, std::size_t begin, std::size_t size, double radius) {
+  count = size;
+  const std::size_t padded = size + vector_padding;
+  if (x.size() < padded)
+    for (auto* values : {&x, &y, &z, &height}) values->resize(2 * padded);
+  const double inverse = 1 / radius;
+  for (std::size_t k = 0; k < size; ++k) {
+    x[k] = static_cast<float>(caps.x[begin + k]);
+    y[k] = static_cast<float>(caps.y[begin + k]);
+    z[k] = static_cast<float>(caps.z[begin + k]);
+    height[k] = static_cast<float>(inverse * caps.height[begin + k]);
+  }
+  // Empty caps fill the last vector.
+  for (std::size_t k = size; k < padded; ++k) x[k] = height[k] = 2, y[k] = z[k] = 0;
+}
+
+Sectors find_open_sectors(const CircleInFrame& circle, const FloatCaps& caps,
+                          CoveredSectors& covered) {
+  if (covered.first.size() < caps.count + vector_padding)
+    for (auto* values : {&covered.first, &covered.length}) values->resize(caps.x.size());
+  return ESES_BEST_VERSION(find_open)(circle, caps, covered);
+}
+
+}  // namespace eses::detail
+#endif  // HWY_ONCE

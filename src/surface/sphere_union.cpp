@@ -1,0 +1,409 @@
+#include "surface/sphere_union.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <numbers>
+#include <span>
+#include <utility>
+
+#include "geometry/circle_arcs.hpp"
+#include "geometry/circle_sectors.hpp"
+#include "geometry/disc_masks.hpp"
+#include "geometry/pseudo_angle.hpp"
+#include "surface/crowded_atoms.hpp"
+#include "surface/patch_sweep.hpp"
+#include "surface/relevant_caps.hpp"
+#include "system/parallel.hpp"
+
+namespace eses::detail {
+namespace {
+
+using std::numbers::pi;
+
+// Bounds within which rounding does not matter. Lengths are in units of the radius of the SAS
+// sphere.
+constexpr double min_distance = 1e-4;    // of two centres
+constexpr double min_separation = 1e-8;  // of the rims of two caps, somewhere on the circle
+constexpr double max_gap = 1e-7;         // in the boundary of a face (angstrom)
+constexpr double min_factor = 1e-12;     // squared absolute value of a factor of boundary_factor
+constexpr double angle_error = 1e-7;     // of the solid angle of a face (steradian)
+
+// A unit vector that no symmetry prefers.
+constexpr Vec3 reference{0.36921824504210626, 0.5271827474485805, 0.7653471358283072};
+
+// What is known of the accessible part of a SAS sphere, its face. The boundary turns clockwise
+// about the axes of the caps.
+struct Face {
+  double max_angle = 0;             // solid angle outside of the largest cap
+  double turn = 0;                  // sum over the arcs of angle * (1 - cosine of the cap)
+  std::complex<double> factor = 1;  // product over the arcs, see boundary_factor
+  Vec3 gap;                         // sum of the chords of all arcs (angstrom)
+  bool has_boundary = false;
+};
+
+// The contributions of an arc to one of its two faces.
+struct FaceOfArc {
+  AtomIndex atom = 0;
+  double turn = 0;
+  std::complex<double> factor = 1;
+};
+
+// The contributions of an accessible arc.
+struct ArcTerm {
+  FaceOfArc first, second;
+  Vec3 chord;         // from the start to the end (angstrom)
+  double volume = 0;  // cubic angstrom
+};
+
+// The arcs that are measured from the atoms of a section.
+struct ArcTerms {
+  std::vector<ArcTerm> arcs;
+  bool is_certain = true;
+
+  void clear() {
+    arcs.clear();
+    is_certain = true;
+  }
+};
+
+// A unit vector in the frame of a circle.
+struct Direction {
+  double x = 0, y = 0;
+
+  double pseudo_angle() const { return diamond_angle(x, y); }
+};
+
+// The ends of the interval of a circle that a cap covers, counter-clockwise.
+struct CoveredArc {
+  Direction from, to;
+};
+
+// A contact circle, seen from the first of its atoms.
+struct UnionCircle {
+  SasSphere first, second;
+  Vec3 axis, e1, e2;  // e1 and e2 are perpendicular to the axis and to each other
+  double distance = 0, height = 0, radius = 0;
+
+  UnionCircle(const SasSphere& from, const SasSphere& to, const Cap& cap)
+      : first(from), second(to), axis(cap.axis), height(cap.height) {
+    distance = dot(second.center - first.center, axis);
+    radius = std::sqrt(std::max(0.0, (first.radius - height) * (first.radius + height)));
+    // Duff et al., J. Comput. Graph. Tech. 6, 1, 2017.
+    const double sign = std::copysign(1.0, axis.z);
+    const double a = -1 / (sign + axis.z), b = axis.x * axis.y * a;
+    e1 = {1 + sign * axis.x * axis.x * a, sign * b, -sign * axis.x};
+    e2 = {b, sign + axis.y * axis.y * a, -axis.y};
+  }
+
+  CircleInFrame relative() const {
+    return {axis, e1, e2, height / first.radius, radius / first.radius};
+  }
+  Vec3 radial(Direction d) const { return d.x * e1 + d.y * e2; }
+  // Relative to the centre of the first sphere.
+  Vec3 point(Direction d) const { return height * axis + radius * radial(d); }
+};
+
+// Returns the value of a boundary's function at a point of a circle in direction `d` of its frame.
+// The solid angle of the face is -turn - 2 arg(product over arcs of z(start) conj(z(end))) modulo
+// 4 pi.
+std::complex<double> boundary_value(const UnionCircle& circle, Vec3 axis, double cosine,
+                                    double sine, std::complex<double> direction) {
+  const double tangent = sine / (1 + cosine);  // of half the angular radius of the cap
+  const bool is_first = dot(axis, circle.axis) > 0;
+  const double along1 = dot(reference, circle.e1), along2 = dot(reference, circle.e2);
+  const std::complex<double> across(along1, is_first ? -along2 : along2);
+  return 1 + dot(reference, axis) + tangent * across * direction;
+}
+
+// What other atoms need to know of an open atom. The section is 0 for an atom that is covered or
+// has not been classified yet.
+struct OpenAtomEntry {
+  std::uint32_t section = 0;  // number of its section, counted from 1
+  std::uint32_t caps = 0;     // number of its relevant caps
+};
+
+// Returns whether the circle of two open atoms is measured from the first one: from the atom of the
+// later section, or else from that with fewer caps. It does not depend on the number of threads.
+bool is_measured_from(AtomIndex i, AtomIndex j, std::span<const OpenAtomEntry> atoms) {
+  const OpenAtomEntry &a = atoms[i], &b = atoms[j];
+  if (b.section == 0) return false;
+  if (a.section != b.section) return a.section > b.section;
+  return std::pair(a.caps, i) < std::pair(b.caps, j);
+}
+
+// Measures the arcs on the SAS spheres of atoms, one atom after the other.
+class ArcFinder {
+ public:
+  ArcFinder(const SurfaceModel& surface, Vec3 origin) : surface_(surface), origin_(origin) {}
+
+  void find(const AtomSection& section, std::span<const OpenAtomEntry> atoms, ArcTerms& terms) {
+    terms.clear();
+    terms_ = &terms;
+    for (const OpenAtom& open : section.open_atoms) {
+      const auto neighbours = std::span(section.neighbours).subspan(open.begin, open.count);
+      if (open.count > max_uncrowded) terms.is_certain = false;
+      if (!terms.is_certain) return;
+      section_ = &section;
+      atom_ = &open;
+      sphere_ = surface_.sas_sphere(open.atom);
+      floats_.assign(section.caps, open.begin, open.count, sphere_.radius);
+      for (std::uint32_t k = 0; k < open.count; ++k)
+        if (is_measured_from(open.atom, neighbours[k], atoms)) add_circle(k);
+    }
+  }
+
+ private:
+  Cap cap(std::uint32_t k) const { return section_->caps[atom_->begin + k]; }
+
+  void add_circle(std::uint32_t own) {
+    const AtomIndex j = section_->neighbours[atom_->begin + own];
+    const UnionCircle circle(sphere_, surface_.sas_sphere(j), cap(own));
+    open_sectors_ = find_open_sectors(circle.relative(), floats_, sectors_);
+    if (open_sectors_ == 0 || !find_intervals(circle, own)) return;
+    if (circle.distance < min_distance * circle.first.radius) terms_->is_certain = false;
+    if (intervals_.is_whole) {
+      if (is_open(circle, {1, 0})) add_arc(j, circle, {1, 0}, {1, 0}, 2 * pi);
+      return;
+    }
+    for (const auto& [low, high, low_cap, high_cap] : intervals_.intervals) {
+      const Direction start = covered_[low_cap].to, end = covered_[high_cap].from;
+      if (is_in_open_sector(start) && is_open(circle, start))
+        add_arc(j, circle, start, end, angle_between(start, end, high - low));
+    }
+  }
+
+  // Finds the parts of the circle that no cap covers, but for caps that reach no open sector.
+  // Returns false if there are none.
+  bool find_intervals(const UnionCircle& circle, std::uint32_t own) {
+    intervals_.clear();
+    covered_.clear();
+    for (std::uint32_t k = 0; k < atom_->count; ++k)
+      if (k != own && (sectors_.touched_by(k) & open_sectors_) != 0 && !cut(circle, cap(k)))
+        return false;
+    return true;
+  }
+
+  // Removes the part that a cap covers. Returns whether some part is left.
+  bool cut(const UnionCircle& circle, const Cap& cap) {
+    const double x = circle.radius * dot(cap.axis, circle.e1);
+    const double y = circle.radius * dot(cap.axis, circle.e2);
+    const double height = cap.height - circle.height * dot(cap.axis, circle.axis);
+    const double squared = x * x + y * y, squared_chord = squared - height * height;
+    const double separation = min_separation * circle.first.radius;
+    // All of the circle is next to the rim of the cap.
+    if (std::max(squared, height * height) < separation * separation) terms_->is_certain = false;
+    if (squared_chord <= 0) return height >= 0;
+    const double chord = std::sqrt(squared_chord), inverse = 1 / squared;
+    const Direction from{inverse * (x * height + y * chord), inverse * (y * height - x * chord)};
+    const Direction to{inverse * (x * height - y * chord), inverse * (y * height + x * chord)};
+    intervals_.block(from.pseudo_angle(), to.pseudo_angle(),
+                     static_cast<std::uint32_t>(covered_.size()));
+    covered_.push_back({from, to});
+    return !intervals_.is_empty();
+  }
+
+  bool is_in_open_sector(Direction d) const {
+    const int sector = static_cast<int>(sectors_per_unit * d.pseudo_angle()) % sector_count;
+    return (open_sectors_ >> sector & 1) != 0;
+  }
+  // Returns whether a point that no relevant cap covers is accessible.
+  bool is_open(const UnionCircle& circle, Direction d) const {
+    return table_.contains(atom_->discs, circle.point(d));
+  }
+
+  // Returns the angle between two directions whose pseudo-angles have this difference.
+  static double angle_between(Direction start, Direction end, double pseudo_angle) {
+    const double cosine = start.x * end.x + start.y * end.y;
+    double sine = start.x * end.y - start.y * end.x;
+    if (pseudo_angle < 1) sine = std::fabs(sine);
+    if (pseudo_angle > 3) sine = -std::fabs(sine);
+    const double angle = std::atan2(sine, cosine);
+    return angle < 0 ? angle + 2 * pi : angle;
+  }
+
+  void add_arc(AtomIndex j, const UnionCircle& circle, Direction start, Direction end,
+               double angle) {
+    const Vec3 chord = circle.radius * (circle.radial(end) - circle.radial(start));
+    const Vec3 center = circle.first.center - origin_ + circle.height * circle.axis;
+    const double volume =
+        circle.distance / 6 *
+        (circle.radius * circle.radius * angle + dot(circle.axis, cross(center, chord)));
+    const std::complex<double> from(start.x, start.y), to(end.x, end.y);
+    const double second_height = circle.distance - circle.height;
+    terms_->arcs.push_back(
+        {face_of(atom_->atom, circle, circle.axis, circle.height / circle.first.radius,
+                 circle.radius / circle.first.radius, from, to, angle),
+         face_of(j, circle, -circle.axis, second_height / circle.second.radius,
+                 circle.radius / circle.second.radius, std::conj(to), std::conj(from), angle),
+         chord, volume});
+  }
+
+  // `cosine` and `sine` are those of the angular radius of the cap about `axis`.
+  FaceOfArc face_of(AtomIndex atom, const UnionCircle& circle, Vec3 axis, double cosine,
+                    double sine, std::complex<double> start, std::complex<double> end,
+                    double angle) {
+    const auto from = boundary_value(circle, axis, cosine, sine, start);
+    const auto to = boundary_value(circle, axis, cosine, sine, end);
+    if (!(std::min(std::norm(from), std::norm(to)) > min_factor)) terms_->is_certain = false;
+    return {atom, angle * (1 - cosine), from * std::conj(to)};
+  }
+
+  const SurfaceModel& surface_;
+  const DiscTable& table_ = disc_table();
+  Vec3 origin_;
+  ArcTerms* terms_ = nullptr;
+  // The atom that is being measured.
+  const AtomSection* section_ = nullptr;
+  const OpenAtom* atom_ = nullptr;
+  SasSphere sphere_;
+  FloatCaps floats_;
+  // Its circle with another atom.
+  CoveredSectors sectors_;
+  Sectors open_sectors_ = 0;
+  std::vector<CoveredArc> covered_;  // by cap, as far as they cover a part of the circle
+  OpenIntervals intervals_;
+};
+
+// Adds up the contributions of all atoms.
+class UnionSums {
+ public:
+  explicit UnionSums(const SurfaceModel& surface)
+      : surface_(surface), faces_(surface.atoms.size()) {}
+
+  void add(const AtomSection& section, const ArcTerms& terms) {
+    for (const AngleBound& bound : section.bounds) faces_[bound.atom].max_angle = bound.max_angle;
+    for (const ArcTerm& arc : terms.arcs) {
+      add(arc.first, -arc.chord);
+      add(arc.second, arc.chord);
+      volume_ += arc.volume;
+    }
+  }
+
+  // Returns nothing if a face does not fit together.
+  std::optional<SphereUnion> finish() const {
+    SphereUnion result{std::vector<double>(faces_.size()), 0, volume_};
+    for (AtomIndex i = 0; i < faces_.size(); ++i) {
+      const std::optional<double> angle = solid_angle(faces_[i]);
+      if (!angle) return std::nullopt;
+      const double radius = surface_.atoms[i].radius + surface_.probe_radius;
+      result.areas[i] = *angle * radius * radius;
+      result.area += result.areas[i];
+      result.volume += radius / 3 * result.areas[i];
+    }
+    return result;
+  }
+
+ private:
+  void add(const FaceOfArc& term, Vec3 chord) {
+    Face& face = faces_[term.atom];
+    face.has_boundary = true;
+    face.turn += term.turn;
+    face.factor *= term.factor;
+    // The product of many factors must not overflow.
+    constexpr double large = 1e100;
+    const double size = std::norm(face.factor);
+    if (size > large || size < 1 / large) face.factor /= std::sqrt(size);
+    face.gap = face.gap + chord;
+  }
+
+  static std::optional<double> solid_angle(const Face& face) {
+    if (!face.has_boundary) return whole_or_nothing(face);
+    if (norm(face.gap) > max_gap) return std::nullopt;
+    const double turns = (-face.turn - 2 * std::arg(face.factor)) / (4 * pi);
+    double angle = 4 * pi * (turns - std::floor(turns));
+    if (angle > face.max_angle + angle_error) angle -= 4 * pi;
+    if (angle < -angle_error) return std::nullopt;
+    return std::max(0.0, angle);
+  }
+
+  // A sphere without arcs is accessible where it has no cap, and covered where it has one.
+  static std::optional<double> whole_or_nothing(const Face& face) {
+    if (face.max_angle == 4 * pi) return 4 * pi;
+    if (face.max_angle > 4 * pi - angle_error) return std::nullopt;
+    return 0;
+  }
+
+  const SurfaceModel& surface_;
+  std::vector<Face> faces_;  // by atom
+  double volume_ = 0;
+};
+
+constexpr std::size_t atoms_per_section = 512;
+
+// Sections that are measured before their contributions are added.
+constexpr std::size_t sections_per_thread = 4;
+
+// With fewer atoms for each thread, starting it costs more than it saves.
+constexpr std::size_t min_atoms_per_thread = 1500;
+
+// Consecutive sections, measured in two steps: the relevant caps of all atoms, then the arcs of
+// open atoms. The arcs need to know which atoms are open, also those of earlier sections.
+class SectionSweep {
+ public:
+  SectionSweep(const SurfaceModel& surface, int threads)
+      : surface_(surface),
+        order_(surface.cells().order()),
+        threads_(static_cast<int>(std::clamp<std::size_t>(order_.size() / min_atoms_per_thread, 1,
+                                                          static_cast<std::size_t>(threads)))),
+        atoms_(surface.atoms.size()),
+        scratch_(static_cast<std::size_t>(threads_)),
+        finders_(scratch_.size(), ArcFinder(surface, middle_of(surface.atoms))),
+        sections_(threads_ == 1 ? 1 : sections_per_thread * scratch_.size()),
+        terms_(sections_.size()) {}
+
+  std::optional<SphereUnion> run(const CheckCallback& check) {
+    UnionSums sums(surface_);
+    const std::size_t count = (order_.size() + atoms_per_section - 1) / atoms_per_section;
+    for (std::size_t begin = 0; begin < count; begin += sections_.size()) {
+      if (check) check();
+      const std::size_t end = std::min(begin + sections_.size(), count);
+      measure(begin, end);
+      for (std::size_t k = 0; k < end - begin; ++k) {
+        if (!terms_[k].is_certain) return std::nullopt;
+        sums.add(sections_[k], terms_[k]);
+      }
+    }
+    return sums.finish();
+  }
+
+ private:
+  void measure(std::size_t begin, std::size_t end) {
+    const auto count = static_cast<std::int64_t>(end - begin);
+    parallel_for(count, threads_, [&](std::int64_t k, int thread) {
+      classify(begin + static_cast<std::size_t>(k), scratch_[static_cast<std::size_t>(thread)],
+               sections_[static_cast<std::size_t>(k)]);
+    });
+    parallel_for(count, threads_, [&](std::int64_t k, int thread) {
+      finders_[static_cast<std::size_t>(thread)].find(sections_[static_cast<std::size_t>(k)],
+                                                      atoms_, terms_[static_cast<std::size_t>(k)]);
+    });
+  }
+
+  void classify(std::size_t number, RelevantCapScratch& scratch, AtomSection& section) {
+    const std::size_t first = number * atoms_per_section;
+    find_relevant_caps(surface_,
+                       order_.subspan(first, std::min(atoms_per_section, order_.size() - first)),
+                       scratch, section);
+    for (const OpenAtom& open : section.open_atoms)
+      atoms_[open.atom] = {static_cast<std::uint32_t>(number + 1), open.count};
+  }
+
+  const SurfaceModel& surface_;
+  std::span<const AtomIndex> order_;
+  int threads_;
+  std::vector<OpenAtomEntry> atoms_;         // by atom
+  std::vector<RelevantCapScratch> scratch_;  // by thread
+  std::vector<ArcFinder> finders_;           // by thread
+  std::vector<AtomSection> sections_;
+  std::vector<ArcTerms> terms_;  // by section
+};
+
+}  // namespace
+
+std::optional<SphereUnion> measure_union(const SurfaceModel& surface, int threads,
+                                         const CheckCallback& check) {
+  return SectionSweep(surface, threads).run(check);
+}
+
+}  // namespace eses::detail
