@@ -13,9 +13,9 @@ import eses_blocks as eses
 from eses_blocks import _core
 
 STUB = pathlib.Path(eses.__file__).with_name("_core.pyi")
-# Names that Python gives to every class, and those that pickle uses.
+# Names that Python or pybind11 give to every class, and those that pickle uses.
 INHERITED = set(dir(object)) | {"__module__", "__getstate__", "__setstate__", "__slotnames__",
-                                "__dict__", "__weakref__"}
+                                "__dict__", "__weakref__", "_pybind11_conduit_v1_"}
 OWN = {"__init__", "__eq__", "__hash__"}
 
 

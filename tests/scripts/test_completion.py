@@ -117,6 +117,11 @@ class Zsh(TestCase):
         super().setUp()
         if not shutil.which("zsh"):
             self.skipTest("zsh is not installed")
+        try:
+            for end in pty.openpty():
+                os.close(end)
+        except OSError as error:
+            self.skipTest(f"no terminal can be made: {error}")
 
     def complete(self, line):
         """Returns the completions of an interactive zsh when Tab is pressed at the end of the
