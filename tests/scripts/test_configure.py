@@ -2,6 +2,7 @@
 
 import re
 import subprocess
+import sysconfig
 
 from support import PROJECT, TestCase
 
@@ -36,7 +37,8 @@ class Configure(TestCase):
             path.write_text(text, encoding="utf-8")
         include = self.folder / "include"
         options = (f"-DGEMMI_INCLUDE_DIR={include}", f"-DPEGTL_INCLUDE_DIR={include}",
-                   "-DCMAKE_DISABLE_FIND_PACKAGE_fmt=ON", "-DGEMMI_LIBRARY=GEMMI_LIBRARY-NOTFOUND")
+                   "-DCMAKE_DISABLE_FIND_PACKAGE_fmt=ON",
+                   f"-DCMAKE_IGNORE_PATH=/usr/lib;/usr/lib/{sysconfig.get_config_var('MULTIARCH')}")
         self.assertNotIn("gemmi-dev", self.missing_packages(*options))
         self.assertIn("gemmi-dev", self.missing_packages(*options, "-DESES_WITH_GEMMI=ON"))
 
