@@ -3,6 +3,7 @@
 import importlib.util
 import os
 import pathlib
+import pty
 import shutil
 import signal
 import subprocess
@@ -147,6 +148,16 @@ def accessibility_faults(browser):
           canvas.remove();
           return faults""")]
     return faults
+
+
+def skip_without_terminal(test):
+    """Skips a test if this system, for example a root directory without /dev/pts, has no
+    pseudo-terminals."""
+    try:
+        for end in pty.openpty():
+            os.close(end)
+    except OSError as error:
+        test.skipTest(f"no terminal can be made: {error}")
 
 
 def has_matplotlib(script):

@@ -10,7 +10,7 @@ import subprocess
 import tempfile
 import unittest
 
-from support import PROGRAM, PROJECT, TestCase, write_map
+from support import PROGRAM, PROJECT, TestCase, skip_without_terminal, write_map
 
 COMPLETIONS = PROJECT / "packaging" / "completions"
 BASH_COMPLETION = pathlib.Path("/usr/share/bash-completion/bash_completion")
@@ -117,11 +117,7 @@ class Zsh(TestCase):
         super().setUp()
         if not shutil.which("zsh"):
             self.skipTest("zsh is not installed")
-        try:
-            for end in pty.openpty():
-                os.close(end)
-        except OSError as error:
-            self.skipTest(f"no terminal can be made: {error}")
+        skip_without_terminal(self)
 
     def complete(self, line):
         """Returns the completions of an interactive zsh when Tab is pressed at the end of the

@@ -10,7 +10,7 @@ import subprocess
 import termios
 import unittest
 
-from support import PROGRAM, TestCase
+from support import PROGRAM, TestCase, skip_without_terminal
 
 WIDTH = 70
 
@@ -18,6 +18,7 @@ WIDTH = 70
 class Bar(TestCase):
     def setUp(self):
         super().setUp()
+        skip_without_terminal(self)
         self.input = self.folder / "many.xyzr"
         self.input.write_text("".join(f"{x * 3} {y * 3} {z * 3} 1.7\n" for x in range(16)
                                       for y in range(16) for z in range(16)))
