@@ -13,14 +13,12 @@
 #include <vector>
 
 #include "catch.hpp"
-#include "distributed/checkpoint.hpp"
-#include "distributed/group_numbers.hpp"
-#include "distributed/packed_texts.hpp"
 #include "distributed/processes.hpp"
 #include "eses/error.hpp"
 #include "input/atom_reader.hpp"
 #include "output/local_triangle.hpp"
 #include "output/output_files.hpp"
+#include "run/checkpoint.hpp"
 #include "run/slabs.hpp"
 #include "support/eses_files.hpp"
 #include "support/sandbox.hpp"
@@ -99,17 +97,16 @@ TEST_CASE("collective operations of a single process return its own values", "[p
   CHECK(alone.count() == 1);
   CHECK(alone.is_first());
   CHECK(alone.sum(5) == 5);
-  CHECK(alone.sum_before(5) == 0);
-  CHECK(alone.range_of(1000, 64, 0).end == 1000);
+  CHECK(alone.max(5) == 5);
   CHECK(alone.gather<int>(std::vector{1, 2}) == std::vector{1, 2});
-  CHECK(alone.exchange(std::vector<std::vector<int>>{{3, 4}}) == std::vector{3, 4});
-  CHECK(alone.chain("a", [](const std::string& before) { return before + "b"; }) == "ab");
+  CHECK(alone.gather_texts(std::vector<std::string>{"a", "", "b c"}) ==
+        std::vector<std::string>{"a", "", "b c"});
   CHECK_THROWS_AS(alone.all_or_throw([] { throw Error("no"); }), Error);
 }
 
 TEST_CASE("complete chunks are kept", "[processes]") {
   const TemporaryDirectory directory;
-  Checkpoint checkpoint(directory.path(), "one run");
+  Checkpoint checkpoint(directory.path(), "one run", Checkpoint::Chunks::kept);
   CHECK(checkpoint.complete().empty());
   checkpoint.lock();
   checkpoint.prepare();
@@ -119,7 +116,7 @@ TEST_CASE("complete chunks are kept", "[processes]") {
   checkpoint.create({4, 10}, ChunkText::grid);  // incomplete
   CHECK(checkpoint.complete() == Ranges{{0, 4}, {10, 20}});
 
-  const Checkpoint later(directory.path(), "one run");
+  const Checkpoint later(directory.path(), "one run", Checkpoint::Chunks::kept);
   CHECK(later.complete() == Ranges{{0, 4}, {10, 20}});
   const PlaneChunk chunk = later.read({10, 20});
   CHECK(chunk.info.bytes[0] == 4);
@@ -132,13 +129,14 @@ TEST_CASE("complete chunks are kept", "[processes]") {
   later.open({10, 20}, ChunkText::grid)->read_at(text, 0);
   CHECK(text == "text");
 
-  CHECK_THROWS_AS(Checkpoint(directory.path(), "another run").complete(), Error);
-  CHECK_THROWS_AS(Checkpoint(directory.path(), "one run").lock(), Error);
+  CHECK_THROWS_AS(Checkpoint(directory.path(), "another run", Checkpoint::Chunks::kept).complete(),
+                  Error);
+  CHECK_THROWS_AS(Checkpoint(directory.path(), "one run", Checkpoint::Chunks::kept).lock(), Error);
 }
 
 TEST_CASE("incomplete chunks are computed again", "[processes]") {
   const TemporaryDirectory directory;
-  Checkpoint checkpoint(directory.path(), "one run");
+  Checkpoint checkpoint(directory.path(), "one run", Checkpoint::Chunks::kept);
   checkpoint.lock();
   checkpoint.prepare();
   for (const std::int64_t begin : {0, 10, 20, 30})
@@ -179,25 +177,40 @@ TEST_CASE("a text's checksum does not depend on its parts", "[processes]") {
   CHECK(sums[2] == sums[0]);
 }
 
+TEST_CASE("temporary chunks are removed with the checkpoint", "[processes]") {
+  const TemporaryDirectory directory;
+  {
+    Checkpoint checkpoint(directory.path(), "one run", Checkpoint::Chunks::temporary);
+    checkpoint.lock();
+    checkpoint.prepare();
+    put_chunk(checkpoint, {0, 5}, "text", {});
+    // A run that does not get the lock removes nothing.
+    CHECK_THROWS_AS(Checkpoint(directory.path(), "", Checkpoint::Chunks::temporary).lock(), Error);
+    CHECK(checkpoint.complete() == Ranges{{0, 5}});
+  }
+  CHECK(!std::filesystem::exists(directory.path() / checkpoint_name));
+}
+
 TEST_CASE("incomplete chunks of another run are ignored", "[processes]") {
   const TemporaryDirectory directory;
-  Checkpoint checkpoint(directory.path(), "one run");
+  Checkpoint checkpoint(directory.path(), "one run", Checkpoint::Chunks::kept);
   checkpoint.lock();
   checkpoint.prepare();
   checkpoint.create({0, 4}, ChunkText::grid);
-  CHECK(Checkpoint(directory.path(), "another run").complete().empty());
+  CHECK(Checkpoint(directory.path(), "another run", Checkpoint::Chunks::kept).complete().empty());
 }
 
 TEST_CASE("a damaged identity of a run is not taken for another run", "[processes]") {
   const TemporaryDirectory directory;
   const std::string identity = "eses-blocks 1 format 4\natoms 3\n";
-  Checkpoint checkpoint(directory.path(), identity);
+  Checkpoint checkpoint(directory.path(), identity, Checkpoint::Chunks::kept);
   checkpoint.lock();
   checkpoint.prepare();
   put_chunk(checkpoint, {0, 5}, "", {});
   const auto message = [&](const std::string& of_this_run) {
     try {
-      static_cast<void>(Checkpoint(directory.path(), of_this_run).complete());
+      static_cast<void>(
+          Checkpoint(directory.path(), of_this_run, Checkpoint::Chunks::kept).complete());
     } catch (const Error& error) {
       return std::string(error.what());
     }
@@ -225,7 +238,7 @@ TEST_CASE("a damaged identity of a run is not taken for another run", "[processe
 
 TEST_CASE("chunks that overlap are refused", "[processes]") {
   const TemporaryDirectory directory;
-  Checkpoint checkpoint(directory.path(), "one run");
+  Checkpoint checkpoint(directory.path(), "one run", Checkpoint::Chunks::kept);
   checkpoint.lock();
   checkpoint.prepare();
   put_chunk(checkpoint, {0, 5}, "", {});
@@ -250,18 +263,6 @@ TEST_CASE("lines of a part of a file have their numbers in the whole file", "[pr
   CHECK(message.find("file:104: ") == 0);
 }
 
-TEST_CASE("keys are numbered in the order of their first occurrence", "[processes]") {
-  int argc = 0;
-  char** argv = nullptr;
-  const Processes alone(argc, argv);
-  const std::vector<std::string> keys{"b", "", "a", "c"};
-  const KeyNumbers numbers = number_keys(keys, alone);
-  CHECK(numbers.of_key == std::vector<std::uint32_t>{0, 1, 2, 3});
-  CHECK(numbers.first_here == std::vector<std::size_t>{0, 1, 2, 3});
-  CHECK(numbers.first == 0);
-  CHECK(number_keys({}, alone).of_key.empty());
-}
-
 TEST_CASE("triangles of a part get the vertex numbers of the whole mesh", "[processes][mesh]") {
   TextBuffer bytes;
   const mesh::Triangle below{std::uint64_t{0} - 3, 5, 2'000'000'000};
@@ -271,13 +272,6 @@ TEST_CASE("triangles of a part get the vertex numbers of the whole mesh", "[proc
   std::memcpy(&local, bytes.text().data(), sizeof local);
   CHECK(local == mesh::LocalTriangle{{-3, 5, 2'000'000'000}, 2});
   CHECK(mesh::global_triangle(10, local) == mesh::Triangle{7, 15, 2'000'000'010});
-}
-
-TEST_CASE("packed texts are unpacked unchanged", "[processes]") {
-  std::string packed;
-  for (const char* text : {"", "one", "", "two words"}) pack(packed, text);
-  CHECK(unpack(packed) == std::vector<std::string>{"", "one", "", "two words"});
-  CHECK(unpack("").empty());
 }
 
 }  // namespace eses::detail::test

@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "distributed/file_diagnostics.hpp"
+#include "run/file_diagnostics.hpp"
 
 namespace eses::detail::cli {
 

@@ -120,15 +120,11 @@ MeasuredPart measure_part(std::uint32_t part, const MeasureOptions& options, Mea
 
 /// Returns the diagnostics of the atoms of a file.
 FileDiagnostics diagnostics_of(const AtomFile& file, const Surface& surface) {
-  FileDiagnostics all{file.diagnostics, {}, {}};
-  const std::span<const Diagnostic> of_surface = surface.diagnostics();
-  all.add({{of_surface.begin(), of_surface.end()}, {}, {}});
-  for (const Diagnostic& diagnostic : all.diagnostics)
-    for (const auto& example : diagnostic.examples)
-      for (const AtomIndex atom : {example.atom, example.other}) {
-        all.lines[atom] = file.lines[atom];
-        if (!surface.labels().empty()) all.labels[atom] = surface.labels()[atom];
-      }
+  FileDiagnostics all;
+  all.add(file.diagnostics, file.lines);
+  all.add(surface.diagnostics(), file.lines);
+  if (surface.labels().empty()) return all;
+  for (const auto& [atom, line] : all.lines) all.labels[atom] = surface.labels()[atom];
   return all;
 }
 

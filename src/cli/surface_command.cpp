@@ -195,8 +195,13 @@ void run_with_progress(const Options& options, const RunPlan& plan, const Proces
   } catch (const SharedError&) {
     throw;
   } catch (...) {
-    // The process that made the files may be ended before it can remove them.
-    if (processes.count() > 1) interruptible.remove_leftovers();
+    // The process that made the files is ended before it can remove them. The other processes still
+    // write chunks, so one process has to become the reporter first.
+    if (processes.count() > 1) {
+      processes.become_reporter();
+      interruptible.remove_leftovers();
+      plan.checkpoint->remove_temporary();
+    }
     throw;
   }
 }

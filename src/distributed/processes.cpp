@@ -1,6 +1,7 @@
 // The parts of the communication that do not depend on MPI.
 #include "distributed/processes.hpp"
 
+#include <sched.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -10,7 +11,6 @@
 #include <optional>
 #include <stdexcept>
 
-#include "distributed/packed_texts.hpp"
 #include "system/formatted.hpp"
 
 namespace eses::detail {
@@ -20,16 +20,6 @@ int Processes::launched_count() {
   for (const char* const name : {"OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "SLURM_STEP_NUM_TASKS"})
     if (const char* const size = std::getenv(name)) count = std::max(count, std::atoi(size));
   return count;
-}
-
-IndexRange Processes::range_of(std::uint64_t count, std::uint64_t unit, int rank) const {
-  const std::uint64_t units = (count + unit - 1) / unit, all = static_cast<std::uint64_t>(count_);
-  const auto begin_of = [&](std::uint64_t r) {
-    // This form avoids the product of two large numbers.
-    return std::min(count, unit * (units / all * r + units % all * r / all));
-  };
-  const auto r = static_cast<std::uint64_t>(rank);
-  return {begin_of(r), begin_of(r + 1)};
 }
 
 void Processes::all_or_throw(const std::function<void()>& action) const {
@@ -51,10 +41,11 @@ void Processes::all_or_throw(const std::function<void()>& action) const {
     if (const auto* const hinted = dynamic_cast<const Hints*>(&error))
       failure->insert(failure->end(), hinted->hints().begin(), hinted->hints().end());
   }
-  auto first = static_cast<std::uint64_t>(failure ? rank_ : count_);
-  allreduce(std::span(&first, 1), Reduction::min);
-  if (first == static_cast<std::uint64_t>(count_)) return;
-  if (first != static_cast<std::uint64_t>(rank_)) failure.reset();
+  const int mine = failure ? rank_ : count_;
+  const std::vector<int> ranks = gather(std::span(&mine, 1));
+  const int first = *std::min_element(ranks.begin(), ranks.end());
+  if (first == count_) return;
+  if (first != rank_) failure.reset();
   std::vector<std::string> texts = gather_texts(failure.value_or(std::vector<std::string>()));
   const std::string message = texts.front();
   texts.erase(texts.begin());
@@ -63,9 +54,36 @@ void Processes::all_or_throw(const std::function<void()>& action) const {
 
 std::vector<std::string> Processes::gather_texts(std::span<const std::string> texts) const {
   std::string packed;
-  for (const std::string& text : texts) pack(packed, text);
+  for (const std::string& text : texts) packed.append(text).push_back('\0');
   const std::vector<char> all = gather<char>(packed);
-  return unpack({all.begin(), all.end()});
+  std::vector<std::string> unpacked;
+  for (auto text = all.begin(); text != all.end(); text += unpacked.back().size() + 1)
+    unpacked.emplace_back(&*text);
+  return unpacked;
+}
+
+// The launcher may bind each process to its own processors, or let all processes use all of them.
+Processes::Machine Processes::machine(int processors) const {
+  if (count_ == 1) return {1, processors};
+  struct Process {
+    std::array<char, 256> machine{};
+    cpu_set_t allowed{};
+  } self;
+  gethostname(self.machine.data(), self.machine.size() - 1);
+  sched_getaffinity(0, sizeof self.allowed, &self.allowed);
+  Machine machine{0, 0};
+  int all = 0;  // sum of the numbers of allowed processors
+  cpu_set_t together{};
+  for (const Process& process : gather(std::span<const Process>(&self, 1))) {
+    if (process.machine != self.machine) continue;
+    ++machine.processes;
+    all += std::max(1, CPU_COUNT(&process.allowed));
+    CPU_OR(&together, &together, &process.allowed);
+  }
+  const int own = std::max(1, CPU_COUNT(&self.allowed));
+  machine.processors =
+      std::min(processors, std::max(1, own * std::max(1, CPU_COUNT(&together)) / all));
+  return machine;
 }
 
 std::string Processes::on_machine() const {

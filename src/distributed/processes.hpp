@@ -2,8 +2,9 @@
 /// Communication of the MPI ranks of a run. Without MPI, or without an MPI launcher, there is a
 /// single process.
 
-#include <cstddef>
+#include <algorithm>
 #include <cstdint>
+#include <cstring>
 #include <functional>
 #include <numeric>
 #include <span>
@@ -17,13 +18,6 @@
 
 namespace eses::detail {
 
-/// The indices in [begin, end), such as the indices of consecutive atoms of a file, or offsets.
-struct IndexRange {
-  std::uint64_t begin = 0, end = 0;
-
-  std::uint64_t count() const { return end - begin; }
-};
-
 /// An error that all processes have received, so that one of them can print it and all can exit.
 class SharedError : public Error, public Hints {
  public:
@@ -31,10 +25,10 @@ class SharedError : public Error, public Hints {
       : Error(message), Hints(std::move(hints)) {}
 };
 
-/// The MPI processes of a run. All functions except `rank`, `count`, `is_first`, `range_of`,
-/// `become_reporter`, `abort` and the static ones are collective: all processes must call them,
-/// from their main threads and outside of parallel loops (MPI_THREAD_FUNNELED). Elements are copied
-/// as bytes. In a single process no function communicates.
+/// The MPI processes of a run. All functions except `rank`, `count`, `is_first`, `become_reporter`,
+/// `abort` and the static ones are collective: all processes must call them, from their main
+/// threads and outside of parallel loops (MPI_THREAD_FUNNELED). In a single process no function
+/// communicates.
 class Processes {
  public:
   /// Makes a single process, independent of any launcher. Never uses MPI.
@@ -57,42 +51,27 @@ class Processes {
   /// Advice for an error message if processes were started together but do not share a run.
   static std::string_view advice();
 
-  /// Returns the part of [0, count) that a rank processes. All parts have about the same size and
-  /// begin at multiples of `unit`.
-  IndexRange range_of(std::uint64_t count, std::uint64_t unit, int rank) const;
-
-  /// How an element of all processes becomes one. The order of summation is unspecified.
-  enum class Reduction { min, max, sum };
-  /// Replaces each element by its minimum, maximum or sum over all processes.
-  void allreduce(std::span<double> values, Reduction reduction) const;
-  void allreduce(std::span<std::uint64_t> values, Reduction reduction) const;
-  void allreduce_min(std::span<double> values) const { allreduce(values, Reduction::min); }
-  void allreduce_max(std::span<double> values) const { allreduce(values, Reduction::max); }
-  void add(std::span<double> values) const { allreduce(values, Reduction::sum); }
-  void add(std::span<std::uint64_t> values) const { allreduce(values, Reduction::sum); }
-  /// Returns the sum over all lower ranks.
-  std::uint64_t sum_before(std::uint64_t value) const;
-  /// Returns the sum over all processes.
-  std::uint64_t sum(std::uint64_t value) const {
-    add({&value, 1});
-    return value;
-  }
-
-  /// Returns the elements of all processes in the order of ranks, in all processes.
+  /// Returns the elements of all processes in the order of ranks, in all processes. Elements are
+  /// copied as bytes.
   template <class T>
   std::vector<T> gather(std::span<const T> elements) const;
   /// Does the same with texts, which must not contain NUL.
   std::vector<std::string> gather_texts(std::span<const std::string> texts) const;
-  /// Returns the text of rank `from`, in all processes.
-  std::string broadcast(std::string text, int from = 0) const;
-  /// Sends `to[rank]` to each process. Returns the elements sent to this process, in the order of
-  /// ranks.
+
+  /// Return the sum and the maximum of the values of all processes, in all processes.
   template <class T>
-  std::vector<T> exchange(std::vector<std::vector<T>> to) const;
-  /// Passes a value from rank to rank; each process applies `change` to it. Returns the final value
-  /// in all processes.
-  std::string chain(const std::string& first,
-                    const std::function<std::string(const std::string&)>& change) const;
+  T sum(const T& value) const {
+    const std::vector<T> values = gather(std::span(&value, 1));
+    return std::accumulate(values.begin(), values.end(), T{});
+  }
+  template <class T>
+  T max(const T& value) const {
+    const std::vector<T> values = gather(std::span(&value, 1));
+    return *std::max_element(values.begin(), values.end());
+  }
+
+  /// Returns when all processes have called it.
+  void wait_for_all() const { sum(0); }
 
   /// Performs an action that does not communicate. If it throws Error, std::invalid_argument or
   /// std::bad_alloc in any process, all processes throw SharedError with the message and hints of
@@ -124,39 +103,23 @@ class Processes {
   [[noreturn]] void abort(int exit_code) const;
 
  private:
-  // Returns the number of elements from each process, if `to` has the number to each process.
-  std::vector<std::uint64_t> exchange_counts(std::span<const std::uint64_t> to) const;
-  void exchange_elements(const void* sent, std::span<const std::uint64_t> to, void* received,
-                         std::span<const std::uint64_t> from, std::size_t element_bytes) const;
+  // Returns the bytes of all processes in the order of ranks.
+  std::vector<char> gather_bytes(std::span<const char> bytes) const;
 
   int rank_ = 0, count_ = 1;
-  bool has_mpi_ = false;  // whether this object has started MPI
+  bool has_mpi_ = false;              // whether this object has started MPI
+  mutable bool is_reporter_ = false;  // see become_reporter
 };
 
 template <class T>
-std::vector<T> Processes::exchange(std::vector<std::vector<T>> to) const {
-  static_assert(std::is_trivially_copyable_v<T>);
-  if (count_ == 1) return std::move(to.front());
-  std::vector<std::uint64_t> counts;
-  std::vector<T> sent;
-  counts.reserve(to.size());
-  for (const auto& part : to) counts.push_back(part.size());
-  sent.reserve(std::accumulate(counts.begin(), counts.end(), std::uint64_t{0}));
-  for (auto& part : to) {
-    sent.insert(sent.end(), part.begin(), part.end());
-    std::vector<T>().swap(part);
-  }
-  const std::vector<std::uint64_t> from = exchange_counts(counts);
-  std::vector<T> received(std::accumulate(from.begin(), from.end(), std::uint64_t{0}));
-  exchange_elements(sent.data(), counts, received.data(), from, sizeof(T));
-  return received;
-}
-
-template <class T>
 std::vector<T> Processes::gather(std::span<const T> elements) const {
+  static_assert(std::is_trivially_copyable_v<T>);
   if (count_ == 1) return {elements.begin(), elements.end()};
-  return exchange(
-      std::vector(static_cast<std::size_t>(count_), std::vector(elements.begin(), elements.end())));
+  const std::vector<char> bytes =
+      gather_bytes({reinterpret_cast<const char*>(elements.data()), elements.size_bytes()});
+  std::vector<T> all(bytes.size() / sizeof(T));
+  std::memcpy(all.data(), bytes.data(), bytes.size());
+  return all;
 }
 
 }  // namespace eses::detail

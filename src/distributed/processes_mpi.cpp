@@ -1,5 +1,5 @@
 // MPI: A Message-Passing Interface Standard, version 3.1, https://www.mpi-forum.org/docs/
-#include <sched.h>
+#include <mpi.h>
 
 #include <algorithm>
 #include <array>
@@ -7,8 +7,8 @@
 #include <cstdlib>
 #include <limits>
 #include <thread>
+#include <utility>
 
-#include "distributed/mpi_errors.hpp"
 #include "distributed/processes.hpp"
 #include "system/formatted.hpp"
 
@@ -25,58 +25,20 @@ bool was_launched() {
 
 // Throws Error if an MPI function has failed.
 void require_success(int error, const char* what) {
-  if (error != MPI_SUCCESS)
-    throw Error(formatted("MPI cannot {}: {}", what, mpi_error_text(error)));
+  if (error == MPI_SUCCESS) return;
+  std::array<char, MPI_MAX_ERROR_STRING> text{};
+  int length = 0;
+  MPI_Error_string(error, text.data(), &length);
+  throw Error(formatted("MPI cannot {}: {}", what,
+                        std::string_view(text.data(), static_cast<std::size_t>(length))));
 }
 
 int small_count(std::uint64_t count) {
   if (count > static_cast<std::uint64_t>(std::numeric_limits<int>::max()))
     throw Error(
-        "more is to be exchanged between two processes than MPI can count; use more of them");
+        "the processes have to exchange more bytes than MPI can count; use fewer processes");
   return static_cast<int>(count);
 }
-
-MPI_Op operation_of(Processes::Reduction reduction) {
-  using Reduction = Processes::Reduction;
-  return reduction == Reduction::min ? MPI_MIN : reduction == Reduction::max ? MPI_MAX : MPI_SUM;
-}
-
-template <class Value>
-void reduce(std::span<Value> values, MPI_Datatype type, MPI_Op operation) {
-  require_success(MPI_Allreduce(MPI_IN_PLACE, values.data(), small_count(values.size()), type,
-                                operation, MPI_COMM_WORLD),
-                  "reduce");
-}
-
-// An MPI datatype of contiguous bytes.
-class ByteType {
- public:
-  explicit ByteType(std::size_t bytes) {
-    MPI_Type_contiguous(small_count(bytes), MPI_BYTE, &type_);
-    MPI_Type_commit(&type_);
-  }
-  ~ByteType() { MPI_Type_free(&type_); }
-  ByteType(const ByteType&) = delete;
-  ByteType& operator=(const ByteType&) = delete;
-  MPI_Datatype get() const { return type_; }
-
- private:
-  MPI_Datatype type_ = MPI_DATATYPE_NULL;
-};
-
-// Counts and offsets of each process's elements.
-struct Layout {
-  std::vector<int> counts, begins;
-
-  explicit Layout(std::span<const std::uint64_t> sizes) {
-    std::uint64_t begin = 0;
-    for (const std::uint64_t size : sizes) {
-      counts.push_back(small_count(size));
-      begins.push_back(small_count(begin));
-      begin += size;
-    }
-  }
-};
 
 }  // namespace
 
@@ -98,71 +60,22 @@ Processes::~Processes() {
 
 std::string_view Processes::advice() { return "start them with mpirun or srun --mpi=pmix"; }
 
-void Processes::allreduce(std::span<double> values, Reduction reduction) const {
-  if (count_ > 1) reduce(values, MPI_DOUBLE, operation_of(reduction));
-}
-
-void Processes::allreduce(std::span<std::uint64_t> values, Reduction reduction) const {
-  if (count_ > 1) reduce(values, MPI_UINT64_T, operation_of(reduction));
-}
-
-std::uint64_t Processes::sum_before(std::uint64_t value) const {
-  if (count_ == 1) return 0;
-  std::uint64_t before = 0;
-  require_success(MPI_Exscan(&value, &before, 1, MPI_UINT64_T, MPI_SUM, MPI_COMM_WORLD), "add");
-  return rank_ == 0 ? 0 : before;  // MPI_Exscan leaves the result of rank 0 undefined
-}
-
-std::string Processes::broadcast(std::string text, int from) const {
-  if (count_ == 1) return text;
-  std::uint64_t size = text.size();
-  require_success(MPI_Bcast(&size, 1, MPI_UINT64_T, from, MPI_COMM_WORLD), "broadcast");
-  text.resize(size);
-  require_success(MPI_Bcast(text.data(), small_count(size), MPI_CHAR, from, MPI_COMM_WORLD),
-                  "broadcast");
-  return text;
-}
-
-std::string Processes::chain(const std::string& first,
-                             const std::function<std::string(const std::string&)>& change) const {
-  if (count_ == 1) return change(first);
-  constexpr int tag = 1;
-  std::string value = first;
-  if (rank_ > 0) {
-    MPI_Status status;
-    int size = 0;
-    require_success(MPI_Probe(rank_ - 1, tag, MPI_COMM_WORLD, &status), "receive");
-    MPI_Get_count(&status, MPI_CHAR, &size);
-    value.resize(static_cast<std::size_t>(size));
-    require_success(
-        MPI_Recv(value.data(), size, MPI_CHAR, rank_ - 1, tag, MPI_COMM_WORLD, MPI_STATUS_IGNORE),
-        "receive");
+std::vector<char> Processes::gather_bytes(std::span<const char> bytes) const {
+  const int size = small_count(bytes.size());
+  const auto ranks = static_cast<std::size_t>(count_);
+  std::vector<int> sizes(ranks), begins(ranks);
+  require_success(MPI_Allgather(&size, 1, MPI_INT, sizes.data(), 1, MPI_INT, MPI_COMM_WORLD),
+                  "gather");
+  std::uint64_t all = 0;
+  for (std::size_t rank = 0; rank < ranks; ++rank) {
+    begins[rank] = small_count(all);
+    all += static_cast<std::uint64_t>(sizes[rank]);
   }
-  value = change(value);
-  if (rank_ + 1 < count_)
-    require_success(
-        MPI_Send(value.data(), small_count(value.size()), MPI_CHAR, rank_ + 1, tag, MPI_COMM_WORLD),
-        "send");
-  return broadcast(std::move(value), count_ - 1);
-}
-
-// The launcher may bind each process to its own processors, or let all processes use all of them.
-Processes::Machine Processes::machine(int processors) const {
-  if (count_ == 1) return {1, processors};
-  MPI_Comm machine = MPI_COMM_NULL;
-  MPI_Comm_split_type(MPI_COMM_WORLD, MPI_COMM_TYPE_SHARED, rank_, MPI_INFO_NULL, &machine);
-  int processes = 1;
-  MPI_Comm_size(machine, &processes);
-  cpu_set_t allowed;
-  CPU_ZERO(&allowed);
-  sched_getaffinity(0, sizeof allowed, &allowed);
-  const int of_process = std::max(1, CPU_COUNT(&allowed));
-  int all = of_process;
-  MPI_Allreduce(MPI_IN_PLACE, &all, 1, MPI_INT, MPI_SUM, machine);
-  MPI_Allreduce(MPI_IN_PLACE, &allowed, sizeof allowed, MPI_BYTE, MPI_BOR, machine);
-  MPI_Comm_free(&machine);
-  const int together = std::max(1, CPU_COUNT(&allowed));
-  return {processes, std::min(processors, std::max(1, of_process * together / all))};
+  std::vector<char> gathered(static_cast<std::size_t>(small_count(all)));
+  require_success(MPI_Allgatherv(bytes.data(), size, MPI_BYTE, gathered.data(), sizes.data(),
+                                 begins.data(), MPI_BYTE, MPI_COMM_WORLD),
+                  "gather");
+  return gathered;
 }
 
 // The value was measured with Open MPI 4.1: its libraries and shared memory.
@@ -175,7 +88,7 @@ std::uint64_t Processes::mpi_memory() const {
 // rank tells all others that it reports the failure. Processes that have not failed need not
 // receive the messages, as they are computing.
 void Processes::become_reporter() const {
-  if (count_ == 1) return;
+  if (count_ == 1 || std::exchange(is_reporter_, true)) return;
   using namespace std::chrono_literals;
   constexpr int failure = 2, report = 3;  // tags
   const auto tell_others = [this](int tag) {
@@ -215,24 +128,6 @@ void Processes::become_reporter() const {
 void Processes::abort(int exit_code) const {
   if (count_ > 1) MPI_Abort(MPI_COMM_WORLD, exit_code);
   std::_Exit(exit_code);
-}
-
-std::vector<std::uint64_t> Processes::exchange_counts(std::span<const std::uint64_t> to) const {
-  std::vector<std::uint64_t> from(to.size());
-  require_success(
-      MPI_Alltoall(to.data(), 1, MPI_UINT64_T, from.data(), 1, MPI_UINT64_T, MPI_COMM_WORLD),
-      "exchange");
-  return from;
-}
-
-void Processes::exchange_elements(const void* sent, std::span<const std::uint64_t> to,
-                                  void* received, std::span<const std::uint64_t> from,
-                                  std::size_t element_bytes) const {
-  const Layout out(to), in(from);
-  const ByteType element(element_bytes);
-  require_success(MPI_Alltoallv(sent, out.counts.data(), out.begins.data(), element.get(), received,
-                                in.counts.data(), in.begins.data(), element.get(), MPI_COMM_WORLD),
-                  "exchange");
 }
 
 }  // namespace eses::detail

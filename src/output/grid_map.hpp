@@ -19,7 +19,7 @@ struct MapFile {
   std::function<void(std::span<char> bytes, std::uint64_t offset)> read_at;
 };
 
-/// Returns access to an OutputFile or SharedFile. Keeps a reference to it.
+/// Returns access to an OutputFile. Keeps a reference to it.
 template <class AnyFile>
 MapFile map_file(AnyFile& file) {
   return {

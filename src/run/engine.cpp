@@ -3,8 +3,9 @@
 #include <fcntl.h>
 #include <sys/resource.h>
 
-#include <array>
+#include <algorithm>
 #include <cerrno>
+#include <numeric>
 #include <optional>
 #include <span>
 #include <system_error>
@@ -45,33 +46,26 @@ std::unique_ptr<OutputFiles> open_files(const RunTask& task, const RunPlan& plan
   return files;
 }
 
-// Checks that all processes can open the output files. Otherwise MPI would wait forever when the
-// files are merged.
-void require_shared_directories(const RunTask& task, const Processes& processes) {
+// Checks that all processes have the checkpoint of the first one.
+void require_shared_directory(const RunTask& task, const Processes& processes) {
   if (processes.count() == 1) return;
-  const OutputPaths paths = paths_of(task, processes);
-  const auto require = [&](const std::filesystem::path& path, int mode) {
-    if (!FileDescriptor(::open(path.c_str(), mode | O_CLOEXEC)).is_open())
+  const std::string path = path_in(path_in(task.output_directory, checkpoint_name), run_name);
+  processes.all_or_throw([&] {
+    if (!FileDescriptor(::open(path.c_str(), O_RDONLY | O_CLOEXEC)).is_open())
       throw Error(
           formatted("cannot write into {}{}: {}; is it the same directory for all processes?",
-                    path.parent_path().string(), processes.on_machine(),
+                    task.output_directory.string(), processes.on_machine(),
                     std::generic_category().message(errno)));
-  };
-  processes.all_or_throw([&] {
-    for (const std::string& path : paths.temporaries) require(path, O_WRONLY);
-    if (task.resume)
-      require(path_in(task.output_directory, checkpoint_name), O_RDONLY | O_DIRECTORY);
   });
 }
 
-std::optional<mesh::MeshText> mesh_text(const RunTask& task, const RunPlan& plan,
-                                        const Processes& processes) {
+std::optional<mesh::MeshText> mesh_text(const RunTask& task, const RunPlan& plan) {
   const auto& mesh = task.outputs.mesh;
   if (!mesh) return std::nullopt;
   const mesh::AtomGroups groups{.are_known = plan.groups.are_known,
                                 .of_atom = plan.slab.groups,
-                                .chain_count = processes.sum(plan.groups.chains.size()),
-                                .residue_count = processes.sum(plan.groups.residues.size())};
+                                .chain_count = plan.groups.chain_count,
+                                .residue_count = plan.groups.residue_count};
   mesh::VertexPotential potential;
   if (plan.potential)
     potential = {&*plan.potential, mesh->potential->offset, mesh->potential->limit};
@@ -102,16 +96,16 @@ double cpu_seconds() {
 // Replaces wall-clock times by their maxima, and times of threads by their sums over all processes.
 void combine_seconds(PhaseSeconds& seconds, const Processes& processes) {
   for (double* const wall_clock : {&seconds.blocks, &seconds.verify, &seconds.total})
-    processes.allreduce_max({wall_clock, 1});
+    *wall_clock = processes.max(*wall_clock);
   for (double* const of_threads :
        {&seconds.patches, &seconds.classify, &seconds.intersect, &seconds.output})
-    processes.add(std::span<double>(of_threads, 1));
+    *of_threads = processes.sum(*of_threads);
 }
 
 // Adds up the verifications of all processes. Faults are in the order of the slabs.
 void combine_verifications(Verification& found, const Processes& processes) {
-  found.points = static_cast<std::int64_t>(processes.sum(static_cast<std::uint64_t>(found.points)));
-  found.edges = static_cast<std::int64_t>(processes.sum(static_cast<std::uint64_t>(found.edges)));
+  found.points = processes.sum(found.points);
+  found.edges = processes.sum(found.edges);
   found.faults = processes.gather_texts(found.faults);
 }
 
@@ -140,63 +134,91 @@ void verify_volume(const RunTask& task, const RunPlan& plan, const std::function
   summary.seconds.verify += watch.seconds();
 }
 
-// Reads the chunks of an earlier run. Each process reads a part of them.
-void take_restored(const RunPlan& plan, const Processes& processes, std::vector<PlaneChunk>& chunks,
-                   AtomShares& shares) {
-  const auto step = static_cast<std::size_t>(processes.count());
-  for (auto i = static_cast<std::size_t>(processes.rank()); i < plan.finished_planes.size();
-       i += step) {
-    PlaneChunk chunk = plan.checkpoint->read(plan.finished_planes[i]);
-    shares.restored.insert(shares.restored.end(), chunk.sums.begin(), chunk.sums.end());
-    chunk.sums = {};
-    chunks.push_back(std::move(chunk));
+// Returns the results of the sweeps of all processes. Adds the area shares of the atoms of the file
+// to `shares`.
+std::vector<PlaneChunk> take_chunks(const RunPlan& plan, SweepResult swept,
+                                    std::vector<AreaShare>& shares) {
+  std::vector<PlaneChunk> chunks;
+  if (!plan.checkpoint) {
+    plan.slab.for_each_sum(swept.atom_shares,
+                           [&](const AtomSum& sum) { shares[as_number(sum.atom)] += sum.share; });
+    chunks.push_back(std::move(*swept.chunk));
+    return chunks;
   }
+  for (const PlaneRange& planes : plan.checkpoint->complete()) {
+    PlaneChunk& chunk = chunks.emplace_back(plan.checkpoint->read(planes));
+    chunk.is_restored =
+        std::ranges::find(plan.finished_planes, planes) != plan.finished_planes.end();
+    for (const AtomSum& sum : std::exchange(chunk.sums, {}))
+      shares.at(as_number(sum.atom)) += sum.share;
+  }
+  return chunks;
 }
 
 // Completes all files except the bounding box. Returns their length in bytes.
 std::uint64_t write_files(const RunTask& task, const RunPlan& plan,
-                          const std::optional<mesh::MeshText>& mesh, const AreasOfRange& areas,
-                          Merge& merge, OutputFiles* files, const std::function<void()>& check,
-                          const Processes& processes) {
+                          const std::optional<mesh::MeshText>& mesh, std::span<const double> areas,
+                          Merge& merge, OutputFiles& files, const std::function<void()>& check) {
   const Outputs& outputs = task.outputs;
-  const auto file = [&](RunFile which) { return files != nullptr ? files->find(which) : nullptr; };
+  const auto file = [&](RunFile which) -> OutputFile& { return *files.find(which); };
   std::uint64_t bytes = 0;
   if (outputs.grid) bytes += merge.write_text(file(RunFile::grid), ChunkText::grid);
   if (outputs.edges) bytes += merge.write_text(file(RunFile::edges), ChunkText::edges);
-  if (mesh) bytes += merge.write_mesh(file(RunFile::mesh), file(RunFile::mesh_faces), *mesh);
+  if (mesh) bytes += merge.write_mesh(file(RunFile::mesh), files.find(RunFile::mesh_faces), *mesh);
   for (const MapChoice& map : chosen_maps(outputs))
     bytes += merge.write_map(file(file_of(map.quantity)), map);
-  if (outputs.areas)
-    bytes += write_areas(areas, outputs.gzip, file(RunFile::areas), check, processes);
+  if (outputs.areas) bytes += write_areas(areas, outputs.gzip, file(RunFile::areas), check);
   if (outputs.residues)
-    bytes +=
-        write_area_tables(areas, plan, file(RunFile::residues), file(RunFile::chains), processes);
-  if (outputs.atoms) bytes += write_atom_table(areas, plan, file(RunFile::atoms), check, processes);
+    bytes += write_area_tables(areas, plan, file(RunFile::residues), file(RunFile::chains));
+  if (outputs.atoms) bytes += write_atom_table(areas, plan, file(RunFile::atoms), check);
   return bytes;
 }
 
 // Writes the bounding box and renames all files. Returns the length of the bounding box in bytes.
-std::uint64_t commit_files(const RunTask& task, const RunPlan& plan, OutputFiles* files,
-                           const std::function<void()>& check, const Processes& processes) {
+std::uint64_t commit_files(const RunTask& task, const RunPlan& plan, OutputFiles& files,
+                           const std::function<void()>& check) {
   std::uint64_t box_bytes = 0;
-  processes.all_or_throw([&] {
-    if (files == nullptr) return;
-    if (OutputFile* const box = files->find(RunFile::box)) {
-      const std::string text = bounding_box_text(plan.grid);
-      if (task.outputs.gzip)
-        box->append(Gzip().member(text));
-      else
-        box->append(text);
-      box_bytes = box->size();
-    }
-    require_memory_within(task.parameters.max_memory);
-    files->commit(check);
-    if (plan.checkpoint)
-      plan.checkpoint->remove();
+  if (OutputFile* const box = files.find(RunFile::box)) {
+    const std::string text = bounding_box_text(plan.grid);
+    if (task.outputs.gzip)
+      box->append(Gzip().member(text));
     else
-      files->remove_checkpoint();
-  });
-  return processes.sum(box_bytes);
+      box->append(text);
+    box_bytes = box->size();
+  }
+  require_memory_within(task.parameters.max_memory);
+  files.commit(check);
+  if (plan.checkpoint)
+    plan.checkpoint->remove();
+  else
+    files.remove_checkpoint();
+  return box_bytes;
+}
+
+// Merges the results of all processes into the output files, and completes the summary.
+void finish(const RunTask& task, const RunPlan& plan, SweepResult swept,
+            const std::optional<mesh::MeshText>& mesh, OutputFiles* files,
+            const std::function<void()>& check, RunResult& result) {
+  Summary& summary = result.summary;
+  // The heap memory of patches and blocks is too fragmented for the long lists of areas.
+  if (plan.memory_bytes > small_memory_bytes) release_free_memory();
+  std::vector<AreaShare> shares(plan.atoms);
+  Merge merge(task, plan, take_chunks(plan, std::move(swept), shares), check);
+  const bool is_void = task.outputs.mesh && task.outputs.mesh->component.value_or(0) > 0;
+  fill_totals(
+      is_void ? complement(merge.totals(), plan.tiling.region.point_count()) : merge.totals(),
+      plan.grid.spacing, summary);
+  summary.atom_areas = areas_of(shares, plan.grid.spacing);
+  shares = {};
+  summary.area = std::accumulate(summary.atom_areas.begin(), summary.atom_areas.end(), 0.0);
+  if (result.exact && summary.verification) verify_volume(task, plan, check, summary);
+  if (has_faults(summary)) return;
+  if (mesh && task.outputs.mesh->quality && !summary.mesh_quality)
+    summary.mesh_quality = merge.improve_mesh(*mesh);
+  if (mesh) summary.mesh = merge.mesh_counts();
+  if (files == nullptr) return;
+  summary.bytes_written = write_files(task, plan, mesh, summary.atom_areas, merge, *files, check) +
+                          commit_files(task, plan, *files, check);
 }
 
 }  // namespace
@@ -224,7 +246,7 @@ RunResult execute(const RunTask& task, const RunPlan& plan, const Callbacks& cal
   const Stopwatch total;
   processes.all_or_throw([&] { start_threads(plan.process_schedule.threads); });
   const std::unique_ptr<OutputFiles> files = open_files(task, plan, processes);
-  require_shared_directories(task, processes);
+  require_shared_directory(task, processes);
 
   const std::vector<PlaneRange> ranges = ranges_to_sweep(task, plan);
   ProgressReport report(callbacks.progress, count_blocks(plan, ranges));
@@ -235,35 +257,19 @@ RunResult execute(const RunTask& task, const RunPlan& plan, const Callbacks& cal
   Summary& summary = result.summary;
   if (task.parameters.max_filled_void) summary.filled_cavities = plan.cavities->filled();
   if (task.parameters.verify > 0) summary.verification.emplace();
-  const std::optional<mesh::MeshText> mesh = mesh_text(task, plan, processes);
+  const std::optional<mesh::MeshText> mesh = mesh_text(task, plan);
   // The sweep takes the patches that are kept.
   if (task.parameters.exact) result.exact = measure_surface(task, plan, check);
   SlabSweep sweep(task, plan, ranges, files.get(), mesh ? &*mesh : nullptr, callbacks, report,
                   processes);
   SweepResult swept = sweep.run(summary);
-  // The heap memory of patches and blocks is too fragmented for the long lists of areas.
-  if (plan.memory_bytes > small_memory_bytes) release_free_memory();
-  AtomShares shares{std::move(swept.atom_shares), {}};
-  take_restored(plan, processes, swept.chunks, shares);
+  processes.wait_for_all();  // until all chunks are complete
   if (summary.verification) combine_verifications(*summary.verification, processes);
-
-  Merge merge(task, plan, processes, std::move(swept.chunks), check);
-  const bool is_void = task.outputs.mesh && task.outputs.mesh->component.value_or(0) > 0;
-  fill_totals(
-      is_void ? complement(merge.totals(), plan.tiling.region.point_count()) : merge.totals(),
-      plan.grid.spacing, summary);
-  AreasOfRange areas = add_up_areas(std::move(shares), plan, processes);
-  summary.area = total_area(areas, processes);
-  if (result.exact && summary.verification) verify_volume(task, plan, check, summary);
-  if (!has_faults(summary)) {
-    if (mesh && task.outputs.mesh->quality && !summary.mesh_quality)
-      summary.mesh_quality = merge.improve_mesh(*mesh);
-    if (mesh) summary.mesh = merge.mesh_counts();
-    summary.bytes_written =
-        write_files(task, plan, mesh, areas, merge, files.get(), check, processes) +
-        commit_files(task, plan, files.get(), check, processes);
-  }
-  if (processes.count() == 1) summary.atom_areas = std::move(areas.areas);
+  if (!plan.checkpoint || !has_faults(summary))
+    processes.all_or_throw([&] {
+      if (processes.is_first())
+        finish(task, plan, std::move(swept), mesh, files.get(), check, result);
+    });
   summary.seconds.total = total.seconds();
   combine_seconds(summary.seconds, processes);
   return result;

@@ -3,9 +3,10 @@
 ///
 /// A run is a sweep over ranges of planes that delivers rows, crossings and triangles in canonical
 /// order. A single process has one range and writes its texts directly to the output files.
-/// Otherwise the texts of each range go into a chunk, and all chunks are merged into the output
-/// files at the end. There are several ranges if the run can be resumed, or if there are several
-/// MPI ranks, each with its slab of planes. The bytes of the files do not depend on the ranges.
+/// Otherwise the texts of each range go into a chunk of a checkpoint, and the first process merges
+/// all chunks into the output files at the end. There are several ranges if the run can be resumed,
+/// or if there are several MPI ranks, each with its slab of planes. The bytes of the files do not
+/// depend on the ranges.
 
 #include <cstdint>
 #include <optional>
@@ -30,8 +31,7 @@ struct ProcessFigures {
 
 /// The result of a run.
 struct RunResult {
-  /// Equal in all processes. Several processes leave out atom_areas, as each of them has the areas
-  /// of some atoms.
+  /// Complete only in the first process. All processes have its verification.
   Summary summary;
   /// The whole surface, also if only a part of it was computed; if Parameters::exact is set.
   std::optional<Measures> exact;

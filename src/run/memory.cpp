@@ -4,13 +4,13 @@
 #include <string>
 #include <utility>
 
-#include "distributed/checkpoint.hpp"
-#include "distributed/group_numbers.hpp"
 #include "input/atom_names.hpp"
 #include "mesh/triangulate.hpp"
 #include "output/area_table_writer.hpp"
 #include "output/eses_writer.hpp"
 #include "output/grid_map.hpp"
+#include "run/checkpoint.hpp"
+#include "run/group_names.hpp"
 #include "run/mesh_output.hpp"
 #include "run/quality_pass.hpp"
 #include "run/row_batches.hpp"
@@ -179,8 +179,8 @@ double expected_memory(const SurfaceSurvey& survey, const MemoryBudget& budget, 
   constexpr double bytes_per_area = 2 * sizeof(double) + list_growth * sizeof(AtomSum);
   double names = 0;
   if (budget.has_groups)
-    names += GroupNumbering::memory_bytes(
-        atoms, static_cast<double>(labels.residue_runs + labels.chain_runs));
+    names += GroupNames::memory_bytes(atoms,
+                                      static_cast<double>(labels.residue_runs + labels.chain_runs));
   if (outputs.residues)
     names += ChainAreas::memory_bytes(static_cast<double>(labels.chain_runs),
                                       static_cast<double>(labels.chain_text_bytes));

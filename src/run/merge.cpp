@@ -27,17 +27,16 @@ constexpr std::uint64_t bytes_per_read = std::uint64_t{1} << 22;
 constexpr std::uint64_t bytes_per_copy = std::uint64_t{1} << 24;
 
 // Writes a gzip file without text. A valid gzip file has at least one member.
-std::uint64_t write_empty_member(const Processes& processes, SharedFile& file) {
+std::uint64_t write_empty_member(OutputFile& file) {
   Gzip gzip;
   const std::span<const char> member = gzip.member({});
-  if (processes.is_first()) file.write_at(member, 0);
+  file.write_at(member, 0);
   return member.size();
 }
 
 // Calls `take(bytes, offset)` for parts of a scratch file of this length, from `begin` on. The
 // lengths of the parts are multiples of `unit`. `loaded(bytes, offset)` is called before, from
-// another thread if there are several threads. With several processes, only the main thread may
-// write. Another thread reads ahead if it can be started.
+// another thread if there are several threads and it can be started.
 template <class Loaded, class Take>
 void read_parts(const ScratchFile& from, std::uint64_t begin, std::uint64_t length,
                 std::uint64_t unit, int threads, const std::function<void()>& check,
@@ -63,7 +62,7 @@ void read_parts(const ScratchFile& from, std::uint64_t begin, std::uint64_t leng
 
 // Copies a scratch file of this length to the file `to` from `begin` on, as far as possible in the
 // kernel.
-void copy_file(const ScratchFile& from, std::uint64_t length, SharedFile& to, std::uint64_t begin,
+void copy_file(const ScratchFile& from, std::uint64_t length, OutputFile& to, std::uint64_t begin,
                int threads, const std::function<void()>& check) {
   std::uint64_t copied = 0;
   while (copied < length) {
@@ -85,7 +84,7 @@ void copy_file(const ScratchFile& from, std::uint64_t length, SharedFile& to, st
 class ColumnWriter {
  public:
   // Keeps references to the file and the table.
-  ColumnWriter(SharedFile& file, std::uint64_t begin, const mesh::ColumnTable& table)
+  ColumnWriter(OutputFile& file, std::uint64_t begin, const mesh::ColumnTable& table)
       : file_(file), begin_(begin), table_(table) {}
 
   // Writes records, the first of which has the index `first` in the table.
@@ -111,7 +110,7 @@ class ColumnWriter {
   }
 
  private:
-  SharedFile& file_;
+  OutputFile& file_;
   std::uint64_t begin_;
   const mesh::ColumnTable& table_;
   std::vector<char> values_;
@@ -119,24 +118,11 @@ class ColumnWriter {
 
 }  // namespace
 
-Merge::Merge(const RunTask& task, const RunPlan& plan, const Processes& processes,
-             std::vector<PlaneChunk> chunks, std::function<void()> check)
-    : task_(task), plan_(plan), processes_(processes), check_(std::move(check)) {
-  std::vector<ChunkInfo> infos;
-  for (PlaneChunk& chunk : chunks) {
-    chunk.info.rank = static_cast<std::uint32_t>(processes.rank());
-    infos.push_back(chunk.info);
-  }
-  auto next = chunks.begin();
-  for (const ChunkInfo& info : processes.gather<ChunkInfo>(infos)) {
-    MergedChunk& chunk = chunks_.emplace_back();
-    chunk.info = info;
-    if (is_here(chunk)) static_cast<PlaneChunk&>(chunk) = std::move(*next++);
-  }
-  std::sort(chunks_.begin(), chunks_.end(), [](const PlaneChunk& a, const PlaneChunk& b) {
-    return a.info.planes.begin < b.info.planes.begin;
-  });
-  processes.all_or_throw([this] { add_up(); });
+Merge::Merge(const RunTask& task, const RunPlan& plan, std::vector<PlaneChunk> chunks,
+             std::function<void()> check)
+    : task_(task), plan_(plan), check_(std::move(check)) {
+  for (PlaneChunk& chunk : chunks) chunks_.push_back({std::move(chunk), {}});
+  add_up();
 }
 
 void Merge::add_up() {
@@ -191,7 +177,7 @@ void Merge::read(PlaneChunk& chunk, ChunkText text, std::uint64_t unit, Take&& t
 }
 
 // Copies a text to the file `to` from `begin` on, unless it is there already.
-void Merge::copy(PlaneChunk& chunk, ChunkText text, SharedFile& to, std::uint64_t begin) const {
+void Merge::copy(PlaneChunk& chunk, ChunkText text, OutputFile& to, std::uint64_t begin) const {
   const std::uint64_t length = chunk.info.bytes_of(text);
   if (chunk.is_restored)
     read(chunk, text, 1, [&](std::span<const char> bytes, std::uint64_t offset) {
@@ -203,63 +189,37 @@ void Merge::copy(PlaneChunk& chunk, ChunkText text, SharedFile& to, std::uint64_
 }
 
 // Copies a text of all chunks to the file from `begin` on. Returns the offset of their end.
-std::uint64_t Merge::copy_all(Chunks& chunks, ChunkText text, SharedFile& to,
+std::uint64_t Merge::copy_all(Chunks& chunks, ChunkText text, OutputFile& to,
                               std::uint64_t begin) const {
   for (MergedChunk& chunk : chunks) {
-    if (is_here(chunk)) copy(chunk, text, to, begin);
+    copy(chunk, text, to, begin);
     begin += chunk.info.bytes_of(text);
   }
   return begin;
 }
 
-std::uint64_t Merge::write_text(OutputFile* file, ChunkText text) {
-  SharedFile shared(processes_, file);
-  std::uint64_t bytes = copy_all(chunks_, text, shared, 0);
-  if (task_.outputs.gzip && bytes == 0) bytes = write_empty_member(processes_, shared);
-  shared.close();
-  return bytes;
+std::uint64_t Merge::write_text(OutputFile& file, ChunkText text) {
+  const std::uint64_t bytes = copy_all(chunks_, text, file, 0);
+  return task_.outputs.gzip && bytes == 0 ? write_empty_member(file) : bytes;
 }
 
-// Number of threads that read a file which all processes share. With several processes only the
-// main thread may do so.
-int Merge::threads_of_shared_file() const {
-  return processes_.count() > 1 ? 1 : plan_.process_schedule.threads;
-}
-
-std::uint64_t Merge::write_values(GridMap& map) const {
-  const IndexRange range =
-      processes_.range_of(static_cast<std::uint64_t>(map.tile_count()), 1, processes_.rank());
-  map.transpose_tiles(static_cast<std::int64_t>(range.begin), static_cast<std::int64_t>(range.end),
-                      threads_of_shared_file(), check_);
-  if (processes_.is_first()) map.write_ends();
-  return map.layout().file_bytes();
-}
-
-// Each process compresses some cells of the map, which are consecutive in the file. The members
-// replace the words.
-std::uint64_t Merge::write_compressed_values(GridMap& map, SharedFile& to) const {
+// The members replace the words, so they are first in a scratch file.
+std::uint64_t Merge::write_compressed_values(GridMap& map, OutputFile& to) const {
+  const int threads = plan_.process_schedule.threads;
   ScratchFile text(task_.output_directory);
-  const IndexRange range =
-      processes_.range_of(static_cast<std::uint64_t>(map.cells_of_row()), 1, processes_.rank());
-  if (processes_.is_first()) text.append(Gzip().member(map.layout().header));
+  text.append(Gzip().member(map.layout().header));
   {
     ScratchFile members(task_.output_directory);
-    map.compress_cells(static_cast<std::int64_t>(range.begin), static_cast<std::int64_t>(range.end),
-                       threads_of_shared_file(), check_, members, text);
+    map.compress_cells(0, map.cells_of_row(), threads, check_, members, text);
   }
-  if (processes_.rank() + 1 == processes_.count()) text.append(Gzip().member(map.layout().footer));
-  const std::uint64_t length = text.size();
-  // The sum is known when all processes have read their words. Only then may members replace these.
-  const std::uint64_t all = processes_.sum(length);
-  const std::uint64_t begin = processes_.sum_before(length);
-  copy_file(text, length, to, begin, threads_of_shared_file(), check_);
-  return all;
+  text.append(Gzip().member(map.layout().footer));
+  copy_file(text, text.size(), to, 0, threads, check_);
+  return text.size();
 }
 
-std::uint64_t Merge::write_map(OutputFile* file, const MapChoice& choice) {
-  SharedFile shared(processes_, file);
+std::uint64_t Merge::write_map(OutputFile& file, const MapChoice& choice) {
   const GridRegion& region = plan_.tiling.region;
-  GridMap map(map_file(shared), choice, plan_.grid, region);
+  GridMap map(map_file(file), choice, plan_.grid, region);
   const ChunkText text = text_of(choice.quantity);
   const auto row_words =
       static_cast<std::uint64_t>(GridMap::words_of_row(choice.quantity, region.size()));
@@ -267,7 +227,7 @@ std::uint64_t Merge::write_map(OutputFile* file, const MapChoice& choice) {
   GridMap::Scratch scratch;
   std::vector<std::uint64_t> words;
   for (MergedChunk& chunk : chunks_) {
-    if (!is_here(chunk) || plan_.is_in_place) continue;
+    if (plan_.is_in_place) continue;
     const std::int64_t first_row = (chunk.info.planes.begin - region.begin[2]) * region.size()[1];
     read(chunk, text, row_bytes, [&](std::span<const char> bytes, std::uint64_t offset) {
       words.resize(bytes.size() / sizeof(std::uint64_t));
@@ -276,125 +236,85 @@ std::uint64_t Merge::write_map(OutputFile* file, const MapChoice& choice) {
     });
     close(chunk, text);
   }
-  shared.sync();
-  const std::uint64_t bytes =
-      choice.gzip ? write_compressed_values(map, shared) : write_values(map);
-  shared.close();
-  processes_.all_or_throw([&] {
-    if (processes_.is_first()) file->truncate(bytes);
-  });
+  std::uint64_t bytes = map.layout().file_bytes();
+  if (choice.gzip) {
+    bytes = write_compressed_values(map, file);
+  } else {
+    map.transpose_tiles(0, map.tile_count(), plan_.process_schedule.threads, check_);
+    map.write_ends();
+  }
+  file.truncate(bytes);
   return bytes;
 }
 
-// Passes the stream of the mesh of all chunks to the first process, which has the only `pass`.
-void Merge::stream_mesh(std::optional<QualityPass>& pass) {
-  for (MergedChunk& chunk : chunks_) {
-    if (pass) pass->begin_chunk(chunk.before.vertices);
-    const auto take = [&](std::span<const char> bytes) {
-      if (processes_.count() == 1) return pass->add(bytes);
-      const std::string part =
-          processes_.broadcast({bytes.begin(), bytes.end()}, static_cast<int>(chunk.info.rank));
-      if (pass) pass->add(part);
-    };
-    if (is_here(chunk)) {
-      read(chunk, ChunkText::vertices, 1,
-           [&](std::span<const char> bytes, std::uint64_t) { take(bytes); });
-      close(chunk, ChunkText::vertices);
-    } else {
-      const std::uint64_t bytes = chunk.info.bytes_of(ChunkText::vertices);
-      for (std::uint64_t begin = 0; begin < bytes; begin += bytes_per_read) take({});
-    }
-  }
-}
-
-// The first process improves the whole mesh, as each triangle depends on the triangles before it.
+// The whole mesh is improved, as each triangle depends on the triangles before it.
 MeshQuality Merge::improve_mesh(const mesh::MeshText& text) {
   MergedChunk improved;
-  std::optional<QualityPass> pass;
-  processes_.all_or_throw([&] {
-    if (!processes_.is_first()) return;
-    const auto sink_of = [&](ChunkText which) {
-      improved.text(which) = std::make_unique<ScratchFile>(mesh_directory_of(*task_.outputs.mesh));
-      return [file = improved.text(which).get()](std::span<const char> bytes, std::uint64_t) {
-        file->append(bytes);
-      };
+  const auto sink_of = [&](ChunkText which) {
+    improved.text(which) = std::make_unique<ScratchFile>(mesh_directory_of(*task_.outputs.mesh));
+    return [file = improved.text(which).get()](std::span<const char> bytes, std::uint64_t) {
+      file->append(bytes);
     };
-    pass.emplace(text, plan_.grid, plan_.tiling.region_with_halo,
-                 QualityPass::Sinks{.vertices = sink_of(ChunkText::vertices),
-                                    .triangles = sink_of(ChunkText::triangles),
-                                    .has_local_triangles = true});
-  });
-  stream_mesh(pass);
-  struct Result {
-    ChunkInfo info;
-    MeshQuality quality;
   };
-  std::vector<Result> results;
-  processes_.all_or_throw([&] {
-    if (!pass) return;
-    pass->finish();
-    improved.info.mesh = pass->counts();
-    for (const ChunkText which : {ChunkText::vertices, ChunkText::triangles})
-      improved.info.bytes[static_cast<std::size_t>(which)] = improved.text(which)->size();
-    results.push_back({improved.info, pass->quality()});
-  });
-  const Result result = processes_.gather<Result>(results).front();
-  improved.info = result.info;
-  mesh_ = improved.info.mesh;
+  QualityPass pass(text, plan_.grid, plan_.tiling.region_with_halo,
+                   QualityPass::Sinks{.vertices = sink_of(ChunkText::vertices),
+                                      .triangles = sink_of(ChunkText::triangles),
+                                      .has_local_triangles = true});
+  for (MergedChunk& chunk : chunks_) {
+    pass.begin_chunk(chunk.before.vertices);
+    read(chunk, ChunkText::vertices, 1,
+         [&](std::span<const char> bytes, std::uint64_t) { pass.add(bytes); });
+    close(chunk, ChunkText::vertices);
+  }
+  pass.finish();
+  mesh_ = improved.info.mesh = pass.counts();
+  for (const ChunkText which : {ChunkText::vertices, ChunkText::triangles})
+    improved.info.bytes[static_cast<std::size_t>(which)] = improved.text(which)->size();
   improved_.push_back(std::move(improved));
-  return result.quality;
+  return pass.quality();
 }
 
-std::uint64_t Merge::write_mesh(OutputFile* file, OutputFile* face_file,
+std::uint64_t Merge::write_mesh(OutputFile& file, OutputFile* face_file,
                                 const mesh::MeshText& text) {
   text.require_counts(mesh_);
-  SharedFile shared(processes_, file);
-  std::uint64_t bytes = write_header(shared, text);
+  std::uint64_t bytes = write_header(file, text);
   if (text.has_columns()) {
-    bytes = write_columns(shared, bytes, text);
+    bytes = write_columns(file, bytes, text);
   } else {
     const std::uint64_t header = bytes;
-    bytes = copy_all(mesh_chunks(), ChunkText::vertices, shared, bytes);
-    if (text.boxed_vertex_bytes() > 0) write_vertex_box(shared, header, text);
-    if (!text.has_face_file()) bytes = write_triangles(shared, bytes, text);
+    bytes = copy_all(mesh_chunks(), ChunkText::vertices, file, bytes);
+    if (text.boxed_vertex_bytes() > 0) write_vertex_box(file, header, text);
+    if (!text.has_face_file()) bytes = write_triangles(file, bytes, text);
   }
-  shared.close();
   if (!text.has_face_file()) return bytes;
-  SharedFile faces(processes_, face_file);
   const std::string header = face_header(text, mesh_);
-  if (processes_.is_first()) faces.write_at(header, 0);
-  bytes += write_triangles(faces, header.size(), text);
-  faces.close();
-  return bytes;
+  face_file->write_at(header, 0);
+  return bytes + write_triangles(*face_file, header.size(), text);
 }
 
 // Writes the header of the mesh file and returns its length in bytes.
-std::uint64_t Merge::write_header(SharedFile& file, const mesh::MeshText& text,
+std::uint64_t Merge::write_header(OutputFile& file, const mesh::MeshText& text,
                                   const mesh::VertexBox& box) const {
   std::uint64_t bytes = 0;
-  for (std::size_t part = 0; part < mesh_header_parts; ++part)
-    bytes += file.write_by_rank(bytes, [&](const TextSink& sink) {
-      write_header_part(part, text, plan_.groups, processes_.is_first(), mesh_, box, sink);
-    });
+  write_mesh_header(text, plan_.groups, mesh_, box, [&](std::string_view piece) {
+    file.write_at(piece, bytes);
+    bytes += piece.size();
+  });
   return bytes;
 }
 
 // Writes the header again, with the bounding box of the vertices, which begin at `begin`.
-void Merge::write_vertex_box(SharedFile& file, std::uint64_t begin, const mesh::MeshText& text) {
+void Merge::write_vertex_box(OutputFile& file, std::uint64_t begin, const mesh::MeshText& text) {
   constexpr std::uint64_t records_of_part = 1 << 15;
   const std::uint64_t record_bytes = text.boxed_vertex_bytes();
   mesh::VertexBox box;
-  file.sync();
-  processes_.all_or_throw([&] {
-    if (!processes_.is_first()) return;
-    std::vector<char> records;
-    for (std::uint64_t first = 0; first < mesh_.vertices; first += records_of_part) {
-      check_();
-      records.resize(std::min(records_of_part, mesh_.vertices - first) * record_bytes);
-      file.read_at(records, begin + first * record_bytes);
-      box.add_records(records, record_bytes);
-    }
-  });
+  std::vector<char> records;
+  for (std::uint64_t first = 0; first < mesh_.vertices; first += records_of_part) {
+    check_();
+    records.resize(std::min(records_of_part, mesh_.vertices - first) * record_bytes);
+    file.read_at(records, begin + first * record_bytes);
+    box.add_records(records, record_bytes);
+  }
   write_header(file, text, box);
 }
 
@@ -425,44 +345,29 @@ void Merge::for_triangle_texts(MergedChunk& chunk, const mesh::MeshText& text, T
   });
 }
 
-// Writes the triangles from `begin` on and returns the offset of their end. The length of their
-// text depends on the numbers of their vertices, so the text is formatted twice: first for its
-// length.
-std::uint64_t Merge::write_triangles(SharedFile& file, std::uint64_t begin,
+// Writes the triangles from `begin` on and returns the offset of their end.
+std::uint64_t Merge::write_triangles(OutputFile& file, std::uint64_t begin,
                                      const mesh::MeshText& text) {
-  Chunks& chunks = mesh_chunks();
   if (text.has_corner_positions() || plan_.is_in_place)
-    return copy_all(chunks, ChunkText::triangles, file, begin);
-  std::vector<std::uint64_t> lengths(chunks.size());
-  for (std::size_t i = 0; i < chunks.size(); ++i) {
-    if (!is_here(chunks[i])) continue;
-    for_triangle_texts(chunks[i], text,
-                       [&](std::span<const char> part) { lengths[i] += part.size(); });
-    if (plan_.checkpoint && improved_.empty()) close(chunks[i], ChunkText::triangles);
-  }
-  processes_.add(lengths);
-  for (std::size_t i = 0; i < chunks.size(); ++i) {
-    if (is_here(chunks[i])) {
-      for_triangle_texts(chunks[i], text, [&, offset = begin](std::span<const char> part) mutable {
-        file.write_at(part, offset);
-        offset += part.size();
-      });
-      close(chunks[i], ChunkText::triangles);
-    }
-    begin += lengths[i];
+    return copy_all(mesh_chunks(), ChunkText::triangles, file, begin);
+  for (MergedChunk& chunk : mesh_chunks()) {
+    for_triangle_texts(chunk, text, [&](std::span<const char> part) {
+      file.write_at(part, begin);
+      begin += part.size();
+    });
+    close(chunk, ChunkText::triangles);
   }
   return begin;
 }
 
 // Writes the records of vertices and triangles as columns from `begin` on, and then the footer of
 // the file. Returns the end of the footer.
-std::uint64_t Merge::write_columns(SharedFile& file, std::uint64_t begin,
+std::uint64_t Merge::write_columns(OutputFile& file, std::uint64_t begin,
                                    const mesh::MeshText& text) {
   const mesh::VtpData data = mesh::vtp_data(mesh_, text.optional_fields());
   ColumnWriter vertices(file, begin, data.vertices), triangles(file, begin, data.triangles);
   TextBuffer records;
   for (MergedChunk& chunk : mesh_chunks()) {
-    if (!is_here(chunk)) continue;
     read(chunk, ChunkText::vertices, data.vertices.record_bytes,
          [&](std::span<const char> bytes, std::uint64_t offset) {
            vertices.write(bytes, chunk.before.vertices + offset / data.vertices.record_bytes);
@@ -481,11 +386,9 @@ std::uint64_t Merge::write_columns(SharedFile& file, std::uint64_t begin,
     close(chunk, ChunkText::triangles);
   }
   const std::uint64_t end = begin + data.bytes;
-  if (processes_.is_first()) {
-    vertices.write_lengths();
-    triangles.write_lengths();
-    file.write_at(mesh::vtp_end, end);
-  }
+  vertices.write_lengths();
+  triangles.write_lengths();
+  file.write_at(mesh::vtp_end, end);
   return end + mesh::vtp_end.size();
 }
 

@@ -4,12 +4,11 @@
 #include <zlib.h>
 
 #include <algorithm>
-#include <array>
 #include <bit>
 #include <span>
 #include <stdexcept>
 #include <string>
-#include <tuple>
+#include <system_error>
 #include <utility>
 #include <variant>
 
@@ -18,6 +17,8 @@
 #include "grid/make_grid.hpp"
 #include "input/atom_names.hpp"
 #include "input/other_formats.hpp"
+#include "input/pdb_elements.hpp"
+#include "input/read_input.hpp"
 #include "output/grid_map.hpp"
 #include "output/mesh_writer.hpp"
 #include "surface/find_cavities.hpp"
@@ -47,28 +48,27 @@ std::uint64_t hash_of(const Atom& atom, std::uint64_t index) {
   return hash;
 }
 
-// Returns a hash of all atoms. It does not depend on the division of the atoms among the processes.
-std::uint64_t hash_of(const AtomPart& part, const Processes& processes) {
+// Returns a hash of all atoms and their groups, if there are groups.
+std::uint64_t hash_of(std::span<const Atom> atoms, std::span<const mesh::GroupNumbers> groups) {
   std::uint64_t sum = 0;
-  for (std::size_t i = 0; i < part.atoms.size(); ++i) {
-    std::uint64_t hash = hash_of(part.atoms[i], part.first + i);
-    if (!part.groups.empty())
-      hash = splitmix64(hash ^ std::bit_cast<std::uint64_t>(part.groups[i]));
+  for (std::size_t i = 0; i < atoms.size(); ++i) {
+    std::uint64_t hash = hash_of(atoms[i], i);
+    if (!groups.empty()) hash = splitmix64(hash ^ std::bit_cast<std::uint64_t>(groups[i]));
     sum += hash;
   }
-  return processes.sum(sum);
+  return sum;
 }
 
-// Returns a hash of all names. It does not depend on the division of the names among the processes.
-std::uint64_t hash_of(const GroupNames& groups, const Processes& processes) {
-  std::uint64_t sum = 0, residue = groups.first_residue;
+// Returns a hash of all names.
+std::uint64_t hash_of(const GroupNames& groups) {
+  std::uint64_t sum = 0, residue = 0;
   for (const AtomLabel& label : groups.residues) {
     uLong hash = 0;
     for (const std::string* const text : {&label.chain, &label.residue, &label.residue_number})
       hash = crc32_z(hash, reinterpret_cast<const Bytef*>(text->c_str()), text->size() + 1);
     sum += splitmix64(hash ^ residue++ << 32);
   }
-  return processes.sum(sum);
+  return sum;
 }
 
 std::string mesh_identity(const std::optional<MeshOptions>& mesh,
@@ -91,6 +91,16 @@ std::string map_identity(const Outputs& outputs) {
     identity += formatted("{} ", static_cast<int>(map.quantity));
   if (outputs.ion_access) identity += formatted("{:a}", outputs.ion_access->ion_radius);
   return identity;
+}
+
+// Throws SharedError unless all processes have read the same atoms.
+void require_same_atoms(const RunTask& task, std::uint64_t hash, const Processes& processes) {
+  const std::uint64_t first = processes.gather(std::span<const std::uint64_t>(&hash, 1)).front();
+  processes.all_or_throw([&] {
+    if (hash != first)
+      throw Error(formatted("cannot read {}{}: it is not the file that the first process reads",
+                            std::get<InputFile>(task.atoms).path.string(), processes.on_machine()));
+  });
 }
 
 // Returns a text that differs between runs whose chunks must not be combined.
@@ -121,16 +131,14 @@ bool needs_groups(const Outputs& outputs) {
 // Throws Error if no schedule keeps the memory limit for this number of atoms. It is called before
 // anything is computed from the atoms. For few atoms, plan_schedule reports the minimum limit
 // instead.
-void require_memory_for(std::uint64_t atoms, const InputFile& file, std::uint64_t limit,
-                        const Processes& processes) {
-  const auto count = static_cast<std::uint64_t>(processes.count());
-  const double needed = min_expected_memory((atoms + count - 1) / count);
+void require_memory_for(std::uint64_t atoms, const InputFile& file, std::uint64_t limit) {
+  const double needed = min_expected_memory(atoms);
   if (limit == 0 || needed <= static_cast<double>(limit) || needed < 2 * min_expected_memory(0))
     return;
-  throw LimitExceeded(formatted(
-      "{}: {} atoms need more than {} of memory{}, but the limit is {}; use a larger limit",
-      file.path.string(), atoms, binary_bytes_text(static_cast<std::uint64_t>(needed)),
-      count > 1 ? " in each process" : "", binary_bytes_text(limit)));
+  throw LimitExceeded(
+      formatted("{}: {} atoms need more than {} of memory, but the limit is {}; use a larger limit",
+                file.path.string(), atoms, binary_bytes_text(static_cast<std::uint64_t>(needed)),
+                binary_bytes_text(limit)));
 }
 
 // Throws Error if reading and indexing the atoms has exceeded the memory limit.
@@ -143,13 +151,9 @@ void require_memory_held(const InputFile& file, std::uint64_t limit) {
 }
 
 // Numbers the groups of `run.names` if the outputs need it. Returns the totals of the names.
-LabelTotals take_groups(const Outputs& outputs, const Processes& processes, RunPlan& run,
+LabelTotals take_groups(const Outputs& outputs, RunPlan& run,
                         std::vector<mesh::GroupNumbers>& groups) {
-  if (needs_groups(outputs)) {
-    GroupNumbering numbered = number_groups(run.names.residues(), processes);
-    run.groups = std::move(numbered.names);
-    groups = std::move(numbered.of_atom);
-  }
+  if (needs_groups(outputs)) run.groups = number_groups(run.names.residues(), groups);
   LabelTotals totals = total_labels(run.names.residues().labels);
   totals.atom_text_bytes = run.names.text_bytes();
   return totals;
@@ -179,34 +183,22 @@ std::uint64_t held_bytes(const RunPlan& run) {
   return bytes;
 }
 
-// Returns the sums over all processes.
-LabelTotals sum_labels(const LabelTotals& labels, const Processes& processes) {
-  auto sums = std::bit_cast<std::array<std::uint64_t, 5>>(labels);
-  processes.add(sums);
-  return std::bit_cast<LabelTotals>(sums);
-}
-
-Box bounds_of_all(std::span<const Atom> atoms, const Processes& processes) {
-  const Box bounds = sphere_bounds(atoms);
-  std::array<double, 3> low{bounds.low.x, bounds.low.y, bounds.low.z};
-  std::array<double, 3> high{bounds.high.x, bounds.high.y, bounds.high.z};
-  processes.allreduce_min(low);
-  processes.allreduce_max(high);
-  return {{low[0], low[1], low[2]}, {high[0], high[1], high[2]}};
-}
-
-// Opens the checkpoint of a run that can be resumed, and finds its complete chunks.
-void open_checkpoint(const RunTask& task, const AtomPart& part, const Processes& processes,
+// Opens the checkpoint of a run with several processes or that can be resumed, and finds its
+// complete chunks.
+void open_checkpoint(const RunTask& task, std::span<const Atom> atoms,
+                     std::span<const mesh::GroupNumbers> groups, const Processes& processes,
                      RunPlan& run) {
-  if (!task.resume) return;
-  const std::uint64_t hash = hash_of(part, processes) ^ hash_of(run.groups, processes);
+  if (run.is_in_place) return;
+  const std::uint64_t hash = hash_of(atoms, groups) ^ hash_of(run.groups);
+  require_same_atoms(task, hash, processes);
   std::vector<PlaneRange> finished;
   processes.all_or_throw([&] {
-    run.checkpoint =
-        std::make_unique<Checkpoint>(task.output_directory, identity_of(task, run, hash));
+    run.checkpoint = std::make_unique<Checkpoint>(
+        task.output_directory, identity_of(task, run, hash),
+        task.resume ? Checkpoint::Chunks::kept : Checkpoint::Chunks::temporary);
     if (!processes.is_first()) return;
     if (!task.dry_run) run.checkpoint->lock();
-    finished = run.checkpoint->complete();
+    if (task.resume) finished = run.checkpoint->complete();
     if (!task.dry_run) run.checkpoint->remove_others(finished);
   });
   run.finished_planes = processes.gather<PlaneRange>(finished);
@@ -219,12 +211,6 @@ std::vector<double> radii_of(std::span<const Atom> atoms) {
   return radii;
 }
 
-// Adds the labels of the examples to the diagnostics if this process knows the names of the atoms.
-void name_examples(const AtomNames& names, FileDiagnostics& diagnostics) {
-  if (!names.has_atoms()) return;
-  for (const auto& [atom, line] : diagnostics.lines) diagnostics.labels[atom] = names.label(atom);
-}
-
 // Returns the number of threads of this process. Several processes on a machine share its
 // processors.
 int threads_of(const RunTask& task, const Processes::Machine& machine, const Processes& processes) {
@@ -232,9 +218,8 @@ int threads_of(const RunTask& task, const Processes::Machine& machine, const Pro
   return chosen > 0 || processes.count() == 1 ? chosen : machine.processors;
 }
 
-// Chooses the schedule of this process for its slab. `labels` are the totals of the labels that it
-// has read. The schedule of the whole run has the maxima over all processes, and its crossings are
-// the sum.
+// Chooses the schedule of this process for its slab. `labels` are the totals of all labels. The
+// schedule of the whole run has the maxima over all processes, and its crossings are the sum.
 void plan_schedules(const RunTask& task, const LabelTotals& labels,
                     const Processes::Machine& machine, const Processes& processes, RunPlan& run) {
   Plan slab = run;
@@ -254,35 +239,23 @@ void plan_schedules(const RunTask& task, const LabelTotals& labels,
       require_memory_held(*file, task.parameters.max_memory);
   });
   run.process_schedule = slab;
-  const auto max_of = [&](auto value) {
-    auto max = static_cast<std::uint64_t>(value);
-    processes.allreduce({&max, 1}, Processes::Reduction::max);
-    return static_cast<decltype(value)>(max);
-  };
-  run.crossings = slab.crossings;
-  processes.add(std::span<double>(&run.crossings, 1));
-  run.memory_bytes = max_of(slab.memory_bytes);
-  run.blocks_ahead = max_of(slab.blocks_ahead);
-  run.threads = max_of(slab.threads);
+  run.crossings = processes.sum(slab.crossings);
+  run.memory_bytes = processes.max(slab.memory_bytes);
+  run.blocks_ahead = processes.max(slab.blocks_ahead);
+  run.threads = processes.max(slab.threads);
   GridIndex block_size = slab.tiling.block_size;
-  for (std::int64_t& side : block_size) side = max_of(side);
+  for (std::int64_t& side : block_size) side = processes.max(side);
   run.tiling = make_tiling(run.grid, block_size, run.tiling.region);
 }
 
-// Adds the sizes of the chunks, which are on disk until they are merged. A checkpoint has all
-// texts; otherwise the texts of the mesh are in the mesh's directory.
+// Adds the sizes of the chunks, which are in the checkpoint until they are merged.
 void expect_chunks(const RunTask& task, const GridRegion& region, FileSizes& files) {
   files.text_scratch = files.grid + files.edges;
   for (const MapChoice& map : chosen_maps(task.outputs))
     files.text_scratch += GridMap::row_bytes(map.quantity, region);
   const bool is_improved = task.outputs.mesh && task.outputs.mesh->quality;
-  const std::uint64_t mesh_chunk_bytes = is_improved ? files.mesh_stream : files.mesh;
+  files.text_scratch += is_improved ? files.mesh_stream : files.mesh;
   files.mesh_scratch = is_improved ? files.mesh : 0;
-  if (task.resume) {
-    files.text_scratch += mesh_chunk_bytes;
-  } else {
-    files.mesh_scratch += mesh_chunk_bytes;
-  }
 }
 
 // Whether cavities are filled, or the mesh has components.
@@ -349,69 +322,135 @@ std::shared_ptr<const CavityMap> with_slab_indices(std::shared_ptr<const CavityM
   return std::make_shared<const CavityMap>(std::move(renumbered));
 }
 
-// Reads the file, makes the grid, and gives this process its slab. Returns the labels of the atoms
-// that this process has read.
+// Converts labels into residues and names after each part of the text, so that few labels are in
+// memory.
+void take_labels(AtomFile& atoms, AtomFormat format, bool with_names, AtomNames& names) {
+  if (with_names && format == AtomFormat::pqr) complete_elements(atoms.labels);
+  for (const AtomLabel& label : atoms.labels)
+    if (with_names)
+      names.add(label);
+    else
+      names.add_residue(label);
+  atoms.labels.clear();
+  atoms.charges.clear();
+}
+
+// Throws Error if several processes cannot read the same atoms from this file.
+void require_readable_by_all(const std::filesystem::path& path, const Processes& processes) {
+  std::error_code error;
+  if (processes.count() == 1 || (path != "-" && !std::filesystem::exists(path, error))) return;
+  if (path == "-" || !std::filesystem::is_regular_file(path, error))
+    throw Error(formatted("cannot read {} in several processes: it is not a regular file",
+                          path == "-" ? "standard input" : path.string()));
+}
+
+// Reads the atoms and their names. Each process reads the whole file.
+AtomFile read_file(const InputFile& file, const RunTask& task, const Processes& processes,
+                   AtomNames& names) {
+  const Outputs& outputs = task.outputs;
+  AtomFile atoms;
+  processes.all_or_throw([&] {
+    require_readable_by_all(file.path, processes);
+    const AtomFormat format = format_of(file.path, file.format);
+    const bool is_named = is_structure(format);
+    atoms = read_input(
+        file.path,
+        {.format = file.format,
+         .with_labels = is_named || outputs.residues || outputs.atoms || needs_groups(outputs),
+         .max_memory = task.parameters.max_memory,
+         .structure = file.structure},
+        [&](AtomFile& part) { take_labels(part, format, is_named || outputs.atoms, names); });
+    require_memory_for(atoms.atoms.size(), file, task.parameters.max_memory);
+  });
+  return atoms;
+}
+
+// Sets the diagnostics of the atoms of a file. The names of structures tell the examples.
+void take_diagnostics(const AtomFile& file, const Molecule& molecule, bool has_names,
+                      RunPlan& run) {
+  run.diagnostics.add(file.diagnostics, file.lines);
+  run.diagnostics.add(molecule.diagnostics(), file.lines);
+  if (!has_names) return;
+  for (const auto& [atom, line] : run.diagnostics.lines)
+    run.diagnostics.labels[atom] = run.names.label(atom);
+}
+
+// Keeps the names that the first process writes.
+void keep_written_names(const Outputs& outputs, std::span<const Atom> atoms,
+                        const Processes& processes, RunPlan& run) {
+  if (!processes.is_first()) {
+    run.groups.chains = run.groups.residues = {};
+    run.structure = {};
+  }
+  if (!processes.is_first() || (!outputs.residues && !outputs.atoms)) {
+    run.names = {};
+  } else if (!outputs.atoms) {
+    run.names.keep_residues();
+  } else if (run.slab.molecule.atoms().size() < atoms.size()) {
+    run.radii = radii_of(atoms);
+  }
+}
+
+// Gives this process its planes and the atoms near them, and finds the cavities, if they are
+// needed. `whole` has all atoms in a single process, and if the cavities are searched.
+void take_slab(const Molecule& whole, std::span<const Atom> atoms,
+               std::vector<mesh::GroupNumbers> groups, const RunTask& task, int threads,
+               const Processes& processes, RunPlan& run) {
+  if (processes.count() == 1) {
+    run.slab.planes = range_around(remaining(region_planes(run), run.finished_planes));
+    run.slab.molecule = whole;
+    run.slab.groups = std::move(groups);
+    prepare_patches(whole, task, threads, run);
+    return;
+  }
+  const std::vector<PlaneRange> slabs =
+      cut_into_slabs(atoms, run, task.outputs, run.finished_planes, processes.count());
+  run.slab = make_slab(atoms, groups, run, task.outputs,
+                       slabs[static_cast<std::size_t>(processes.rank())], threads);
+  if (searches_cavities(task))
+    run.cavities = with_slab_indices(find_cavities_of(whole, task, threads, false).map, run.slab);
+}
+
+// Reads the file, makes the grid, and gives this process its slab. Returns the totals of the
+// labels.
 LabelTotals take_file(const InputFile& file, const RunTask& task, const Processes::Machine& machine,
                       const Processes& processes, RunPlan& run) {
-  const Outputs& outputs = task.outputs;
-  const std::uint64_t limit = task.parameters.max_memory;
+  AtomFile atoms = read_file(file, task, processes, run.names);
+  run.structure = std::move(atoms.structure);
+  run.atoms = atoms.atoms.size();
+  std::vector<mesh::GroupNumbers> groups;
+  const LabelTotals labels = take_groups(task.outputs, run, groups);
   const bool has_names = is_structure(format_of(file.path, file.format));
-  AtomPart part = read_part(
-      file.path,
-      {.format = file.format,
-       .with_labels = has_names || outputs.residues || outputs.atoms || needs_groups(outputs),
-       .max_memory = limit,
-       .structure = file.structure},
-      outputs.atoms, processes);
-  run.structure = std::move(part.structure);
-  run.names = std::exchange(part.names, {});
-  if (outputs.atoms && processes.count() > 1) run.radii = radii_of(part.atoms);
-  const FileDiagnostics of_names = std::move(part.file_diagnostics);
-  processes.all_or_throw([&] { require_memory_for(part.total, file, limit, processes); });
-  run.atoms = part.total;
-  run.read_atoms = part.range();
-  const LabelTotals labels = take_groups(outputs, processes, run, part.groups);
   // Names take much memory. They are dropped as soon as they are not needed any more.
-  const bool needs_residues = outputs.residues || outputs.atoms;
-  if (!needs_residues && !has_names) run.names = {};
-  const Box bounds = bounds_of_all(part.atoms, processes);
-  processes.all_or_throw([&] { static_cast<Plan&>(run) = plan_grid(bounds, task.parameters); });
-  open_checkpoint(task, part, processes, run);
-  const int threads = threads_of(task, machine, processes);
-  if (searches_cavities(task) && processes.count() > 1) {
-    std::vector<Atom> atoms = processes.gather<Atom>(part.atoms);
-    processes.all_or_throw([&] {
-      run.cavities =
-          find_cavities_of(Molecule(std::move(atoms), {}, threads), task, threads, false).map;
-    });
-  }
-  std::tie(run.slab, run.diagnostics) =
-      make_slab(std::move(part), run, outputs, run.finished_planes, threads, processes);
-  if (run.cavities) {
-    run.cavities = with_slab_indices(std::move(run.cavities), run.slab);
-  } else {
-    processes.all_or_throw([&] { prepare_patches(run.slab.molecule, task, threads, run); });
-  }
-  run.diagnostics.add(of_names);
-  if (has_names) name_examples(run.names, run.diagnostics);
-  if (!needs_residues) run.names = {};
-  if (!outputs.atoms) run.names.keep_residues();
+  if (!task.outputs.residues && !task.outputs.atoms && !has_names) run.names = {};
+  processes.all_or_throw(
+      [&] { static_cast<Plan&>(run) = plan_grid(sphere_bounds(atoms.atoms), task.parameters); });
+  open_checkpoint(task, atoms.atoms, groups, processes, run);
+  processes.all_or_throw([&] {
+    const int threads = threads_of(task, machine, processes);
+    const bool needs_whole = processes.is_first() || searches_cavities(task);
+    const Molecule whole(needs_whole ? std::exchange(atoms.atoms, {}) : std::vector<Atom>(), {},
+                         threads);
+    const std::span<const Atom> all =
+        needs_whole ? whole.atoms() : std::span(std::as_const(atoms.atoms));
+    if (processes.is_first()) take_diagnostics(atoms, whole, has_names, run);
+    take_slab(whole, all, std::move(groups), task, threads, processes, run);
+    keep_written_names(task.outputs, all, processes, run);
+  });
   release_free_memory();
   return labels;
 }
 
 // Takes a molecule in memory, and makes the grid. Returns its labels.
-LabelTotals take_molecule(const Molecule& molecule, const RunTask& task, const Processes& processes,
-                          RunPlan& run) {
+LabelTotals take_molecule(const Molecule& molecule, const RunTask& task, RunPlan& run) {
   run.atoms = molecule.atoms().size();
-  run.read_atoms = {0, run.atoms};
   static_cast<Plan&>(run) = plan_grid(sphere_bounds(molecule.atoms()), task.parameters);
   run.slab.planes = region_planes(run);
   run.slab.molecule = molecule;
   prepare_patches(molecule, task, task.parameters.threads, run);
   if (task.outputs.residues || needs_groups(task.outputs))
     for (const AtomLabel& label : molecule.labels()) run.names.add_residue(label);
-  LabelTotals labels = take_groups(task.outputs, processes, run, run.slab.groups);
+  LabelTotals labels = take_groups(task.outputs, run, run.slab.groups);
   if (!task.outputs.residues) run.names = {};
   if (task.outputs.atoms) labels.atom_text_bytes = total_labels(molecule.labels()).atom_text_bytes;
   return labels;
@@ -431,11 +470,11 @@ RunPlan plan_run(const RunTask& task, const Processes& processes) {
           "the mesh of one component needs a surface without filled cavities");
   }
   take_potential(task, processes, run);
-  const LabelTotals labels = molecule != nullptr ? take_molecule(*molecule, task, processes, run)
+  const LabelTotals labels = molecule != nullptr ? take_molecule(*molecule, task, run)
                                                  : take_file(std::get<InputFile>(task.atoms), task,
                                                              machine, processes, run);
   plan_schedules(task, labels, machine, processes, run);
-  run.files = plan_files(run.atoms, sum_labels(labels, processes), task.outputs, run);
+  run.files = plan_files(run.atoms, labels, task.outputs, run);
   if (!run.is_in_place) expect_chunks(task, run.tiling.region, run.files);
   return run;
 }

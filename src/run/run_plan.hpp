@@ -1,18 +1,19 @@
 #pragma once
-/// Step 1 of a run: reading the input (distributed/atom_part.hpp), planning (run/plan.hpp), and
-/// sending the atoms to the processes (run/slabs.hpp). Step 2 is in slab_sweep.hpp.
+/// Step 1 of a run: reading the input, planning (run/plan.hpp), and choosing the planes and atoms
+/// of this process (run/slabs.hpp). Step 2 is in slab_sweep.hpp.
 
 #include <cstdint>
 #include <memory>
 #include <optional>
 #include <vector>
 
-#include "distributed/atom_part.hpp"
-#include "distributed/checkpoint.hpp"
-#include "distributed/group_numbers.hpp"
 #include "distributed/processes.hpp"
+#include "eses/read_atoms.hpp"
 #include "input/atom_names.hpp"
 #include "input/potential_map.hpp"
+#include "run/checkpoint.hpp"
+#include "run/file_diagnostics.hpp"
+#include "run/group_names.hpp"
 #include "run/plan.hpp"
 #include "run/slabs.hpp"
 #include "run/task.hpp"
@@ -28,29 +29,30 @@ struct RunPlan : Plan {
   Schedule process_schedule;  ///< for the slab
   Slab slab;
   /// Whether texts are written directly to the output files: a single process sweeps the whole
-  /// region as one range.
+  /// region as one range. Otherwise each range becomes a chunk of the checkpoint.
   bool is_in_place = true;
-  FileDiagnostics diagnostics;
-  std::uint64_t atoms = 0;  ///< number of atoms in the molecule
-  IndexRange read_atoms;    ///< indices of the atoms that this process has read
-  GroupNames groups;        ///< groups whose first atom is in `read_atoms`, if the mesh names them
-  /// Residues of the atoms in `read_atoms`, if tables of residues are written. Also names of the
-  /// atoms, if atoms.csv is written and the file has names; a molecule in memory has labels
-  /// instead.
+  std::uint64_t atoms = 0;      ///< number of atoms of the file or molecule
+  FileDiagnostics diagnostics;  ///< of all atoms; only in the first process
+  GroupNames groups;            ///< if the mesh names or colours them
+  /// Residues of the atoms, if tables of residues are written. Also names of the atoms, if
+  /// atoms.csv is written and the file has names; a molecule in memory has labels instead. Only in
+  /// the first process.
   AtomNames names;
-  /// Radii of the atoms in `read_atoms` (angstrom), if several processes write atoms.csv.
+  /// Radii of all atoms (angstrom), if atoms.csv is written and the slab does not have all atoms.
+  /// Only in the first process.
   std::vector<double> radii;
   std::optional<PotentialMap> potential;  ///< of the vertices of the mesh, if it has one
   /// The report of reading a PDB or mmCIF file; only in the first process.
   std::optional<StructureReport> structure;
-  /// Checkpoint of a run that can be resumed, else null. The first process locks it.
+  /// Checkpoint of the chunks, null if `is_in_place`. The first process locks it.
   std::unique_ptr<Checkpoint> checkpoint;
   /// The cavities, with the atoms of the slab; null if the run does not need them.
   std::shared_ptr<const CavityMap> cavities;
   /// The surface, if its patches are kept: those of the search for cavities, or of exact measures.
   /// Else null.
   std::shared_ptr<ScheduledSurface> patches;
-  std::vector<PlaneRange> finished_planes;  ///< planes of the chunks of an earlier run
+  /// Planes of the chunks of an earlier run, ascending and disjoint.
+  std::vector<PlaneRange> finished_planes;
 
   /// Returns the cavities if some component is filled, else null.
   std::shared_ptr<const CavityMap> filled() const {

@@ -37,12 +37,15 @@ OrderedOutput::WriteAt sink_of(OutputFile& file, std::uint64_t begin) {
   };
 }
 
-// `checksum` is null without a checkpoint.
-OrderedOutput::WriteAt sink_of(ScratchFile& file, TextChecksum* checksum) {
-  return [&file, checksum](std::span<const char> text, std::uint64_t offset) {
+OrderedOutput::WriteAt sink_of(ScratchFile& file, TextChecksum& checksum) {
+  return [&file, &checksum](std::span<const char> text, std::uint64_t offset) {
     file.write_at(text, offset);
-    if (checksum != nullptr) checksum->add(text, offset);
+    checksum.add(text, offset);
   };
+}
+
+OrderedOutput::WriteAt sink_of(ScratchFile& file) {
+  return [&file](std::span<const char> text, std::uint64_t offset) { file.write_at(text, offset); };
 }
 
 // Returns a function that writes rows as words. They are converted to values of the map when chunks
@@ -68,14 +71,6 @@ TakeRows rows_of_map(OutputFile& file, const MapChoice& choice, const Plan& plan
 RunFile run_file_of(ChunkText text) {
   constexpr std::array files{RunFile::grid, RunFile::edges, RunFile::mesh, RunFile::mesh_faces};
   return files.at(static_cast<std::size_t>(text));
-}
-
-void add_shares(std::vector<AreaShare> shares, std::vector<AreaShare>& sums) {
-  if (sums.empty()) {
-    sums = std::move(shares);
-    return;
-  }
-  for (std::size_t i = 0; i < sums.size(); ++i) sums[i] += shares[i];
 }
 
 }  // namespace
@@ -111,9 +106,9 @@ SlabSweep::SlabSweep(const RunTask& task, const RunPlan& plan, std::span<const P
       mesh_(mesh),
       callbacks_(callbacks),
       report_(report) {
-  const IndexRange checks =
-      processes.range_of(static_cast<std::uint64_t>(task.parameters.verify), 1, processes.rank());
-  check_count_ = static_cast<double>(checks.count());
+  const std::int64_t rank = processes.rank(), count = processes.count();
+  const auto checks_before = [&](std::int64_t r) { return task.parameters.verify * r / count; };
+  check_count_ = static_cast<double>(checks_before(rank + 1) - checks_before(rank));
 }
 
 SweepResult SlabSweep::run(Summary& summary) {
@@ -136,7 +131,7 @@ SweepResult SlabSweep::run(Summary& summary) {
     const std::int64_t before = checks_before(swept_planes);
     swept_planes += planes.count();
     const Plan plan = plan_of(planes, checks_before(swept_planes) - before);
-    result.chunks.push_back(sweep(surface->schedule, plan, result, summary));
+    sweep(surface->schedule, plan, result, summary);
   }
   summary.seconds.blocks = sweeping.seconds() - summary.seconds.verify;
   return result;
@@ -185,19 +180,18 @@ std::optional<std::uint64_t> SlabSweep::begin_in_place(ChunkText text) const {
   return begin;
 }
 
-// Returns the receiver of a text: its output file, or a new scratch file of the chunk.
+// Returns the receiver of a text: its output file, or a new scratch file of the chunk. In place,
+// only texts of the mesh need scratch files.
 OrderedOutput::WriteAt SlabSweep::open_text(ChunkText text, PlaneChunk& chunk) {
   if (const auto begin = begin_in_place(text))
     return sink_of(*files_->find(run_file_of(text)), *begin);
   std::unique_ptr<ScratchFile>& file = chunk.text(text);
   if (plan_.checkpoint) {
     file = plan_.checkpoint->create(chunk.info.planes, text);
-    return sink_of(*file, &(*checksums_)[static_cast<std::size_t>(text)]);
+    return sink_of(*file, (*checksums_)[static_cast<std::size_t>(text)]);
   }
-  const bool is_of_mesh = text == ChunkText::vertices || text == ChunkText::triangles;
-  file = std::make_unique<ScratchFile>(is_of_mesh ? mesh_directory_of(*task_.outputs.mesh)
-                                                  : task_.output_directory.string());
-  return sink_of(*file, nullptr);
+  file = std::make_unique<ScratchFile>(mesh_directory_of(*task_.outputs.mesh));
+  return sink_of(*file);
 }
 
 // Returns the receivers of the mesh. Makes `pass` if the sweep improves the triangles. With chunks,
@@ -250,18 +244,17 @@ bool SlabSweep::verify(Verifier& verifier, Summary& summary) {
   return found.faults.empty();
 }
 
-// Completes a chunk in the checkpoint.
+// Completes a chunk in the checkpoint. Its files are closed, as the number of open files is
+// limited.
 void SlabSweep::save_chunk(PlaneChunk& chunk, std::span<const AreaShare> shares) const {
   for (std::size_t text = 0; text < chunk_text_count; ++text)
     chunk.info.checksums[text] = (*checksums_)[text].value();
   plan_.slab.for_each_sum(shares, [&](const AtomSum& sum) { chunk.sums.push_back(sum); });
   plan_.checkpoint->finish(chunk);
-  chunk.sums = {};
-  chunk.texts = {};  // closes the files, as the number of open files is limited
 }
 
-PlaneChunk SlabSweep::sweep(PatchSchedule& patches, const Plan& plan, SweepResult& result,
-                            Summary& summary) {
+void SlabSweep::sweep(PatchSchedule& patches, const Plan& plan, SweepResult& result,
+                      Summary& summary) {
   const GridRegion& region = plan.tiling.region;
   PlaneChunk chunk;
   chunk.info.planes = {region.begin[2], region.end[2]};
@@ -318,10 +311,10 @@ PlaneChunk SlabSweep::sweep(PatchSchedule& patches, const Plan& plan, SweepResul
     summary.mesh_quality = pass->quality();
   }
   const bool has_faults = verifier && !verify(*verifier, summary);
-  std::vector<AreaShare> shares = pipeline.take_atom_shares();
-  if (plan_.checkpoint && !has_faults) save_chunk(chunk, shares);
-  add_shares(std::move(shares), result.atom_shares);
-  return chunk;
+  if (!plan_.checkpoint)
+    result = {std::move(chunk), pipeline.take_atom_shares()};
+  else if (!has_faults)
+    save_chunk(chunk, pipeline.take_atom_shares());
 }
 
 }  // namespace eses::detail

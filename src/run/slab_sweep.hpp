@@ -9,10 +9,10 @@
 #include <span>
 #include <vector>
 
-#include "distributed/checkpoint.hpp"
 #include "distributed/processes.hpp"
 #include "output/mesh_writer.hpp"
 #include "output/output_files.hpp"
+#include "run/checkpoint.hpp"
 #include "run/mesh_output.hpp"
 #include "run/pipeline.hpp"
 #include "run/progress_report.hpp"
@@ -30,10 +30,11 @@ std::vector<PlaneRange> ranges_to_sweep(const RunTask& task, const RunPlan& plan
 /// Returns the number of blocks in these ranges.
 std::int64_t count_blocks(const RunPlan& plan, std::span<const PlaneRange> ranges);
 
-/// The result of a sweep.
+/// The result of a sweep that writes to the output files. Other sweeps leave chunks in the
+/// checkpoint.
 struct SweepResult {
-  std::vector<PlaneChunk> chunks;
-  std::vector<AreaShare> atom_shares;  ///< area share of each atom of the slab; empty if none
+  std::optional<PlaneChunk> chunk;  ///< the texts that are not in their files yet, and the totals
+  std::vector<AreaShare> atom_shares;  ///< area share of each atom of the slab
 };
 
 /// Sweeps the planes of this process's slab.
@@ -46,7 +47,7 @@ class SlabSweep {
             ProgressReport& report, const Processes& processes);
 
   /// Sweeps all ranges. Adds their times, the results of the verification and the angles of a mesh
-  /// that the sweep has improved to the summary. A chunk with faults is not kept in the checkpoint.
+  /// that the sweep has improved to the summary. A chunk with faults is not completed.
   SweepResult run(Summary& summary);
 
  private:
@@ -57,7 +58,7 @@ class SlabSweep {
   OrderedOutput::WriteAt open_text(ChunkText text, PlaneChunk& chunk);
   MeshSinks mesh_sinks(PlaneChunk& chunk, std::optional<QualityPass>& pass);
   std::vector<MapSink> map_sinks(PlaneChunk& chunk, const GridRegion& region);
-  PlaneChunk sweep(PatchSchedule& patches, const Plan& plan, SweepResult& result, Summary& summary);
+  void sweep(PatchSchedule& patches, const Plan& plan, SweepResult& result, Summary& summary);
   bool verify(Verifier& verifier, Summary& summary);
   void save_chunk(PlaneChunk& chunk, std::span<const AreaShare> shares) const;
 

@@ -1,30 +1,23 @@
 #pragma once
-/// Division of the planes of a grid among processes. Each process gets a slab of consecutive
-/// planes, and all slabs take about the same time.
+/// Division of the planes of a grid among processes. Each process reads all atoms. It gets a slab
+/// of consecutive planes and keeps the atoms that influence it. All slabs take about the same time.
 
 #include <cstdint>
 #include <span>
-#include <utility>
 #include <vector>
 
-#include "distributed/atom_part.hpp"
-#include "distributed/checkpoint.hpp"
-#include "distributed/file_diagnostics.hpp"
-#include "distributed/processes.hpp"
 #include "geometry/box.hpp"
 #include "grid/plane_range.hpp"
 #include "input/file_index.hpp"
+#include "output/mesh_groups.hpp"
+#include "run/checkpoint.hpp"
 #include "run/plan.hpp"
+#include "solve/area_shares.hpp"
 #include "surface/molecule.hpp"
 
 namespace eses::detail {
 
-/// Cuts `costs` into `parts` consecutive ranges with nearly equal sums; ranges may be empty.
-/// Returns the begin of each range, and the number of costs.
-std::vector<std::size_t> cut_evenly(std::span<const double> costs, int parts);
-
-/// The planes that a process computes, and the atoms that influence them. A single process has all
-/// atoms.
+/// The planes of a process, and the atoms that influence them. A single process has all atoms.
 struct Slab {
   PlaneRange planes;                       ///< may be empty
   Molecule molecule{std::vector<Atom>()};  ///< without labels
@@ -32,8 +25,6 @@ struct Slab {
   /// atoms.
   std::vector<FileIndex> atoms_in_file;
   std::vector<mesh::GroupNumbers> groups;  ///< by atom; empty if groups are not numbered
-  /// Line of each atom in the file; only until the diagnostics are known.
-  std::vector<std::uint64_t> lines;
 
   FileIndices file_indices() const { return FileIndices(atoms_in_file); }
 
@@ -46,13 +37,23 @@ struct Slab {
   }
 };
 
-/// Makes the slab of each process in the region of `plan`, and finds the diagnostics of all atoms.
-/// `part` is the part of the file that this process has read. All processes must call it. Costs are
-/// estimated from a sample of the atoms' patches. The planes in `finished` (ascending, disjoint)
-/// cost nothing. `threads` is the number of threads of this process.
-std::pair<Slab, FileDiagnostics> make_slab(AtomPart part, const Plan& plan, const Outputs& outputs,
-                                           std::span<const PlaneRange> finished, int threads,
-                                           const Processes& processes);
+/// Cuts `costs` into `parts` consecutive ranges with nearly equal sums; ranges may be empty.
+/// Returns the begin of each range, and the number of costs.
+std::vector<std::size_t> cut_evenly(std::span<const double> costs, int parts);
+
+/// Returns the slabs of `count` processes in the region of `plan`. The planes in `finished`
+/// (ascending, disjoint) cost nothing and are at no end of a slab. Slabs may be empty.
+std::vector<PlaneRange> cut_into_slabs(std::span<const Atom> atoms, const Plan& plan,
+                                       const Outputs& outputs, std::span<const PlaneRange> finished,
+                                       int count);
+
+/// Makes a slab of these planes from all atoms and their groups. `threads` is the number of threads
+/// to use.
+Slab make_slab(std::span<const Atom> atoms, std::span<const mesh::GroupNumbers> groups,
+               const Plan& plan, const Outputs& outputs, const PlaneRange& planes, int threads);
+
+/// Returns the planes from the first to the last one of these ranges.
+PlaneRange range_around(std::span<const PlaneRange> ranges);
 
 /// Returns the number of planes in ranges that do not overlap.
 std::int64_t plane_count(std::span<const PlaneRange> ranges);

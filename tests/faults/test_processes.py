@@ -170,7 +170,7 @@ class Identity(Processes):
 
     @needs_gemmi
     def test_files_from_structures_are_the_same(self):
-        """PDB and mmCIF files, which one process reads for all."""
+        """PDB and mmCIF files."""
         for path in (MMCIF, write_pdb(self.folder / "chains.pdb")):
             for count in (2, 3, 5):
                 self.assertSame(count, path, "--spacing", "0.8", "--write",
@@ -231,7 +231,7 @@ class Identity(Processes):
 
     @needs_gemmi
     def test_tables_of_atoms_are_the_same(self):
-        """With and without names, where all ranks read a part of the file and where one reads it."""
+        """With and without names, plain and compressed."""
         compressed = self.folder / "fas2.pqr.gz"
         compressed.write_bytes(gzip.compress((DATA / "fas2.pqr").read_bytes()))
         late = self.folder / "late.xyzr"
@@ -252,8 +252,8 @@ class Identity(Processes):
         return path
 
     def test_residues_that_processes_share_are_the_same(self):
-        """Cases: one residue for all atoms; residues that continue in the file part of the next
-        process or of several; chains and residues that occur again."""
+        """Cases: one residue for all atoms; residues in the slabs of several processes; chains and
+        residues that occur again."""
         every = [("A", "ALA", 1)] * 60
         long = [("A", "ALA", 1)] * 3 + [("B", "GLY", 7)] * 50 + [("A", "SER", 2)] * 7
         again = [("ABCABD"[i // 5 % 6], "ALA" if i % 3 else "GLY", i // 10 % 4) for i in range(60)]
@@ -268,19 +268,6 @@ class Identity(Processes):
                                     "residues", "--color", "chain", mesh="mesh.ply")
                     self.assertSame(count, path, "--spacing", "1", "--margin", "1", "--write",
                                     "none", mesh="mesh.vtp")
-
-    def test_standard_input_gives_the_same_files(self):
-        self.assertDone(self.run_alone(SMALL, "-q"))
-        with open(SMALL, encoding="ascii") as file:
-            self.assertDone(self.run_together(2, "-", "-q", stdin=file))
-        self.assertTrue(self.contents() == self.contents(self.alone))
-
-    def test_labels_of_standard_input_are_the_same(self):
-        arguments = ("-q", "--format", "pqr", "--write", "residues,atoms", "--spacing", "0.9")
-        self.assertDone(self.run_alone(DATA / "fas2.pqr", *arguments))
-        with open(DATA / "fas2.pqr", encoding="ascii") as file:
-            self.assertDone(self.run_together(3, "-", *arguments, stdin=file))
-        self.assertTrue(self.contents() == self.contents(self.alone))
 
     def test_mesh_in_another_directory_is_the_same(self):
         """The directory may be reached through a link."""
@@ -390,6 +377,14 @@ class Identity(Processes):
 
 
 class Failure(Processes):
+    def test_pipes_are_refused(self):
+        """All processes read the file, but a pipe can be read once only."""
+        pipe = self.folder / "pipe.xyzr"
+        os.mkfifo(pipe)
+        for path, name in (("-", "standard input"), (pipe, "pipe.xyzr")):
+            self.assertEnded(self.run_together(2, path, "-q"), f"{name} in several processes")
+            self.assertNothing()
+
     def test_bad_line_is_reported_wherever_it_is(self):
         lines = [f"{3 * i} 0 0 1.5" for i in range(300)]
         for number in (1, 150, 300):

@@ -46,12 +46,12 @@ constexpr ChunkText text_of(MapQuantity quantity) {
                                 static_cast<std::size_t>(quantity));
 }
 
-/// The data of a chunk that all processes receive.
+/// The data of a chunk besides its texts and sums.
 struct ChunkInfo {
   PlaneRange planes;
   std::array<std::uint64_t, chunk_text_count> bytes{};      ///< length of each text
   std::array<std::uint32_t, chunk_text_count> checksums{};  ///< crc32; only in a checkpoint
-  std::uint32_t rank = 0;  ///< process that has the texts when chunks are merged; 0 on disk
+  std::uint32_t padding = 0;  ///< explicit padding, as the struct is written to disk
   MeshCounts mesh;
   RegionTotals totals;
 
@@ -96,10 +96,12 @@ class TextChecksum {
 /// sums is complete. All failures throw Error.
 class Checkpoint {
  public:
+  /// Whether the chunks of a run that fails are kept, so that another run can continue.
+  enum class Chunks : bool { temporary, kept };
   /// `identity` is a text that identifies the run: runs whose chunks must not be combined have
   /// different identities.
-  Checkpoint(const std::filesystem::path& output_directory, std::string identity);
-  /// Removes the directory if it is empty.
+  Checkpoint(const std::filesystem::path& output_directory, std::string identity, Chunks chunks);
+  /// Removes temporary chunks, and the directory if it is empty.
   ~Checkpoint();
   Checkpoint(const Checkpoint&) = delete;
   Checkpoint& operator=(const Checkpoint&) = delete;
@@ -127,6 +129,8 @@ class Checkpoint {
   std::unique_ptr<ScratchFile> open(const PlaneRange& planes, ChunkText text) const;
   /// Removes the checkpoint.
   void remove();
+  /// Removes temporary chunks before a failed process ends all others.
+  void remove_temporary() const noexcept;
 
  private:
   bool is_complete(const PlaneRange& planes) const;
@@ -134,6 +138,7 @@ class Checkpoint {
 
   std::filesystem::path path_;
   std::string identity_;
+  Chunks chunks_;
   std::optional<OutputDirectory> lock_;
 };
 

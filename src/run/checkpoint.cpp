@@ -1,4 +1,4 @@
-#include "distributed/checkpoint.hpp"
+#include "run/checkpoint.hpp"
 
 #include <zlib.h>
 
@@ -20,7 +20,7 @@
 namespace eses::detail {
 namespace {
 
-// Both are written to disk and sent. scripts/lib/scaling.py reads the sizes here.
+// Both are written to disk.
 static_assert(sizeof(ChunkInfo) == 272);
 static_assert(sizeof(AtomSum) == 32);
 
@@ -100,11 +100,15 @@ std::uint32_t TextChecksum::value() const {
   return static_cast<std::uint32_t>(sum);
 }
 
-Checkpoint::Checkpoint(const std::filesystem::path& output_directory, std::string identity)
-    : path_(path_in(output_directory, checkpoint_name)), identity_(std::move(identity)) {}
+Checkpoint::Checkpoint(const std::filesystem::path& output_directory, std::string identity,
+                       Chunks chunks)
+    : path_(path_in(output_directory, checkpoint_name)),
+      identity_(std::move(identity)),
+      chunks_(chunks) {}
 
 Checkpoint::~Checkpoint() {
   if (!lock_) return;
+  remove_temporary();
   lock_.reset();
   std::error_code error;  // a directory with chunks cannot be removed
   std::filesystem::remove(path_, error);
@@ -242,13 +246,16 @@ PlaneChunk Checkpoint::read(const PlaneRange& planes) const {
   if (!is_sound)
     throw Error(formatted("cannot resume: {} is damaged; remove it to compute its planes again",
                           sums_path(planes)));
-  chunk.is_restored = true;
   return chunk;
 }
 
 void Checkpoint::remove() {
   remove_checkpoint_directory(path_);
   lock_.reset();
+}
+
+void Checkpoint::remove_temporary() const noexcept {
+  if (chunks_ == Chunks::temporary) remove_checkpoint_directory(path_);
 }
 
 }  // namespace eses::detail
