@@ -14,6 +14,7 @@
 #include "eses/summary.hpp"
 #include "eses/vec3.hpp"
 #include "mesh/facing_cells.hpp"
+#include "mesh/sliding_list.hpp"
 #include "mesh/triangle_shape.hpp"
 #include "mesh/triangulate.hpp"
 
@@ -66,11 +67,13 @@ class QualityMesh {
   /// Returns the position of a vertex. Valid for the corners of triangles while `Sink::triangles`
   /// is called with them.
   const Vec3& position_of(std::uint64_t number) const { return at(number).position; }
+  /// Returns the normal of a vertex. Valid while `Sink::vertex` is called with it.
+  const Vec3& normal_of(std::uint64_t number) const { return at(number).normal; }
   /// Returns the patch of a vertex. Valid like `position_of`.
   std::uint8_t patch_of(std::uint64_t number) const { return at(number).patch; }
   /// Returns the new number of a vertex that `Sink::vertex` has received.
   std::uint64_t new_number(std::uint64_t number) const {
-    return new_numbers_[number - first_number_];
+    return new_numbers_[static_cast<Index>(number)];
   }
 
   /// Returns the counts and angles of all triangles that the sink has received.
@@ -82,7 +85,8 @@ class QualityMesh {
   static double memory_bytes(const GridRegion& region, double plane_crossings, double more_bytes);
 
  private:
-  // Indices of vertices and triangles in the window. A corner is 4 * triangle + 0, 1 or 2.
+  // Numbers of vertices and triangles modulo 2^32, see SlidingList. A corner is 4 * triangle + 0, 1
+  // or 2.
   using Index = std::uint32_t;
   static constexpr Index none = ~Index{0};
   using Corners = std::array<Index, 3>;
@@ -131,7 +135,11 @@ class QualityMesh {
     float min_quality = 0;
   };
 
-  const Vertex& at(std::uint64_t number) const { return vertices_[number - first_number_]; }
+  const Vertex& at(std::uint64_t number) const { return vertices_[static_cast<Index>(number)]; }
+  // Returns the number of a vertex in the window.
+  std::uint64_t number_of(Index vertex) const {
+    return vertex_end_ - (static_cast<Index>(vertex_end_) - vertex);
+  }
   const Vec3& position(Index vertex) const { return vertices_[vertex].position; }
   // Return the corner after, or before, a corner of the same triangle.
   static Index after(Index corner) { return (corner & 3) < 2 ? corner + 1 : corner - 2; }
@@ -167,6 +175,7 @@ class QualityMesh {
   void collapse(Index from, Index to);
   void flip(Index corner, Index other);
   bool do_intersect(const Bounds& bounds);
+  Index first_from(double low_x, Index begin, Index end) const;
   void list_near_faces(const Bounds& bounds);
   bool intersect(const Corners& one, const Corners& other) const;
 
@@ -188,14 +197,14 @@ class QualityMesh {
   std::int32_t plane_ = 0;   // the planes up to this one have been added
   std::int32_t frozen_ = 0;  // the vertices up to this plane are numbered
   bool has_plane_ = false;
-  std::vector<Vertex> vertices_;
-  std::vector<Face> faces_;
-  std::vector<std::uint64_t> new_numbers_;  // of the vertices
-  std::uint64_t first_number_ = 0;          // number of the first vertex of the window
+  SlidingList<Vertex> vertices_;
+  SlidingList<Face> faces_;
+  SlidingList<std::uint64_t> new_numbers_;  // of the vertices
+  std::uint64_t vertex_end_ = 0;            // number of vertices that were added
   std::deque<Plane> planes_;
   std::deque<FacePlane> face_planes_;
   FacingCells cells_;
-  Index delivered_ = 0;  // number of faces at the begin of the window that are delivered
+  Index delivered_ = 0;  // the faces before this one are delivered
   std::uint64_t next_number_ = 0;
   Index mark_ = 0;
   Index ring_center_ = none;  // vertex whose ring is listed
