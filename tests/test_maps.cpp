@@ -224,22 +224,15 @@ TEST_CASE("rows of a map may come in any order and are transposed in several til
       {
         const OutputDirectory place(directory.path());
         OutputFile file(place, name);
-        GridMap map(map_file(file), {MapQuantity::inside, name, *map_format(name)}, grid, region);
-        GridMap::Scratch scratch;
+        GridMap map({MapQuantity::inside, name, *map_format(name)}, grid, region);
         const std::size_t step = 1 + rows / 7;
         for (std::size_t end = rows; end > 0;) {
           const std::size_t begin = end > step ? end - step : 0;
-          map.write_rows(static_cast<std::int64_t>(begin),
-                         std::span(words).subspan(begin * per_row, (end - begin) * per_row),
-                         scratch);
+          map.add_rows(static_cast<std::int64_t>(begin),
+                       std::span(words).subspan(begin * per_row, (end - begin) * per_row));
           end = begin;
         }
-        // Several writers that share the file would write in this way.
-        const std::int64_t half = map.tile_count() / 2;
-        map.transpose_tiles(half, map.tile_count(), 3, [] {});
-        map.transpose_tiles(0, half, 2, [] {});
-        map.write_ends();
-        file.truncate(map.layout().file_bytes());
+        map.write(file, 3, [] {});
         file.close();
         file.commit();
       }

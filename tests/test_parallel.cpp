@@ -11,6 +11,7 @@
 #include "eses/error.hpp"
 #include "output/ordered_output.hpp"
 #include "output/output_file.hpp"
+#include "run/in_turn.hpp"
 #include "support/atom_sets.hpp"
 #include "support/eses_files.hpp"
 #include "support/run.hpp"
@@ -65,7 +66,7 @@ TEST_CASE("chunks stand in a file in the order of their numbers") {
   CHECK(read_bytes(path) == expected);
 }
 
-TEST_CASE("with sequential calls, a receiver gets all pieces in order, one at a time") {
+TEST_CASE("a receiver gets all items in turn, one at a time") {
   const auto text_of = [](std::int64_t piece) {
     return std::string(static_cast<std::size_t>(piece * 7919 % 50000),
                        static_cast<char>('a' + piece % 26));
@@ -73,16 +74,15 @@ TEST_CASE("with sequential calls, a receiver gets all pieces in order, one at a 
   std::string expected, received;
   for (std::int64_t piece = 0; piece < 200; ++piece) expected += text_of(piece);
   std::atomic<int> calls = 0;
-  OrderedOutput output(
-      [&](std::span<const char> text, std::uint64_t offset) {
-        CHECK(++calls == 1);
-        CHECK(offset == received.size());
-        received.append(text.begin(), text.end());
-        --calls;
-      },
-      OrderedOutput::Calls::sequential);
-  parallel_for(200, 4, [&](std::int64_t piece, int) { output.write(piece, text_of(piece)); });
-  CHECK(output.size() == expected.size());
+  InTurn<std::string> in_turn([&](std::string& text) {
+    CHECK(++calls == 1);
+    received += text;
+    --calls;
+  });
+  parallel_for(200, 4, [&](std::int64_t piece, int) {
+    std::string text = text_of(piece);
+    in_turn.pass(piece, text, text.size());
+  });
   CHECK(received == expected);
 }
 

@@ -3,6 +3,7 @@
 #include <zlib.h>
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
@@ -16,9 +17,9 @@
 #include "distributed/processes.hpp"
 #include "eses/error.hpp"
 #include "input/atom_reader.hpp"
-#include "output/local_triangle.hpp"
 #include "output/output_files.hpp"
 #include "run/checkpoint.hpp"
+#include "run/piece_bytes.hpp"
 #include "run/slabs.hpp"
 #include "support/eses_files.hpp"
 #include "support/sandbox.hpp"
@@ -263,15 +264,31 @@ TEST_CASE("lines of a part of a file have their numbers in the whole file", "[pr
   CHECK(message.find("file:104: ") == 0);
 }
 
-TEST_CASE("triangles of a part get the vertex numbers of the whole mesh", "[processes][mesh]") {
+TEST_CASE("pieces of a chunk get the vertex numbers of the whole mesh", "[processes][mesh]") {
+  mesh::MeshPiece piece;
+  piece.vertex_count = 2;
+  piece.vertices = {{{1, 2, 3}, {0, 0, 1}, {.lower = {4, 5, 6}, .axis = 2, .patch = 3}}, {}};
+  piece.triangles = {{std::uint64_t{0} - 3, 5, 2'000'000'000}};
+  piece.triangle_patches = {2};
+  piece.corners = {{Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}}};
   TextBuffer bytes;
-  const mesh::Triangle below{std::uint64_t{0} - 3, 5, 2'000'000'000};
-  mesh::append_local_triangle(bytes, below, 2);
-  mesh::LocalTriangle local;
-  REQUIRE(bytes.text().size() == sizeof local);
-  std::memcpy(&local, bytes.text().data(), sizeof local);
-  CHECK(local == mesh::LocalTriangle{{-3, 5, 2'000'000'000}, 2});
-  CHECK(mesh::global_triangle(10, local) == mesh::Triangle{7, 15, 2'000'000'010});
+  append_piece(bytes, {});
+  CHECK(bytes.text().empty());
+  append_piece(bytes, piece);
+  append_piece(bytes, piece);
+  int count = 0;
+  PieceReader reader(10, [&](const mesh::MeshPiece& read) {
+    ++count;
+    CHECK(read.vertex_count == 2);
+    REQUIRE(read.vertices.size() == 2);
+    CHECK(read.vertices[0].position == Vec3{1, 2, 3});
+    CHECK(read.vertices[0].labels.lower == std::array<std::int32_t, 3>{4, 5, 6});
+    CHECK(read.triangles == std::vector<mesh::Triangle>{{7, 15, 2'000'000'010}});
+    CHECK(read.triangle_patches == piece.triangle_patches);
+    CHECK(read.corners == piece.corners);
+  });
+  for (const char& byte : bytes.text()) reader.add({&byte, 1});
+  CHECK(count == 2);
 }
 
 }  // namespace eses::detail::test

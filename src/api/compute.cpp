@@ -107,8 +107,7 @@ detail::MapSink map_receiver(detail::MapQuantity quantity, const GridRegion& reg
   const auto points = static_cast<std::size_t>(region.size()[0]);
   const auto row_words =
       static_cast<std::size_t>(detail::GridMap::words_of_row(quantity, region.size()));
-  return {quantity, [=, &values](std::int64_t first_row, std::span<const std::uint64_t> words,
-                                 detail::GridMap::Scratch&) {
+  return {quantity, [=, &values](std::int64_t first_row, std::span<const std::uint64_t> words) {
             Value* value = values.data() + static_cast<std::size_t>(first_row) * points;
             for (; !words.empty(); words = words.subspan(row_words))
               for (std::size_t x = 0; x < points; ++x) *value++ = value_at(words, x);

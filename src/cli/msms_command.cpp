@@ -235,8 +235,10 @@ struct ComponentWriter {
       const AtomIndex closest = surface.closest_atoms[i];
       const std::string_view name = input.name(closest);
       line.resize(mesh::max_msms_vertex_bytes + 1 + name.size());
-      const char* const end = mesh::put_msms_vertex(line.data(), surface.vertices[i],
-                                                    FileIndex{input.file_indices[closest]}, name);
+      const mesh::Vertex& vertex = surface.vertices[i];
+      const char* const end =
+          mesh::put_msms_vertex(line.data(), vertex.position, vertex.normal, vertex.patch,
+                                FileIndex{input.file_indices[closest]}, name);
       text.append("{}", std::string_view(line.data(), end));
     }
     text.flush();

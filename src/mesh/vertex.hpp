@@ -17,7 +17,6 @@ struct Vertex {
   Vec3 normal;             ///< outward unit normal
   std::uint8_t patch = 1;  ///< 1 convex, 2 saddle, 3 concave
   std::array<AtomIndex, 3> atoms{};  ///< adjacent atoms, ascending; the first `patch` are used
-  std::uint32_t component = 0;       ///< 0 outside, or the number of the cavity, if it is known
 
   AtomIndex first_atom() const { return atoms[0]; }
 };

@@ -4,9 +4,11 @@
 #include <stdlib.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <system_error>
 #include <utility>
+#include <vector>
 
 #include "eses/error.hpp"
 #include "output/output_directory.hpp"
@@ -56,11 +58,6 @@ std::uint64_t File::copy_from(int file, const CopyRange& range) try {
   fail("write", error.code().value());
 }
 
-void File::truncate(std::uint64_t bytes) {
-  while (ftruncate(file_.value(), static_cast<off_t>(bytes)) != 0)
-    if (errno != EINTR) fail("write", errno);
-}
-
 void File::sync() {
   while (fsync(file_.value()) != 0)
     if (errno != EINTR) fail("write", errno);
@@ -85,6 +82,27 @@ ScratchFile::ScratchFile(const std::filesystem::path& directory, const std::stri
   const std::string path = path_in(directory, name);
   file_ = FileDescriptor(open(path.c_str(), mode | O_NOFOLLOW | O_CLOEXEC, 0666));
   if (!file_.is_open()) fail(kept == Kept::fresh ? "create" : "open", errno);
+}
+
+void copy_file(const File& from, std::uint64_t bytes, File& to, std::uint64_t begin,
+               const std::function<void()>& check) {
+  constexpr std::uint64_t bytes_per_copy = 1 << 24, bytes_per_read = 1 << 20;
+  std::uint64_t copied = 0;
+  while (copied < bytes) {
+    check();
+    const std::uint64_t count = to.copy_from(
+        from.descriptor(),
+        {.from = copied, .to = begin + copied, .bytes = std::min(bytes_per_copy, bytes - copied)});
+    if (count == 0) break;
+    copied += count;
+  }
+  std::vector<char> part;
+  for (; copied < bytes; copied += part.size()) {
+    check();
+    part.resize(std::min(bytes_per_read, bytes - copied));
+    from.read_at(part, copied);
+    to.write_at(part, begin + copied);
+  }
 }
 
 }  // namespace eses::detail

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <span>
 #include <string>
 #include <type_traits>
@@ -33,8 +34,6 @@ class File {
   void read_at(std::span<char> bytes, std::uint64_t offset) const;
   /// Copies a range of another open file by FileDescriptor::copy_from.
   std::uint64_t copy_from(int file, const CopyRange& range);
-  /// Sets the size of the file, in bytes.
-  void truncate(std::uint64_t bytes);
   /// Waits until all written bytes are on the disk.
   void sync();
   /// Descriptor of the file, open during the lifetime of the object.
@@ -69,5 +68,10 @@ class ScratchFile : public File {
   /// Creates an empty file with a name that is kept, or opens an existing one for reading.
   ScratchFile(const std::filesystem::path& directory, const std::string& name, Kept kept);
 };
+
+/// Copies the first `bytes` bytes of a file to another one from `begin` on, in the kernel if it
+/// can. Calls `check` between parts.
+void copy_file(const File& from, std::uint64_t bytes, File& to, std::uint64_t begin,
+               const std::function<void()>& check);
 
 }  // namespace eses::detail

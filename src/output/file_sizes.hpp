@@ -18,11 +18,10 @@ struct FileSizes {
   std::uint64_t mesh = 0;      ///< estimate
 
   std::uint64_t gzip_maps = 0;     ///< compressed maps, included in `maps`; estimate
-  std::uint64_t map_scratch = 0;   ///< scratch files of maps
   std::uint64_t mesh_scratch = 0;  ///< scratch files of the mesh; estimate
-  /// Stream of a mesh whose triangles are improved; estimate. If texts are written to chunks, the
-  /// stream is in scratch files, and is included in `mesh_scratch` or `text_scratch`.
-  std::uint64_t mesh_stream = 0;
+  /// Pieces of the mesh as numbers, which are in `text_scratch` if texts are written to chunks;
+  /// estimate.
+  std::uint64_t mesh_pieces = 0;
   /// Scratch files of the texts of chunks; 0 if texts are written in place. Estimate.
   std::uint64_t text_scratch = 0;
 
@@ -31,7 +30,7 @@ struct FileSizes {
     return box + grid + edges + areas + residues + atoms + maps + mesh;
   }
   /// Total size of the scratch files.
-  std::uint64_t scratch() const { return map_scratch + mesh_scratch + text_scratch; }
+  std::uint64_t scratch() const { return mesh_scratch + text_scratch; }
 };
 
 }  // namespace eses::detail

@@ -16,13 +16,6 @@ struct GroupNumbers {
   std::uint32_t chain = 0, residue = 0;
 };
 
-/// Chains and residues of the atoms, if they are known.
-struct AtomGroups {
-  bool are_known = false;
-  std::span<const GroupNumbers> of_atom;             ///< by atom index
-  std::uint64_t chain_count = 0, residue_count = 0;  ///< counts of the whole molecule
-};
-
 /// Numbers of the chains and residues of labels, from 0 in the order of their first occurrence.
 struct LabelNumbers {
   std::vector<std::uint32_t> chain_of, residue_of;  ///< by label

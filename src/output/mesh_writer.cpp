@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <cstring>
 #include <limits>
 #include <string>
 #include <string_view>
 
 #include "eses/error.hpp"
-#include "output/local_triangle.hpp"
 #include "output/msms_text.hpp"
 #include "output/text_buffer.hpp"
 #include "system/formatted.hpp"
@@ -85,6 +85,15 @@ char* put_little_vector(char* out, const Vec3& vector) {
   return out;
 }
 
+// Writes the normal of a triangle, the corners, and two bytes without meaning.
+char* put_stl_triangle(char* out, const TrianglePoints& corners) {
+  const Vec3 across = area_vector(corners);
+  const double length = norm(across);
+  out = put_little_vector(out, length > 0 ? (1 / length) * across : Vec3{});
+  for (const Vec3& corner : corners) out = put_little_vector(out, corner);
+  return put_little(out, std::uint16_t{0});
+}
+
 char* put_ply_triangle(char* out, const Triangle& triangle) {
   out = put(out, std::uint8_t{3});
   for (const std::uint64_t vertex : triangle) out = put(out, static_cast<std::int32_t>(vertex));
@@ -104,13 +113,19 @@ void require_vertex_count(std::uint64_t vertices) {
 MeshText::MeshText(MeshFormat format, MeshColor color, MeshSource source)
     : format_(format), color_(color), source_(source) {
   if (has_coordinate_texts(format)) coordinates_ = coordinate_tokens(source.grid);
+  fields_ = vertex_fields(optional_fields());
 }
 
 OptionalFields MeshText::optional_fields() const {
   return {.has_colors = has_colors(),
-          .has_groups = source_.groups.are_known,
-          .has_potential = source_.potential.map != nullptr,
+          .has_groups = source_.has_groups,
+          .has_potential = source_.potential_limit.has_value(),
           .has_components = has_components()};
+}
+
+std::size_t MeshText::section_count() const {
+  if (has_columns()) return fields_.size() + 1;
+  return format_ == MeshFormat::stl ? 1 : 2;
 }
 
 void MeshText::append_header_begin(BufferedText& text) const {
@@ -124,8 +139,7 @@ void MeshText::append_header_begin(BufferedText& text) const {
         : is_little                      ? "binary_little_endian"
                                          : "binary_big_endian",
         comment_of(optional_fields()));
-  if (format_ == MeshFormat::vtp)
-    append_vtp_begin(text, optional_fields(), source_.groups.chain_count);
+  if (format_ == MeshFormat::vtp) append_vtp_begin(text, optional_fields(), source_.chain_count);
 }
 
 void MeshText::append_chain_name(BufferedText& text, std::uint64_t number,
@@ -137,7 +151,7 @@ void MeshText::append_chain_name(BufferedText& text, std::uint64_t number,
 
 void MeshText::append_header_middle(BufferedText& text) const {
   if (format_ == MeshFormat::vtp)
-    append_vtp_before_residues(text, optional_fields(), source_.groups.residue_count);
+    append_vtp_before_residues(text, optional_fields(), source_.residue_count);
 }
 
 void MeshText::append_residue_name(BufferedText& text, std::uint64_t number,
@@ -193,75 +207,56 @@ void MeshText::append_ply_end(BufferedText& text, const MeshCounts& counts) cons
   // The padding keeps the length of the header independent of the counts.
   const std::size_t padding = 2 * count_digits - vertices.size() - triangles.size();
   text.append("comment {:->{}}\nelement vertex {}\n", "", padding, vertices);
-  for (const VertexField& field : vertex_fields(optional_fields()))
+  for (const VertexField& field : fields_)
     for (const char* const component : field.components)
       text.append("property {} {}\n", field.type.ply_name, component);
   text.append("element face {}\nproperty list uchar int vertex_indices\nend_header\n", triangles);
 }
 
-// Returns 0 without a map of the potential.
-double MeshText::potential_of(const Vertex& vertex) const {
-  const auto& [map, offset, limit] = source_.potential;
-  return map != nullptr ? map->at(vertex.position + offset * vertex.normal) : 0;
-}
-
-Color MeshText::color_of(const Vertex& vertex, double potential) const {
-  if (color_ == MeshColor::potential) return potential_color(potential, source_.potential.limit);
-  if (has_components()) return component_color(vertex.component);
-  if (color_ == MeshColor::atom)
-    return distinct_color(as_number(source_.file_indices[vertex.first_atom()]));
-  if (color_ == MeshColor::chain)
-    return distinct_color(source_.groups.of_atom[vertex.first_atom()].chain);
-  return patch_color(vertex.patch);
-}
-
-// Returns the adjacent atom whose van der Waals sphere has the least distance from the vertex, and
-// the first one of equally distant atoms.
-AtomIndex MeshText::closest_atom(const Vertex& vertex) const {
-  const auto distance = [&](AtomIndex i) {
-    const Atom& atom = source_.atoms[i];
-    return norm(vertex.position - atom.center) - atom.radius;
-  };
-  AtomIndex closest = vertex.first_atom();
-  for (const AtomIndex atom : std::span(vertex.atoms).first(vertex.patch))
-    if (distance(atom) < distance(closest)) closest = atom;
-  return closest;
+Color MeshText::color_of(const FileVertex& vertex) const {
+  const VertexLabels& labels = vertex.labels;
+  if (color_ == MeshColor::potential)
+    return potential_color(labels.potential, *source_.potential_limit);
+  if (has_components()) return component_color(labels.component);
+  if (color_ == MeshColor::atom) return distinct_color(labels.atom);
+  if (color_ == MeshColor::chain) return distinct_color(labels.chain);
+  return patch_color(labels.patch);
 }
 
 // Writes what the file has of a vertex with these writers of a position, a normal, an integer and a
 // potential, which return the end of what they have written.
 template <class PutPosition, class PutNormal, class PutInteger, class PutPotential>
-char* MeshText::put_fields(char* out, const Vertex& vertex, PutPosition put_position,
+char* MeshText::put_fields(char* out, const FileVertex& vertex, PutPosition put_position,
                            PutNormal put_normal, PutInteger put_integer,
                            PutPotential put_potential) const {
-  const double potential = potential_of(vertex);
+  const VertexLabels& labels = vertex.labels;
   out = put_position(out, vertex.position);
   out = put_normal(out, vertex.normal);
   if (has_colors())
-    for (const std::uint8_t part : color_of(vertex, potential)) out = put_integer(out, part);
-  out = put_integer(out, vertex.patch);
-  out = put_integer(out, as_number(source_.file_indices[vertex.first_atom()]));
-  if (source_.groups.are_known) {
-    const auto [chain, residue] = source_.groups.of_atom[vertex.first_atom()];
-    out = put_integer(out, chain);
-    out = put_integer(out, residue);
+    for (const std::uint8_t part : color_of(vertex)) out = put_integer(out, part);
+  out = put_integer(out, labels.patch);
+  out = put_integer(out, labels.atom);
+  if (source_.has_groups) {
+    out = put_integer(out, labels.chain);
+    out = put_integer(out, labels.residue);
   }
-  if (source_.potential.map != nullptr) out = put_potential(out, potential);
-  if (has_components()) out = put_integer(out, vertex.component);
+  if (source_.potential_limit) out = put_potential(out, labels.potential);
+  if (has_components()) out = put_integer(out, labels.component);
   return out;
 }
 
 // Writes the position of a vertex as text. Two of its coordinates are coordinates of grid points.
-char* MeshText::put_coordinates(char* out, const Vertex& vertex) const {
+char* MeshText::put_coordinates(char* out, const FileVertex& vertex) const {
+  const VertexLabels& labels = vertex.labels;
   for (std::size_t axis = 0; axis < 3; ++axis)
-    out = axis == vertex.axis
+    out = axis == labels.axis
               ? put_number(out, vertex.position[axis])
-              : put_token(out, coordinates_[axis][static_cast<std::size_t>(vertex.lower[axis])]);
+              : put_token(out, coordinates_[axis][static_cast<std::size_t>(labels.lower[axis])]);
   return out;
 }
 
 // Writes a vertex of binary PLY, which is also the vertex record of VTP.
-char* MeshText::put_record(char* out, const Vertex& vertex) const {
+char* MeshText::put_record(char* out, const FileVertex& vertex) const {
   return put_fields(
       out, vertex, put_components<double>, put_components<float>,
       [](char* end, auto integer) { return put(end, integer); },
@@ -269,19 +264,19 @@ char* MeshText::put_record(char* out, const Vertex& vertex) const {
 }
 
 // Writes a vertex of text PLY.
-char* MeshText::put_ply_line(char* out, const Vertex& vertex) const {
+char* MeshText::put_ply_line(char* out, const FileVertex& vertex) const {
   return end_line(put_fields(
       out, vertex, [&](char* end, const Vec3&) { return put_coordinates(end, vertex); }, put_vector,
       put_index, put_number));
 }
 
 // The colours follow the position, as numbers from 0 to 1.
-char* MeshText::put_obj_vertex(char* out, const Vertex& vertex) const {
+char* MeshText::put_obj_vertex(char* out, const FileVertex& vertex) const {
   *out++ = 'v';
   *out++ = ' ';
   out = put_coordinates(out, vertex);
   if (has_colors()) {
-    const Color color = color_of(vertex, potential_of(vertex));
+    const Color color = color_of(vertex);
     out = put_vector(out, 1.0 / 255 * Vec3{double(color[0]), double(color[1]), double(color[2])});
   }
   out = end_line(out);
@@ -291,16 +286,15 @@ char* MeshText::put_obj_vertex(char* out, const Vertex& vertex) const {
   return end_line(put_vector(out, vertex.normal));
 }
 
-char* MeshText::put_glb_vertex(char* out, const Vertex& vertex) const {
+char* MeshText::put_glb_vertex(char* out, const FileVertex& vertex) const {
   out = put_gltf_vertex(out, vertex.position, vertex.normal, gltf_center(source_.center));
-  return has_colors() ? put_gltf_color(out, color_of(vertex, potential_of(vertex))) : out;
+  return has_colors() ? put_gltf_color(out, color_of(vertex)) : out;
 }
 
-void MeshText::append_vertex(TextBuffer& text, const Vertex& vertex) const {
+void MeshText::append_vertex(TextBuffer& text, const FileVertex& vertex) const {
   char* const out = text.reserve(max_vertex_bytes);
   switch (format_) {
     case MeshFormat::ply:
-    case MeshFormat::vtp:
       return text.advance_to(put_record(out, vertex));
     case MeshFormat::ascii_ply:
       return text.advance_to(put_ply_line(out, vertex));
@@ -309,53 +303,72 @@ void MeshText::append_vertex(TextBuffer& text, const Vertex& vertex) const {
     case MeshFormat::off:
       return text.advance_to(end_line(put_coordinates(out, vertex)));
     case MeshFormat::msms:
-      return text.advance_to(
-          put_msms_vertex(out, vertex, source_.file_indices[closest_atom(vertex)]));
+      return text.advance_to(put_msms_vertex(out, vertex.position, vertex.normal,
+                                             vertex.labels.patch, FileIndex{vertex.labels.atom}));
     case MeshFormat::glb:
       return text.advance_to(put_glb_vertex(out, vertex));
+    case MeshFormat::vtp:
     case MeshFormat::stl:
-      return;
+      return;  // see append_columns and append_triangles
   }
 }
 
-void MeshText::append_triangle(TextBuffer& text, const Triangle& triangle,
-                               std::uint8_t patch) const {
-  if (!has_triangle_patches()) return append_triangles(text, std::span(&triangle, 1));
-  text.advance_to(put_msms_triangle(text.reserve(max_triangle_bytes), triangle, patch));
+// Appends the fields of the records of vertices to the columns.
+void MeshText::append_columns(std::span<const FileVertex> vertices,
+                              std::span<TextBuffer> columns) const {
+  std::array<char, max_vertex_bytes> record{};
+  for (const FileVertex& vertex : vertices) {
+    put_record(record.data(), vertex);
+    const char* from = record.data();
+    for (std::size_t i = 0; i < fields_.size(); ++i) {
+      const std::size_t bytes = fields_[i].bytes();
+      char* const out = columns[i].reserve(bytes);
+      std::memcpy(out, from, bytes);
+      columns[i].advance_to(out + bytes);
+      from += bytes;
+    }
+  }
 }
 
-void MeshText::append_triangles(TextBuffer& text, std::span<const Triangle> triangles) const {
-  const auto append_all = [&](auto&& put_triangle) {
-    char* out = text.reserve(max_triangle_bytes * triangles.size());
-    for (const Triangle& triangle : triangles) out = put_triangle(out, triangle);
-    text.advance_to(out);
+void MeshText::append_triangles(const MeshPiece& piece, TextBuffer& text) const {
+  char* out = text.reserve(max_triangle_bytes * piece.triangles.size());
+  const auto put_all = [&](auto&& put_triangle) {
+    for (const Triangle& triangle : piece.triangles) out = put_triangle(out, triangle);
   };
   switch (format_) {
     case MeshFormat::ply:
-      return append_all(put_ply_triangle);
+      put_all(put_ply_triangle);
+      break;
     case MeshFormat::obj:
-      return append_all(put_obj_triangle);
+      put_all(put_obj_triangle);
+      break;
     case MeshFormat::off:
     case MeshFormat::ascii_ply:
-      return append_all(put_triangle_line);
+      put_all(put_triangle_line);
+      break;
     case MeshFormat::glb:
-      return append_all(put_gltf_triangle);
-    case MeshFormat::msms:
+      put_all(put_gltf_triangle);
+      break;
     case MeshFormat::vtp:
+      put_all(put_vtp_triangle);
+      break;
+    case MeshFormat::msms:
+      for (std::size_t i = 0; i < piece.triangles.size(); ++i)
+        out = put_msms_triangle(out, piece.triangles[i], piece.triangle_patches[i]);
+      break;
     case MeshFormat::stl:
-      // Their triangles are appended by append_triangle, put_vtp_triangle and append_corners.
-      return;
+      for (const TrianglePoints& corners : piece.corners) out = put_stl_triangle(out, corners);
+      break;
   }
+  text.advance_to(out);
 }
 
-// A record has the normal of the triangle, the corners, and two bytes without meaning.
-void MeshText::append_corners(TextBuffer& text, const std::array<Vec3, 3>& corners) {
-  const Vec3 across = cross(corners[1] - corners[0], corners[2] - corners[0]);
-  const double length = norm(across);
-  char* out = text.reserve(max_triangle_bytes);
-  out = put_little_vector(out, length > 0 ? (1 / length) * across : Vec3{});
-  for (const Vec3& corner : corners) out = put_little_vector(out, corner);
-  text.advance_to(put_little(out, std::uint16_t{0}));
+void MeshText::append(const MeshPiece& piece, std::span<TextBuffer> sections) const {
+  if (has_columns())
+    append_columns(piece.vertices, sections);
+  else
+    for (const FileVertex& vertex : piece.vertices) append_vertex(sections.front(), vertex);
+  append_triangles(piece, sections.back());
 }
 
 void MeshText::require_counts(const MeshCounts& counts) const {
@@ -376,7 +389,8 @@ namespace {
 MeshBytes typical_file_bytes(MeshFormat format, const OptionalFields& fields) {
   constexpr std::uint64_t vector_line = 57;  // three numbers with their separators
   constexpr std::uint64_t index_text = 8;    // an index and a blank
-  const std::uint64_t record = vtp_data({}, fields).vertices.record_bytes;
+  std::uint64_t record = 0;
+  for (const VertexField& field : vertex_fields(fields)) record += field.bytes();
   switch (format) {
     case MeshFormat::ply:
       return {.vertex = record, .triangle = 1 + 3 * sizeof(std::int32_t)};
@@ -394,7 +408,7 @@ MeshBytes typical_file_bytes(MeshFormat format, const OptionalFields& fields) {
     case MeshFormat::msms:
       return {.vertex = 2 * vector_line + 4 + index_text, .triangle = 4 + 3 * index_text};
     case MeshFormat::vtp:
-      return {.vertex = record, .triangle = vtp_triangle_bytes};
+      return {.vertex = record, .triangle = vtp_triangle_bytes + vtp_offset_bytes};
     case MeshFormat::stl:
       return {.vertex = 0, .triangle = stl_triangle_bytes};
     case MeshFormat::glb:
@@ -413,13 +427,14 @@ MeshBytes typical_mesh_bytes(const MeshOptions& choice, bool has_labels) {
                                   .has_potential = choice.color == MeshColor::potential,
                                   .has_components = choice.color == MeshColor::component});
   if (format == MeshFormat::vtp) {
-    bytes.scratch_vertex = bytes.vertex;
-    bytes.scratch_triangle = sizeof(LocalTriangle);
+    bytes.scratch_vertex = bytes.vertex - sizeof(Vec3);
+    bytes.scratch_triangle = vtp_triangle_bytes;
     bytes.name_line = 10;
     bytes.name_character = 3;
     return bytes;
   }
-  if (format != MeshFormat::msms) bytes.scratch_triangle = bytes.triangle;
+  if (format != MeshFormat::msms && format != MeshFormat::stl)
+    bytes.scratch_triangle = bytes.triangle;
   if (is_ply(format)) {
     bytes.name_line = 26;
     bytes.name_character = 1;

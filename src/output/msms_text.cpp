@@ -22,13 +22,13 @@ void append_msms_header(BufferedText& text, bool has_faces, std::uint64_t count,
       probe_radius);
 }
 
-char* put_msms_vertex(char* out, const Vertex& vertex, FileIndex closest_atom,
-                      std::string_view name) {
-  out = put_vector(out, vertex.position);
-  out = put_vector(out, vertex.normal);
+char* put_msms_vertex(char* out, const Vec3& position, const Vec3& normal, std::uint8_t patch,
+                      FileIndex closest_atom, std::string_view name) {
+  out = put_vector(out, position);
+  out = put_vector(out, normal);
   out = put_index(out, 0);
   out = put_index(out, std::uint64_t{as_number(closest_atom)} + 1);
-  *out++ = msms_type(vertex.patch);
+  *out++ = msms_type(patch);
   if (!name.empty()) *out++ = ' ';
   out = std::copy(name.begin(), name.end(), out);
   *out++ = '\n';

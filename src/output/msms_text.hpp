@@ -10,7 +10,6 @@
 
 #include "input/file_index.hpp"
 #include "mesh/triangulate.hpp"
-#include "mesh/vertex.hpp"
 #include "output/buffered_text.hpp"
 
 namespace eses::detail::mesh {
@@ -34,8 +33,8 @@ inline constexpr std::size_t max_msms_triangle_bytes = 48;
 
 /// Writes a line of NAME.vert. `closest_atom` is the closest atom that the probe touches. `name` is
 /// the name of this atom, which gives a tenth column; empty for none. Returns the end of the line.
-char* put_msms_vertex(char* out, const Vertex& vertex, FileIndex closest_atom,
-                      std::string_view name = {});
+char* put_msms_vertex(char* out, const Vec3& position, const Vec3& normal, std::uint8_t patch,
+                      FileIndex closest_atom, std::string_view name = {});
 
 /// Writes a line of NAME.face. `patch` is the result of patch_of. Returns the end of the line.
 char* put_msms_triangle(char* out, const Triangle& triangle, std::uint8_t patch);

@@ -140,11 +140,10 @@ std::optional<dev_t> file_system_of(const std::filesystem::path& directory) {
 std::vector<DiskSpace> disk_demands(const FileSizes& sizes, const Outputs& outputs,
                                     const std::filesystem::path& directory) {
   const std::uint64_t texts = outputs.gzip ? 0 : sizes.grid + sizes.areas;
-  const std::uint64_t maps = sizes.maps + sizes.map_scratch - 2 * sizes.gzip_maps;
-  std::vector<DiskSpace> demands{
-      {.directory = directory,
-       .certain = texts + maps,
-       .expected = sizes.output() - sizes.mesh + sizes.map_scratch + sizes.text_scratch}};
+  const std::uint64_t maps = sizes.maps - sizes.gzip_maps;
+  std::vector<DiskSpace> demands{{.directory = directory,
+                                  .certain = texts + maps,
+                                  .expected = sizes.output() - sizes.mesh + sizes.text_scratch}};
   if (!outputs.mesh) return demands;
   const std::filesystem::path mesh_directory = mesh_directory_of(*outputs.mesh);
   const std::uint64_t of_mesh = sizes.mesh + sizes.mesh_scratch;

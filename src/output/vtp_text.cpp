@@ -9,17 +9,6 @@
 namespace eses::detail::mesh {
 namespace {
 
-// Adds the column of the next field of the records after `bytes` bytes of data, and adds its size
-// to them.
-void add_column(ColumnTable& table, Column column, std::uint64_t& bytes) {
-  bytes += sizeof(std::uint64_t);
-  column.begin = bytes;
-  column.record_offset = table.record_bytes;
-  table.record_bytes += column.bytes;
-  bytes += table.record_count * column.bytes;
-  table.columns.push_back(column);
-}
-
 // Pads the attribute with blanks to the length of the longest value.
 std::string attribute(std::string_view name, std::uint64_t value) {
   constexpr std::size_t max_digits = 20;
@@ -58,23 +47,23 @@ std::vector<VertexField> vertex_fields(const OptionalFields& optional) {
   return fields;
 }
 
-VtpData vtp_data(const MeshCounts& counts, const OptionalFields& fields) {
-  VtpData data;
-  data.vertices.record_count = counts.vertices;
-  for (const auto& [name, type, components] : vertex_fields(fields))
-    add_column(data.vertices,
-               {.name = name,
-                .type = type.vtp_name,
-                .components = components.size(),
-                .bytes = components.size() * type.bytes},
-               data.bytes);
-  data.triangles.record_count = counts.triangles;
-  add_column(data.triangles,
-             {.name = "connectivity", .type = "Int32", .bytes = 3 * sizeof(std::int32_t)},
-             data.bytes);
-  add_column(data.triangles, {.name = "offsets", .type = "Int64", .bytes = sizeof(std::int64_t)},
-             data.bytes);
-  return data;
+VtpColumns vtp_columns(const MeshCounts& counts, const OptionalFields& fields) {
+  VtpColumns columns;
+  std::uint64_t bytes = 0;
+  const auto with_begin = [&bytes](Column column, std::uint64_t values_bytes) {
+    column.begin = bytes + sizeof(std::uint64_t);
+    bytes = column.begin + values_bytes;
+    return column;
+  };
+  for (const VertexField& field : vertex_fields(fields))
+    columns.vertices.push_back(with_begin(
+        {.name = field.name, .type = field.type.vtp_name, .components = field.components.size()},
+        counts.vertices * field.bytes()));
+  columns.corners =
+      with_begin({.name = "connectivity", .type = "Int32"}, counts.triangles * vtp_triangle_bytes);
+  columns.ends =
+      with_begin({.name = "offsets", .type = "Int64"}, counts.triangles * vtp_offset_bytes);
+  return columns;
 }
 
 void append_vtp_begin(BufferedText& text, const OptionalFields& fields, std::uint64_t chains) {
@@ -103,19 +92,18 @@ void append_vtp_before_residues(BufferedText& text, const OptionalFields& fields
 
 void append_vtp_before_data(BufferedText& text, const OptionalFields& fields,
                             const MeshCounts& counts) {
-  const VtpData data = vtp_data(counts, fields);
+  const VtpColumns columns = vtp_columns(counts, fields);
   if (fields.has_groups) text.append("</DataArray>\n</FieldData>\n");
   text.append(
       "<Piece {} NumberOfVerts=\"0\" NumberOfLines=\"0\" NumberOfStrips=\"0\" {}>\n"
       "<PointData Scalars=\"{}\" Normals=\"Normals\">\n",
       attribute("NumberOfPoints", counts.vertices), attribute("NumberOfPolys", counts.triangles),
       fields.has_colors ? "color" : "patch");
-  const std::span<const Column> columns = data.vertices.columns;
-  for (const Column& column : columns.subspan(1)) append_array(text, column);
+  for (const Column& column : std::span(columns.vertices).subspan(1)) append_array(text, column);
   text.append("</PointData>\n<Points>\n");
-  append_array(text, columns.front());
+  append_array(text, columns.vertices.front());
   text.append("</Points>\n<Polys>\n");
-  for (const Column& column : data.triangles.columns) append_array(text, column);
+  for (const Column& column : {columns.corners, columns.ends}) append_array(text, column);
   text.append("</Polys>\n</Piece>\n</PolyData>\n<AppendedData encoding=\"raw\">\n_");
 }
 
@@ -125,9 +113,16 @@ void append_vtp_name(BufferedText& text, std::string_view name) {
   text.append("0\n");
 }
 
-char* put_vtp_triangle(char* out, const Triangle& triangle, std::uint64_t number) {
+char* put_vtp_triangle(char* out, const Triangle& triangle) {
   for (const std::uint64_t vertex : triangle) out = put(out, static_cast<std::int32_t>(vertex));
-  return put(out, static_cast<std::int64_t>(3 * (number + 1)));
+  return out;
+}
+
+void append_vtp_ends(TextBuffer& text, std::uint64_t begin, std::uint64_t end) {
+  char* out = text.reserve((end - begin) * vtp_offset_bytes);
+  for (std::uint64_t triangle = begin; triangle < end; ++triangle)
+    out = put(out, static_cast<std::int64_t>(3 * (triangle + 1)));
+  text.advance_to(out);
 }
 
 }  // namespace eses::detail::mesh

@@ -4,8 +4,7 @@
 ///
 /// The data are columns: the positions of all vertices, then all normals, and so on. The offset of
 /// a column depends on the number of vertices, which is known only after all of them have been
-/// computed. Vertices and triangles are therefore first written as records, and divided into
-/// columns when the counts are known.
+/// computed. Only the first column is written directly to the file.
 
 #include <cstddef>
 #include <cstdint>
@@ -16,6 +15,7 @@
 #include "eses/summary.hpp"
 #include "mesh/triangulate.hpp"
 #include "output/buffered_text.hpp"
+#include "output/text_buffer.hpp"
 
 namespace eses::detail::mesh {
 
@@ -41,6 +41,8 @@ struct VertexField {
   const char* name;  ///< in VTP files
   NumberType type;
   std::vector<const char*> components;  ///< names of the numbers in PLY files
+
+  std::size_t bytes() const { return components.size() * type.bytes; }
 };
 
 /// Returns the fields of a vertex record in binary PLY files, which is also the record for VTP.
@@ -48,27 +50,18 @@ std::vector<VertexField> vertex_fields(const OptionalFields& optional);
 
 /// A column: the same field of all records.
 struct Column {
-  const char *name, *type;        ///< of the array
-  std::size_t components = 1;     ///< number of values per point or cell
-  std::size_t bytes = 0;          ///< size of the field
-  std::size_t record_offset = 0;  ///< offset of the field in a record
-  std::uint64_t begin = 0;        ///< offset of the first value in the data
+  const char *name, *type;     ///< of the array
+  std::size_t components = 1;  ///< number of values per point or cell
+  std::uint64_t begin = 0;     ///< offset of the first value in the data
 };
 
-/// All columns of the vertices or of the triangles.
-struct ColumnTable {
-  std::vector<Column> columns;
-  std::size_t record_bytes = 0;
-  std::uint64_t record_count = 0;
+/// The columns of the data after the XML. Each column has its size in bytes before it, as 8 bytes.
+struct VtpColumns {
+  std::vector<Column> vertices;
+  Column corners, ends;  ///< of the triangles: vertices, and ends in the list of all corners
 };
 
-/// Layout of the data after the XML. Each column has its size in bytes before it, as 8 bytes.
-struct VtpData {
-  ColumnTable vertices, triangles;
-  std::uint64_t bytes = 0;
-};
-
-VtpData vtp_data(const MeshCounts& counts, const OptionalFields& fields);
+VtpColumns vtp_columns(const MeshCounts& counts, const OptionalFields& fields);
 
 /// Append the three parts of the XML before the data: up to the chain names, between the chain
 /// names and the residue names, and after the residue names. Only files with groups have names.
@@ -84,10 +77,14 @@ inline constexpr std::string_view vtp_end = "\n</AppendedData>\n</VTKFile>\n";
 /// Appends a name to an array of strings.
 void append_vtp_name(BufferedText& text, std::string_view name);
 
-/// Size of the record of a triangle, in bytes.
-inline constexpr std::size_t vtp_triangle_bytes = 3 * sizeof(std::int32_t) + sizeof(std::int64_t);
+/// Size of the vertices of a triangle and of its end in the list of all corners, in bytes.
+inline constexpr std::size_t vtp_triangle_bytes = 3 * sizeof(std::int32_t),
+                             vtp_offset_bytes = sizeof(std::int64_t);
 
-/// Writes the record of triangle number `number` and returns the end.
-char* put_vtp_triangle(char* out, const Triangle& triangle, std::uint64_t number);
+/// Writes the vertices of a triangle. Returns the end.
+char* put_vtp_triangle(char* out, const Triangle& triangle);
+
+/// Appends the ends of the triangles [begin, end) in the list of all corners.
+void append_vtp_ends(TextBuffer& text, std::uint64_t begin, std::uint64_t end);
 
 }  // namespace eses::detail::mesh

@@ -21,12 +21,11 @@ namespace eses::detail {
 namespace {
 
 // Both are written to disk.
-static_assert(sizeof(ChunkInfo) == 272);
+static_assert(sizeof(ChunkInfo) == 256);
 static_assert(sizeof(AtomSum) == 32);
 
 constexpr std::array<const char*, chunk_text_count> text_suffixes{
-    ".grid", ".edges",   ".vertices", ".triangles", ".inside",
-    ".ions", ".edges_x", ".edges_y",  ".edges_z"};
+    ".grid", ".edges", ".mesh", ".inside", ".ions", ".edges_x", ".edges_y", ".edges_z"};
 
 std::string name_of(const PlaneRange& planes, std::string_view suffix) {
   return formatted("{}-{}{}", planes.begin, planes.end, suffix);

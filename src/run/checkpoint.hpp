@@ -30,13 +30,9 @@ struct AtomSum {
   std::array<std::uint32_t, 3> padding{};  ///< explicit padding, as the struct is written to disk
 };
 
-/// The texts of a chunk: the lines of grid_info.txt and intersection_info.txt, mesh vertices as
-/// text or records of the mesh's format, mesh triangles as mesh::LocalTriangle or, if they have the
-/// positions of their corners, as records, and rows of words for each map, by its quantity. If the
-/// mesh is to be improved, the vertices are the stream of a QualityPass, and there are no
-/// triangles. A run in place (see RunPlan) has triangles as text of the mesh's format, or as
-/// mesh::LocalTriangle in a format with columns.
-enum class ChunkText : std::uint8_t { grid, edges, vertices, triangles, first_map };
+/// The texts of a chunk: the lines of grid_info.txt and intersection_info.txt, the pieces of the
+/// mesh (see piece_bytes.hpp), and rows of words for each map, by its quantity.
+enum class ChunkText : std::uint8_t { grid, edges, mesh, first_map };
 inline constexpr std::size_t chunk_text_count =
     static_cast<std::size_t>(ChunkText::first_map) + map_quantities;
 
@@ -51,7 +47,6 @@ struct ChunkInfo {
   PlaneRange planes;
   std::array<std::uint64_t, chunk_text_count> bytes{};      ///< length of each text
   std::array<std::uint32_t, chunk_text_count> checksums{};  ///< crc32; only in a checkpoint
-  std::uint32_t padding = 0;  ///< explicit padding, as the struct is written to disk
   MeshCounts mesh;
   RegionTotals totals;
 

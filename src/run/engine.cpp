@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <deque>
 #include <numeric>
 #include <optional>
 #include <span>
@@ -13,13 +14,12 @@
 
 #include "eses/error.hpp"
 #include "output/eses_writer.hpp"
-#include "output/mesh_writer.hpp"
-#include "output/msms_text.hpp"
 #include "output/output_files.hpp"
 #include "run/areas.hpp"
 #include "run/exact_measures.hpp"
 #include "run/merge.hpp"
 #include "run/progress_report.hpp"
+#include "run/run_mesh.hpp"
 #include "run/slab_sweep.hpp"
 #include "surface/measure_patches.hpp"
 #include "system/file_descriptor.hpp"
@@ -57,31 +57,6 @@ void require_shared_directory(const RunTask& task, const Processes& processes) {
                     task.output_directory.string(), processes.on_machine(),
                     std::generic_category().message(errno)));
   });
-}
-
-std::optional<mesh::MeshText> mesh_text(const RunTask& task, const RunPlan& plan) {
-  const auto& mesh = task.outputs.mesh;
-  if (!mesh) return std::nullopt;
-  const mesh::AtomGroups groups{.are_known = plan.groups.are_known,
-                                .of_atom = plan.slab.groups,
-                                .chain_count = plan.groups.chain_count,
-                                .residue_count = plan.groups.residue_count};
-  mesh::VertexPotential potential;
-  if (plan.potential)
-    potential = {&*plan.potential, mesh->potential->offset, mesh->potential->limit};
-  const double spacing = plan.grid.spacing;
-  return mesh::MeshText(required_mesh_format(*mesh), mesh->color,
-                        {.groups = groups,
-                         .file_indices = plan.slab.file_indices(),
-                         .atoms = plan.slab.molecule.atoms(),
-                         .atom_count = plan.atoms,
-                         .probe_radius = plan.parameters.probe_radius,
-                         .density = (mesh->quality ? mesh::quality_vertices_per_area
-                                                   : mesh::plain_vertices_per_area) /
-                                    (spacing * spacing),
-                         .grid = plan.grid,
-                         .center = 0.5 * (plan.grid.origin + plan.grid.upper()),
-                         .potential = potential});
 }
 
 double cpu_seconds() {
@@ -156,17 +131,25 @@ std::vector<PlaneChunk> take_chunks(const RunPlan& plan, SweepResult swept,
 }
 
 // Completes all files except the bounding box. Returns their length in bytes.
-std::uint64_t write_files(const RunTask& task, const RunPlan& plan,
-                          const std::optional<mesh::MeshText>& mesh, std::span<const double> areas,
-                          Merge& merge, OutputFiles& files, const std::function<void()>& check) {
+std::uint64_t write_files(const RunTask& task, const RunPlan& plan, std::optional<RunMesh>& mesh,
+                          std::deque<GridMap>& maps, std::span<const double> areas, Merge& merge,
+                          OutputFiles& files, const std::function<void()>& check) {
   const Outputs& outputs = task.outputs;
   const auto file = [&](RunFile which) -> OutputFile& { return *files.find(which); };
   std::uint64_t bytes = 0;
   if (outputs.grid) bytes += merge.write_text(file(RunFile::grid), ChunkText::grid);
   if (outputs.edges) bytes += merge.write_text(file(RunFile::edges), ChunkText::edges);
-  if (mesh) bytes += merge.write_mesh(file(RunFile::mesh), files.find(RunFile::mesh_faces), *mesh);
-  for (const MapChoice& map : chosen_maps(outputs))
-    bytes += merge.write_map(file(file_of(map.quantity)), map);
+  if (mesh) bytes += mesh->write(check);
+  const auto write_map = [&](GridMap& map) {
+    bytes += map.write(file(file_of(map.quantity())), plan.process_schedule.threads, check);
+  };
+  for (GridMap& map : maps) write_map(map);
+  if (!plan.is_in_place)
+    for (const MapChoice& choice : chosen_maps(outputs)) {
+      GridMap map(choice, plan.grid, plan.tiling.region);
+      merge.add_rows(map);
+      write_map(map);
+    }
   if (outputs.areas) bytes += write_areas(areas, outputs.gzip, file(RunFile::areas), check);
   if (outputs.residues)
     bytes += write_area_tables(areas, plan, file(RunFile::residues), file(RunFile::chains));
@@ -197,7 +180,7 @@ std::uint64_t commit_files(const RunTask& task, const RunPlan& plan, OutputFiles
 
 // Merges the results of all processes into the output files, and completes the summary.
 void finish(const RunTask& task, const RunPlan& plan, SweepResult swept,
-            const std::optional<mesh::MeshText>& mesh, OutputFiles* files,
+            std::optional<RunMesh>& mesh, std::deque<GridMap>& maps, OutputFiles* files,
             const std::function<void()>& check, RunResult& result) {
   Summary& summary = result.summary;
   // The heap memory of patches and blocks is too fragmented for the long lists of areas.
@@ -213,12 +196,14 @@ void finish(const RunTask& task, const RunPlan& plan, SweepResult swept,
   summary.area = std::accumulate(summary.atom_areas.begin(), summary.atom_areas.end(), 0.0);
   if (result.exact && summary.verification) verify_volume(task, plan, check, summary);
   if (has_faults(summary)) return;
-  if (mesh && task.outputs.mesh->quality && !summary.mesh_quality)
-    summary.mesh_quality = merge.improve_mesh(*mesh);
-  if (mesh) summary.mesh = merge.mesh_counts();
+  if (mesh) {
+    if (!plan.is_in_place) merge.add_pieces(*mesh);
+    mesh->finish(summary);
+  }
   if (files == nullptr) return;
-  summary.bytes_written = write_files(task, plan, mesh, summary.atom_areas, merge, *files, check) +
-                          commit_files(task, plan, *files, check);
+  summary.bytes_written =
+      write_files(task, plan, mesh, maps, summary.atom_areas, merge, *files, check) +
+      commit_files(task, plan, *files, check);
 }
 
 }  // namespace
@@ -257,10 +242,15 @@ RunResult execute(const RunTask& task, const RunPlan& plan, const Callbacks& cal
   Summary& summary = result.summary;
   if (task.parameters.max_filled_void) summary.filled_cavities = plan.cavities->filled();
   if (task.parameters.verify > 0) summary.verification.emplace();
-  const std::optional<mesh::MeshText> mesh = mesh_text(task, plan);
+  std::optional<RunMesh> mesh;
+  if (task.outputs.mesh) processes.all_or_throw([&] { mesh.emplace(task, plan, files.get()); });
+  std::deque<GridMap> maps;  // with chunks, one map after the other is made at the end
+  if (plan.is_in_place)
+    for (const MapChoice& choice : chosen_maps(task.outputs))
+      maps.emplace_back(choice, plan.grid, plan.tiling.region);
   // The sweep takes the patches that are kept.
   if (task.parameters.exact) result.exact = measure_surface(task, plan, check);
-  SlabSweep sweep(task, plan, ranges, files.get(), mesh ? &*mesh : nullptr, callbacks, report,
+  SlabSweep sweep(task, plan, ranges, files.get(), mesh ? &*mesh : nullptr, maps, callbacks, report,
                   processes);
   SweepResult swept = sweep.run(summary);
   processes.wait_for_all();  // until all chunks are complete
@@ -268,7 +258,7 @@ RunResult execute(const RunTask& task, const RunPlan& plan, const Callbacks& cal
   if (!plan.checkpoint || !has_faults(summary))
     processes.all_or_throw([&] {
       if (processes.is_first())
-        finish(task, plan, std::move(swept), mesh, files.get(), check, result);
+        finish(task, plan, std::move(swept), mesh, maps, files.get(), check, result);
     });
   summary.seconds.total = total.seconds();
   combine_seconds(summary.seconds, processes);

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "input/atom_names.hpp"
+#include "mesh/quality_filter.hpp"
 #include "mesh/triangulate.hpp"
 #include "output/area_table_writer.hpp"
 #include "output/eses_writer.hpp"
@@ -12,7 +13,6 @@
 #include "run/checkpoint.hpp"
 #include "run/group_names.hpp"
 #include "run/mesh_output.hpp"
-#include "run/quality_pass.hpp"
 #include "run/row_batches.hpp"
 #include "system/gzip.hpp"
 #include "system/resources.hpp"
@@ -61,8 +61,8 @@ double text_bytes(const GridRegion& region, const Outputs& outputs) {
   }
   bytes += map;
   if (outputs.mesh)
-    bytes +=
-        batch + static_cast<double>(mesh::edge_slots(row) * sizeof(mesh::EdgeVertices::value_type));
+    bytes += 2 * batch +  // a piece as numbers and as text
+             static_cast<double>(mesh::edge_slots(row) * sizeof(mesh::EdgeVertices::value_type));
   return bytes;
 }
 
@@ -167,14 +167,14 @@ double expected_memory(const SurfaceSurvey& survey, const MemoryBudget& budget, 
   const double crossings_of_plane =
       expected_crossings(survey.max_slab_area(grid.spacing), grid.spacing);
   if (outputs.mesh)
-    held += MeshOutput::memory_bytes(tiling, required_mesh_format(*outputs.mesh),
+    held += MeshOutput::memory_bytes(tiling, mesh::contents_of(required_mesh_format(*outputs.mesh)),
                                      halo_growth(tiling) * crossings_of_plane);
   // In place, the mesh is improved during the sweep. Otherwise it is improved afterwards, when
   // blocks and patches are freed.
-  double improving = outputs.mesh && outputs.mesh->quality
-                         ? QualityPass::memory_bytes(*outputs.mesh, tiling.region_with_halo,
-                                                     crossings_of_plane, budget.is_in_place)
-                         : 0;
+  double improving =
+      outputs.mesh && outputs.mesh->quality
+          ? mesh::QualityFilter::memory_bytes(tiling.region_with_halo, crossings_of_plane)
+          : 0;
   if (budget.is_in_place) held += std::exchange(improving, 0);
   constexpr double bytes_per_area = 2 * sizeof(double) + list_growth * sizeof(AtomSum);
   double names = 0;

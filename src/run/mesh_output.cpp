@@ -5,8 +5,6 @@
 #include <span>
 #include <utility>
 
-#include "output/local_triangle.hpp"
-#include "run/quality_pass.hpp"
 #include "system/resources.hpp"
 
 namespace eses::detail {
@@ -23,25 +21,22 @@ struct MeshOutput::LayerView {
   LayerCrossings crossings;
 };
 
-MeshOutput::MeshOutput(const Plan& plan, const GridRegion& region, const mesh::MeshText& text,
-                       MeshSinks sinks, ComponentOfCrossing component_of)
+MeshOutput::MeshOutput(const Plan& plan, const GridRegion& region, mesh::PieceContents contents,
+                       mesh::VertexMaker make_vertex, MeshSink& sink)
     : plan_(plan),
       region_(region),
       rows_y_(region_.size()[1]),
       has_cells_(std::ranges::min(region_.size()) > 1),
-      text_(text),
-      has_local_triangles_(sinks.has_local_triangles),
-      is_stream_(sinks.is_stream),
-      component_of_(std::move(component_of)),
-      vertex_output_(std::move(sinks.vertices), sinks.vertex_calls),
-      triangle_output_(std::move(sinks.triangles)) {}
+      contents_(contents),
+      make_vertex_(std::move(make_vertex)),
+      sink_(sink) {}
 
-double MeshOutput::memory_bytes(const BlockTiling& tiling, MeshFormat format,
+double MeshOutput::memory_bytes(const BlockTiling& tiling, const mesh::PieceContents& contents,
                                 double plane_crossings) {
   const auto planes = static_cast<double>(std::min(tiling.block_size[2], tiling.grid_size[2]));
   const GridIndex size = tiling.region.size();
   const auto rows = static_cast<double>(size[1]);
-  const double position_bytes = format == MeshFormat::stl ? double{sizeof(Vec3)} : 0;
+  const double position_bytes = contents.corners ? double{sizeof(Vec3)} : 0;
   return list_growth * sizeof(std::uint64_t) * planes * rows +
          rows * (sizeof(mesh::Row) + static_cast<double>(size[0]) / 8) +
          list_growth * (sizeof(std::uint64_t) + sizeof(std::uint8_t) + position_bytes) *
@@ -72,18 +67,10 @@ void MeshOutput::number_rows(const Layer& layer) {
   is_numbered_ = true;
 }
 
-// Returns the vertex of a crossing. `x` is the index of its lower point in the grid.
-mesh::Vertex MeshOutput::vertex_of(const LayerView& view, std::int64_t x, std::int64_t y,
-                                   std::int64_t z, const BlockCrossing& crossing) const {
-  const GridIndex lower{x, region_.begin[1] + y, view.first_z + z};
-  mesh::Vertex vertex = mesh::make_vertex(plan_.grid, lower, crossing,
-                                          is_stream_ ? mesh::coincidence : mesh::clearance);
-  if (component_of_) {
-    Vec3 position = plan_.grid.point(lower);
-    position[crossing.axis] = crossing.coordinate;
-    vertex.component = component_of_(crossing, position);
-  }
-  return vertex;
+// Returns the index in the grid of a point. `x` is its index in the grid.
+GridIndex MeshOutput::index_of(const LayerView& view, std::int64_t x, std::int64_t y,
+                               std::int64_t z) const {
+  return {x, region_.begin[1] + y, view.first_z + z};
 }
 
 void MeshOutput::make_row(const LayerView& view, std::int64_t y, std::int64_t z,
@@ -92,8 +79,6 @@ void MeshOutput::make_row(const LayerView& view, std::int64_t y, std::int64_t z,
   row.edges.clear();
   row.patches.clear();
   row.positions.clear();
-  const bool has_patches = text_.has_triangle_patches() && !is_stream_;
-  const bool has_positions = text_.has_corner_positions() && !is_stream_;
   view.crossings.for_each_row_part(
       y, z, [&](std::int64_t first_x, std::span<const BlockCrossing> part) {
         const auto before = static_cast<std::uint64_t>(first_x - region_.begin[0]);
@@ -103,11 +88,12 @@ void MeshOutput::make_row(const LayerView& view, std::int64_t y, std::int64_t z,
                        [before](const BlockCrossing& crossing) {
                          return mesh::edge_key(before + crossing.x, crossing.axis);
                        });
-        if (has_patches)
+        if (contents_.triangle_patches)
           for (const BlockCrossing& crossing : part) row.patches.push_back(crossing.atom_count);
-        if (has_positions)
+        if (contents_.corners)
           for (const BlockCrossing& crossing : part)
-            row.positions.push_back(vertex_of(view, first_x + crossing.x, y, z, crossing).position);
+            row.positions.push_back(
+                make_vertex_.position_of(index_of(view, first_x + crossing.x, y, z), crossing));
       });
   row.first_vertex = row_begin_[static_cast<std::size_t>(z * rows_y_ + y)];
 }
@@ -136,36 +122,24 @@ bool MeshOutput::has_triangles(std::int64_t y, std::int64_t z) const {
          is_crossed(y, z);
 }
 
-void MeshOutput::append_vertices(const LayerView& view, const RowRange& rows,
-                                 TextBuffer& text) const {
+void MeshOutput::add_vertices(const LayerView& view, const RowRange& rows,
+                              mesh::MeshPiece& piece) const {
+  piece.vertex_count = row_begin_[static_cast<std::size_t>(rows.end)] -
+                       row_begin_[static_cast<std::size_t>(rows.begin)];
+  if (!contents_.vertices) return;
   rows.for_each(rows_y_, [&](std::int64_t y, std::int64_t z) {
     view.crossings.for_each_row_part(
         y, z, [&](std::int64_t first_x, std::span<const BlockCrossing> part) {
-          for (const BlockCrossing& crossing : part) {
-            const mesh::Vertex vertex = vertex_of(view, first_x + crossing.x, y, z, crossing);
-            if (is_stream_) {
-              append_streamed_vertex(text, text_, vertex, y);
-            } else {
-              text_.append_vertex(text, vertex);
-            }
-          }
+          for (const BlockCrossing& crossing : part)
+            piece.vertices.push_back(
+                make_vertex_(index_of(view, first_x + crossing.x, y, z), crossing));
         });
   });
 }
 
-// Appends triangles of a row of cells in the format of their file or of the stream.
-void MeshOutput::append_text(const mesh::CellRows& around,
-                             std::span<const mesh::Triangle> triangles, TextBuffer& text) const {
-  if (is_stream_) return mesh::append_local_triangles(text, triangles);
-  mesh::append_triangles(
-      text, text_, has_local_triangles_, triangles,
-      [&](std::size_t i) { return mesh::patch_of(around, triangles[i]); },
-      [&](std::size_t i) { return mesh::corners_of(around, triangles[i]); });
-}
-
-void MeshOutput::append_triangles(const LayerView& view, const RowRange& rows, MeshScratch& scratch,
-                                  TextBuffer& text) const {
-  auto& [front, back, edge_vertices, triangles, vertex_text, triangle_text, count] = scratch;
+void MeshOutput::add_triangles(const LayerView& view, const RowRange& rows,
+                               MeshScratch& scratch) const {
+  auto& [front, back, edge_vertices, piece, sink_scratch, count] = scratch;
   std::int64_t made = -1;  // the row whose pair is `back`
   for (std::int64_t row = rows.begin; row < rows.end; ++row) {
     const std::int64_t y = row % rows_y_, z = row / rows_y_;
@@ -177,38 +151,32 @@ void MeshOutput::append_triangles(const LayerView& view, const RowRange& rows, M
     }
     make_rows(view, row, back);
     made = row;
-    triangles.clear();
     const mesh::CellRows around{&lower_row(front, y - 1, z), &lower_row(back, y, z), &front.upper,
                                 &back.upper};
-    mesh::triangulate(around, region_.size()[0], edge_vertices, triangles);
-    append_text(around, triangles, text);
-    count += triangles.size();
+    const std::size_t first = piece.triangles.size();
+    mesh::triangulate(around, region_.size()[0], edge_vertices, piece.triangles);
+    for (std::size_t i = first; i < piece.triangles.size(); ++i) {
+      if (contents_.triangle_patches)
+        piece.triangle_patches.push_back(mesh::patch_of(around, piece.triangles[i]));
+      if (contents_.corners) piece.corners.push_back(mesh::corners_of(around, piece.triangles[i]));
+    }
   }
+  count += piece.triangles.size();
 }
 
 void MeshOutput::write(const Layer& layer, std::int64_t batch, const BatchOfLayer& of_layer,
                        MeshScratch& scratch) {
-  scratch.vertex_text.clear();
-  scratch.triangle_text.clear();
+  scratch.piece.clear();
   if (has_cells_) {
     number_rows(layer);
     const LayerView view(plan_.tiling, layer);
     const std::int64_t count = planes_of(layer) * rows_y_;
     const RowRange rows{of_layer.index * count / of_layer.count,
                         (of_layer.index + 1) * count / of_layer.count};
-    if (is_stream_) {
-      begin_batch(scratch.vertex_text);
-      append_vertices(view, rows, scratch.vertex_text);
-      append_triangles(view, rows, scratch, scratch.vertex_text);
-      end_batch(scratch.vertex_text, row_begin_[static_cast<std::size_t>(rows.end)] -
-                                         row_begin_[static_cast<std::size_t>(rows.begin)]);
-    } else {
-      append_vertices(view, rows, scratch.vertex_text);
-      append_triangles(view, rows, scratch, scratch.triangle_text);
-    }
+    add_vertices(view, rows, scratch.piece);
+    add_triangles(view, rows, scratch);
   }
-  vertex_output_.write(batch, scratch.vertex_text.text());
-  if (!is_stream_) triangle_output_.write(batch, scratch.triangle_text.text());
+  sink_.take(batch, scratch.piece, scratch.sink);
 }
 
 void MeshOutput::release(const Layer& layer) {
@@ -228,11 +196,6 @@ void MeshOutput::go_on_from(const Layer& below) {
   const std::uint64_t count = row_begin_.back();
   for (std::uint64_t& begin : row_begin_) begin -= count;
   release(below);
-}
-
-void MeshOutput::abandon() {
-  vertex_output_.abandon();
-  triangle_output_.abandon();
 }
 
 }  // namespace eses::detail

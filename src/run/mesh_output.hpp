@@ -2,15 +2,15 @@
 /// Output of the mesh from layers of blocks.
 
 #include <cstdint>
-#include <functional>
 #include <mutex>
-#include <span>
 #include <vector>
 
+#include "mesh/piece.hpp"
 #include "mesh/triangulate.hpp"
-#include "output/mesh_writer.hpp"
-#include "output/ordered_output.hpp"
+#include "output/mesh_file.hpp"
+#include "output/vertex_maker.hpp"
 #include "run/layer.hpp"
+#include "run/mesh_sinks.hpp"
 #include "run/plan.hpp"
 #include "run/row_batches.hpp"
 
@@ -24,23 +24,9 @@ struct MeshScratch {
   };
   RowPair front, back;  ///< rows y and y + 1
   mesh::EdgeVertices edge_vertices;
-  std::vector<mesh::Triangle> triangles;
-  TextBuffer vertex_text, triangle_text;
+  mesh::MeshPiece piece;
+  mesh::MeshFile::Scratch sink;
   std::uint64_t triangle_count = 0;  ///< total number of triangles of this thread
-};
-
-/// Returns the component of a crossing at a position. See mesh::Vertex.
-using ComponentOfCrossing =
-    std::function<std::uint32_t(const BlockCrossing& crossing, Vec3 position)>;
-
-/// The receivers of the mesh.
-struct MeshSinks {
-  OrderedOutput::WriteAt vertices;   ///< as text of the mesh's format
-  OrderedOutput::WriteAt triangles;  ///< as text of the mesh's format, or as mesh::LocalTriangle
-  bool has_local_triangles = false;
-  /// Whether `vertices` receives both vertices and triangles as the stream of a QualityPass.
-  bool is_stream = false;
-  OrderedOutput::Calls vertex_calls = OrderedOutput::Calls::concurrent;  ///< of `vertices`
 };
 
 /// The mesh of a region. The cells between two planes are triangulated when the upper plane is
@@ -50,14 +36,14 @@ struct MeshSinks {
 class MeshOutput {
  public:
   /// Makes the output of the cells that have all their corners in `region`, as far as they belong
-  /// to `plan.tiling`. Keeps references to all arguments except `sinks` and `component_of`, which
-  /// is empty if components are not needed.
-  MeshOutput(const Plan& plan, const GridRegion& region, const mesh::MeshText& text,
-             MeshSinks sinks, ComponentOfCrossing component_of);
+  /// to `plan.tiling`, as pieces with `contents`. Keeps references to `plan` and `sink`.
+  MeshOutput(const Plan& plan, const GridRegion& region, mesh::PieceContents contents,
+             mesh::VertexMaker make_vertex, MeshSink& sink);
 
   /// Returns the estimated memory in bytes of the vertex numbers of a layer's rows, and of the
   /// plane that is kept. `plane_crossings` is the expected number of crossings of a plane.
-  static double memory_bytes(const BlockTiling& tiling, MeshFormat format, double plane_crossings);
+  static double memory_bytes(const BlockTiling& tiling, const mesh::PieceContents& contents,
+                             double plane_crossings);
 
   /// The index of a batch within its layer, and the number of batches of the layer.
   struct BatchOfLayer {
@@ -75,39 +61,32 @@ class MeshOutput {
   /// Sets the plane below the first layer, whose vertices belong to another part of the mesh.
   void go_on_from(const Layer& below);
   /// Ends all waiting calls of `write` after a failure.
-  void abandon();
+  void abandon() { sink_.abandon(); }
 
   std::uint64_t vertex_count() const { return layer_begin_; }
-  std::uint64_t vertex_bytes() const { return vertex_output_.size(); }
-  std::uint64_t triangle_bytes() const { return triangle_output_.size(); }
 
  private:
   struct LayerView;
 
   std::int64_t planes_of(const Layer& layer) const;
   void number_rows(const Layer& layer);
-  mesh::Vertex vertex_of(const LayerView& view, std::int64_t x, std::int64_t y, std::int64_t z,
-                         const BlockCrossing& crossing) const;
+  GridIndex index_of(const LayerView& view, std::int64_t x, std::int64_t y, std::int64_t z) const;
   void make_row(const LayerView& view, std::int64_t y, std::int64_t z, mesh::Row& row) const;
   const mesh::Row& lower_row(const MeshScratch::RowPair& pair, std::int64_t y,
                              std::int64_t z) const;
   void make_rows(const LayerView& view, std::int64_t row, MeshScratch::RowPair& pair) const;
   bool is_crossed(std::int64_t y, std::int64_t z) const;
   bool has_triangles(std::int64_t y, std::int64_t z) const;
-  void append_vertices(const LayerView& view, const RowRange& rows, TextBuffer& text) const;
-  void append_text(const mesh::CellRows& around, std::span<const mesh::Triangle> triangles,
-                   TextBuffer& text) const;
-  void append_triangles(const LayerView& view, const RowRange& rows, MeshScratch& scratch,
-                        TextBuffer& text) const;
+  void add_vertices(const LayerView& view, const RowRange& rows, mesh::MeshPiece& piece) const;
+  void add_triangles(const LayerView& view, const RowRange& rows, MeshScratch& scratch) const;
 
   const Plan& plan_;
   GridRegion region_;    // region of the mesh; rows are relative to it
   std::int64_t rows_y_;  // number of rows of a plane
   bool has_cells_;
-  const mesh::MeshText& text_;
-  bool has_local_triangles_, is_stream_;
-  ComponentOfCrossing component_of_;
-  OrderedOutput vertex_output_, triangle_output_;
+  mesh::PieceContents contents_;
+  mesh::VertexMaker make_vertex_;
+  MeshSink& sink_;
   std::mutex mutex_;
   bool is_numbered_ = false;       // whether the rows of the current layer are numbered
   std::uint64_t layer_begin_ = 0;  // index of the first vertex of the current layer

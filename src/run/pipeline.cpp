@@ -264,8 +264,7 @@ void Pipeline::take_map_rows(const Layer& layer, const RowRange& rows, Worker& w
   for (const MapSink& map : sinks_.maps) {
     worker.map_rows.clear();
     append_map_rows(plan_.tiling, layer, map.quantity, rows, worker.map_rows);
-    map.take_rows((layer.first_z() - region.begin[2]) * plane_rows + rows.begin, worker.map_rows,
-                  worker.map);
+    map.take_rows((layer.first_z() - region.begin[2]) * plane_rows + rows.begin, worker.map_rows);
   }
 }
 

@@ -78,7 +78,6 @@ class Pipeline {
     MeshScratch mesh;
     RowBits row;
     std::vector<std::uint64_t> map_rows;  // all rows of a batch
-    GridMap::Scratch map;
     std::optional<Gzip> gzip;
     PointCounts counts;
     double build_seconds = 0, write_seconds = 0;

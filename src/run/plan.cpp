@@ -19,7 +19,7 @@
 #include "output/mesh_writer.hpp"
 #include "output/output_files.hpp"
 #include "run/memory.hpp"
-#include "run/quality_pass.hpp"
+#include "run/piece_bytes.hpp"
 #include "run/verifier.hpp"
 #include "system/bytes_text.hpp"
 #include "system/formatted.hpp"
@@ -197,10 +197,11 @@ void expect_mesh(const MeshOptions& mesh, const LabelTotals& labels, const Plan&
   };
   files.mesh_scratch = bytes_of(bytes.scratch_vertex, bytes.scratch_triangle);
   files.mesh = bytes_of(bytes.vertex, bytes.triangle);
+  const mesh::PieceContents contents =
+      mesh.quality ? mesh::PieceContents() : mesh::contents_of(required_mesh_format(mesh));
+  files.mesh_pieces = whole_bytes(vertices * piece_bytes_per_vertex(contents));
   if (mesh.quality) {
     constexpr double left = 0.6;  // fraction of the vertices and triangles that is left
-    files.mesh_stream =
-        whole_bytes(vertices * static_cast<double>(streamed_vertex_bytes(bytes.vertex)));
     files.mesh_scratch = whole_bytes(left * static_cast<double>(files.mesh_scratch));
     files.mesh = whole_bytes(left * static_cast<double>(files.mesh));
   }
@@ -214,6 +215,17 @@ void expect_mesh(const MeshOptions& mesh, const LabelTotals& labels, const Plan&
 double exact_measure_bytes(std::size_t atoms) {
   constexpr double face_bytes = 48, index_bytes = 48;
   return static_cast<double>(atoms) * (face_bytes + sizeof(Atom) + index_bytes);
+}
+
+// Returns the memory of all maps in bytes. With chunks, one map after the other is made.
+double map_bytes(const Outputs& outputs, const Plan& plan, bool is_in_place) {
+  double sum = 0, largest = 0;
+  for (const MapChoice& map : chosen_maps(outputs)) {
+    const double bytes = GridMap::memory_bytes(map, plan.tiling.region, plan.crossings);
+    sum += bytes;
+    largest = std::max(largest, bytes);
+  }
+  return is_in_place ? sum : largest;
 }
 
 // Chooses the fastest schedule that exceeds neither the limit nor the available memory.
@@ -232,6 +244,7 @@ void choose_schedule(const SurfaceSurvey& survey, const MemoryBudget& budget,
   const double always = static_cast<double>(budget.held) +
                         budget.caller.per_point * static_cast<double>(region.point_count()) +
                         budget.caller.per_crossing * plan.crossings +
+                        map_bytes(outputs, plan, budget.is_in_place) +
                         (p.exact ? exact_measure_bytes(survey.atom_count()) : 0);
   double smallest = std::numeric_limits<double>::infinity();
   for (const Schedule& schedule : possible_schedules(plan.grid, region, p, survey)) {
@@ -257,16 +270,13 @@ SurfaceSurvey survey_of(const Molecule& molecule, const Plan& plan) {
 void expect_maps(const Outputs& outputs, const Plan& plan, FileSizes& files) {
   const GridRegion& region = plan.tiling.region;
   for (const MapChoice& map : chosen_maps(outputs)) {
-    files.map_scratch += GridMap::scratch_bytes(map, region);
     if (!map.gzip) {
       files.maps += map_layout(map, plan.grid, region).file_bytes();
       continue;
     }
-    // The text is first in a scratch file.
     const std::uint64_t bytes = GridMap::typical_compressed_bytes(map, region, plan.crossings);
     files.maps += bytes;
     files.gzip_maps += bytes;
-    files.map_scratch += bytes;
   }
 }
 

@@ -101,8 +101,8 @@ class PocketPlanes {
   MapSink receiver(MapQuantity quantity, std::vector<std::uint64_t> PocketPlane::*bits,
                    const Grid& grid) {
     const auto rows = static_cast<std::size_t>(grid.size[1]);
-    return {quantity, [this, bits, rows](std::int64_t first_row,
-                                         std::span<const std::uint64_t> words, GridMap::Scratch&) {
+    return {quantity,
+            [this, bits, rows](std::int64_t first_row, std::span<const std::uint64_t> words) {
               const std::size_t row_words = (planes_.front().*bits).size() / rows;
               for (auto row = static_cast<std::size_t>(first_row); !words.empty();
                    ++row, words = words.subspan(row_words))

@@ -253,9 +253,7 @@ void expect_chunks(const RunTask& task, const GridRegion& region, FileSizes& fil
   files.text_scratch = files.grid + files.edges;
   for (const MapChoice& map : chosen_maps(task.outputs))
     files.text_scratch += GridMap::row_bytes(map.quantity, region);
-  const bool is_improved = task.outputs.mesh && task.outputs.mesh->quality;
-  files.text_scratch += is_improved ? files.mesh_stream : files.mesh;
-  files.mesh_scratch = is_improved ? files.mesh : 0;
+  files.text_scratch += files.mesh_pieces;
 }
 
 // Whether cavities are filled, or the mesh has components.

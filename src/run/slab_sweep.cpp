@@ -5,11 +5,9 @@
 #include <cmath>
 #include <memory>
 #include <optional>
-#include <string>
 #include <utility>
 
 #include "output/grid_map.hpp"
-#include "run/mesh_header.hpp"
 #include "run/mesh_output.hpp"
 #include "surface/patch_schedule.hpp"
 #include "system/resources.hpp"
@@ -31,10 +29,8 @@ BlockTiling tiling_of(const RunPlan& plan, const PlaneRange& planes) {
   return tiling;
 }
 
-OrderedOutput::WriteAt sink_of(OutputFile& file, std::uint64_t begin) {
-  return [&file, begin](std::span<const char> text, std::uint64_t offset) {
-    file.write_at(text, begin + offset);
-  };
+OrderedOutput::WriteAt sink_of(OutputFile& file) {
+  return [&file](std::span<const char> text, std::uint64_t offset) { file.write_at(text, offset); };
 }
 
 OrderedOutput::WriteAt sink_of(ScratchFile& file, TextChecksum& checksum) {
@@ -44,33 +40,17 @@ OrderedOutput::WriteAt sink_of(ScratchFile& file, TextChecksum& checksum) {
   };
 }
 
-OrderedOutput::WriteAt sink_of(ScratchFile& file) {
-  return [&file](std::span<const char> text, std::uint64_t offset) { file.write_at(text, offset); };
-}
-
 // Returns a function that writes rows as words. They are converted to values of the map when chunks
 // are merged.
 TakeRows rows_as_words(MapQuantity quantity, const GridRegion& region,
                        OrderedOutput::WriteAt write_at) {
   const auto row_bytes = sizeof(std::uint64_t) *
                          static_cast<std::uint64_t>(GridMap::words_of_row(quantity, region.size()));
-  return [row_bytes, write_at = std::move(write_at)](
-             std::int64_t first_row, std::span<const std::uint64_t> words, GridMap::Scratch&) {
+  return [row_bytes, write_at = std::move(write_at)](std::int64_t first_row,
+                                                     std::span<const std::uint64_t> words) {
     write_at({reinterpret_cast<const char*>(words.data()), words.size_bytes()},
              row_bytes * static_cast<std::uint64_t>(first_row));
   };
-}
-
-TakeRows rows_of_map(OutputFile& file, const MapChoice& choice, const Plan& plan) {
-  const auto map = std::make_shared<GridMap>(map_file(file), choice, plan.grid, plan.tiling.region);
-  return [map](std::int64_t first_row, std::span<const std::uint64_t> words,
-               GridMap::Scratch& scratch) { map->write_rows(first_row, words, scratch); };
-}
-
-// Returns the output file of a text that is not a map.
-RunFile run_file_of(ChunkText text) {
-  constexpr std::array files{RunFile::grid, RunFile::edges, RunFile::mesh, RunFile::mesh_faces};
-  return files.at(static_cast<std::size_t>(text));
 }
 
 }  // namespace
@@ -97,13 +77,14 @@ std::int64_t count_blocks(const RunPlan& plan, std::span<const PlaneRange> range
 }
 
 SlabSweep::SlabSweep(const RunTask& task, const RunPlan& plan, std::span<const PlaneRange> ranges,
-                     OutputFiles* files, const mesh::MeshText* mesh, const Callbacks& callbacks,
-                     ProgressReport& report, const Processes& processes)
+                     OutputFiles* files, RunMesh* mesh, std::deque<GridMap>& maps,
+                     const Callbacks& callbacks, ProgressReport& report, const Processes& processes)
     : task_(task),
       plan_(plan),
       ranges_(ranges),
       files_(files),
       mesh_(mesh),
+      maps_(maps),
       callbacks_(callbacks),
       report_(report) {
   const std::int64_t rank = processes.rank(), count = processes.count();
@@ -145,16 +126,6 @@ SurfaceModel SlabSweep::make_surface() const {
   return surface;
 }
 
-// Returns a function without a target if the mesh has no components.
-ComponentOfCrossing SlabSweep::component_of_crossing() const {
-  if (task_.outputs.mesh->color != MeshColor::component) return {};
-  return [&cavities = *plan_.cavities, atoms = plan_.slab.molecule.atoms(),
-          probe = task_.parameters.probe_radius](const BlockCrossing& crossing, Vec3 position) {
-    return cavities.number_at(atoms, std::span(crossing.atoms).first(crossing.atom_count),
-                              position + probe * crossing.normal);
-  };
-}
-
 // Returns the plan of a range with this number of points, and of edges, to verify.
 Plan SlabSweep::plan_of(const PlaneRange& planes, std::int64_t checks) const {
   Plan plan = static_cast<const Plan&>(plan_);
@@ -164,68 +135,29 @@ Plan SlabSweep::plan_of(const PlaneRange& planes, std::int64_t checks) const {
   return plan;
 }
 
-// Returns the offset of a text in its final file if it is written there directly. In a run in
-// place, this is possible if the offset does not depend on the length of another text.
-std::optional<std::uint64_t> SlabSweep::begin_in_place(ChunkText text) const {
-  if (!plan_.is_in_place) return std::nullopt;
-  std::uint64_t begin = 0;
-  if (text == ChunkText::vertices) {
-    if (mesh_->has_columns()) return std::nullopt;
-    begin = mesh_header_bytes(*mesh_, plan_.groups);
-  }
-  if (text == ChunkText::triangles) {
-    if (!mesh_->has_face_file()) return std::nullopt;
-    begin = face_header(*mesh_).size();
-  }
-  return begin;
-}
-
-// Returns the receiver of a text: its output file, or a new scratch file of the chunk. In place,
-// only texts of the mesh need scratch files.
+// Returns the receiver of a text: its output file, or a new file of the chunk.
 OrderedOutput::WriteAt SlabSweep::open_text(ChunkText text, PlaneChunk& chunk) {
-  if (const auto begin = begin_in_place(text))
-    return sink_of(*files_->find(run_file_of(text)), *begin);
+  if (plan_.is_in_place)
+    return sink_of(*files_->find(text == ChunkText::grid ? RunFile::grid : RunFile::edges));
   std::unique_ptr<ScratchFile>& file = chunk.text(text);
-  if (plan_.checkpoint) {
-    file = plan_.checkpoint->create(chunk.info.planes, text);
-    return sink_of(*file, (*checksums_)[static_cast<std::size_t>(text)]);
-  }
-  file = std::make_unique<ScratchFile>(mesh_directory_of(*task_.outputs.mesh));
-  return sink_of(*file);
-}
-
-// Returns the receivers of the mesh. Makes `pass` if the sweep improves the triangles. With chunks,
-// `Merge` does so.
-MeshSinks SlabSweep::mesh_sinks(PlaneChunk& chunk, std::optional<QualityPass>& pass) {
-  const bool has_local_triangles =
-      (!plan_.is_in_place || mesh_->has_columns()) && !mesh_->has_corner_positions();
-  MeshSinks sinks{.vertices = open_text(ChunkText::vertices, chunk),
-                  .triangles = {},
-                  .has_local_triangles = has_local_triangles,
-                  .is_stream = task_.outputs.mesh->quality};
-  // The stream has the triangles, too.
-  if (!plan_.is_in_place && sinks.is_stream) return sinks;
-  sinks.triangles = open_text(ChunkText::triangles, chunk);
-  if (!sinks.is_stream) return sinks;
-  pass.emplace(*mesh_, plan_.grid, plan_.tiling.region_with_halo,
-               QualityPass::Sinks{.vertices = std::move(sinks.vertices),
-                                  .triangles = std::move(sinks.triangles),
-                                  .has_local_triangles = has_local_triangles});
-  sinks.vertices = [&pass](std::span<const char> stream, std::uint64_t) { pass->add(stream); };
-  sinks.triangles = {};
-  sinks.vertex_calls = OrderedOutput::Calls::sequential;
-  return sinks;
+  file = plan_.checkpoint->create(chunk.info.planes, text);
+  return sink_of(*file, (*checksums_)[static_cast<std::size_t>(text)]);
 }
 
 // Returns the receivers of the rows of all maps.
 std::vector<MapSink> SlabSweep::map_sinks(PlaneChunk& chunk, const GridRegion& region) {
   std::vector<MapSink> sinks = task_.maps_in_memory.sinks;
+  if (plan_.is_in_place) {
+    for (GridMap& map : maps_)
+      sinks.push_back(
+          {map.quantity(), [&map](std::int64_t first_row, std::span<const std::uint64_t> words) {
+             map.add_rows(first_row, words);
+           }});
+    return sinks;
+  }
   for (const MapChoice& map : chosen_maps(task_.outputs))
-    sinks.push_back(
-        {map.quantity,
-         plan_.is_in_place
-             ? rows_of_map(*files_->find(file_of(map.quantity)), map, plan_)
-             : rows_as_words(map.quantity, region, open_text(text_of(map.quantity), chunk))});
+    sinks.push_back({map.quantity,
+                     rows_as_words(map.quantity, region, open_text(text_of(map.quantity), chunk))});
   return sinks;
 }
 
@@ -259,11 +191,15 @@ void SlabSweep::sweep(PatchSchedule& patches, const Plan& plan, SweepResult& res
   PlaneChunk chunk;
   chunk.info.planes = {region.begin[2], region.end[2]};
   if (plan_.checkpoint) checksums_.emplace();
+  std::unique_ptr<MeshSink> mesh_sink;
   std::optional<MeshOutput> mesh;
-  std::optional<QualityPass> pass;
-  if (mesh_ != nullptr)
-    mesh.emplace(plan, plan_.tiling.region_with_halo, *mesh_, mesh_sinks(chunk, pass),
-                 component_of_crossing());
+  if (mesh_ != nullptr) {
+    mesh_sink = plan_.is_in_place
+                    ? mesh_->sink()
+                    : std::make_unique<MeshIntoChunk>(open_text(ChunkText::mesh, chunk));
+    mesh.emplace(plan, plan_.tiling.region_with_halo, mesh_->swept_contents(),
+                 mesh_->vertex_maker(), *mesh_sink);
+  }
   std::optional<Verifier> verifier;
   if (plan.parameters.verify > 0) {
     const Stopwatch drawing;
@@ -297,18 +233,8 @@ void SlabSweep::sweep(PatchSchedule& patches, const Plan& plan, SweepResult& res
   for (const MapChoice& map : chosen_maps(task_.outputs))
     set_bytes(text_of(map.quantity), GridMap::row_bytes(map.quantity, region));
   if (mesh) {
-    set_bytes(ChunkText::vertices, mesh->vertex_bytes());
-    set_bytes(ChunkText::triangles, mesh->triangle_bytes());
+    set_bytes(ChunkText::mesh, mesh_sink->chunk_bytes());
     chunk.info.mesh = {mesh->vertex_count(), pipeline.triangle_count()};
-  }
-  if (pass) {
-    const Stopwatch finishing;
-    pass->finish();
-    summary.seconds.output += finishing.seconds();
-    set_bytes(ChunkText::vertices, pass->vertex_bytes());
-    set_bytes(ChunkText::triangles, pass->triangle_bytes());
-    chunk.info.mesh = pass->counts();
-    summary.mesh_quality = pass->quality();
   }
   const bool has_faults = verifier && !verify(*verifier, summary);
   if (!plan_.checkpoint)

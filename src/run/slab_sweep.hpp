@@ -1,22 +1,21 @@
 #pragma once
 /// Step 2 of a run: the sweep over the planes of this process, range by range. The rows, crossings
-/// and triangles of a range are written to the output files directly, or to a chunk. In a run that
-/// writes directly, the sweep also improves the triangles of a mesh with MeshOptions::quality.
+/// and triangles of a range are written to the output files directly, or to a chunk.
 
 #include <array>
 #include <cstdint>
+#include <deque>
 #include <optional>
 #include <span>
 #include <vector>
 
 #include "distributed/processes.hpp"
-#include "output/mesh_writer.hpp"
 #include "output/output_files.hpp"
 #include "run/checkpoint.hpp"
 #include "run/mesh_output.hpp"
 #include "run/pipeline.hpp"
 #include "run/progress_report.hpp"
-#include "run/quality_pass.hpp"
+#include "run/run_mesh.hpp"
 #include "run/run_plan.hpp"
 #include "run/verifier.hpp"
 #include "surface/patch_schedule.hpp"
@@ -41,22 +40,20 @@ struct SweepResult {
 class SlabSweep {
  public:
   /// `files` are the output files, and null in processes that write chunks. `mesh` is null without
-  /// a mesh. Keeps references to all arguments except `processes`.
+  /// a mesh. `maps` are the chosen maps if their rows are not written to chunks. Keeps references
+  /// to all arguments except `processes`.
   SlabSweep(const RunTask& task, const RunPlan& plan, std::span<const PlaneRange> ranges,
-            OutputFiles* files, const mesh::MeshText* mesh, const Callbacks& callbacks,
-            ProgressReport& report, const Processes& processes);
+            OutputFiles* files, RunMesh* mesh, std::deque<GridMap>& maps,
+            const Callbacks& callbacks, ProgressReport& report, const Processes& processes);
 
-  /// Sweeps all ranges. Adds their times, the results of the verification and the angles of a mesh
-  /// that the sweep has improved to the summary. A chunk with faults is not completed.
+  /// Sweeps all ranges. Adds their times and the results of the verification to the summary. A
+  /// chunk with faults is not completed.
   SweepResult run(Summary& summary);
 
  private:
   Plan plan_of(const PlaneRange& planes, std::int64_t checks) const;
   SurfaceModel make_surface() const;
-  ComponentOfCrossing component_of_crossing() const;
-  std::optional<std::uint64_t> begin_in_place(ChunkText text) const;
   OrderedOutput::WriteAt open_text(ChunkText text, PlaneChunk& chunk);
-  MeshSinks mesh_sinks(PlaneChunk& chunk, std::optional<QualityPass>& pass);
   std::vector<MapSink> map_sinks(PlaneChunk& chunk, const GridRegion& region);
   void sweep(PatchSchedule& patches, const Plan& plan, SweepResult& result, Summary& summary);
   bool verify(Verifier& verifier, Summary& summary);
@@ -66,7 +63,8 @@ class SlabSweep {
   const RunPlan& plan_;
   std::span<const PlaneRange> ranges_;
   OutputFiles* files_;
-  const mesh::MeshText* mesh_;
+  RunMesh* mesh_;
+  std::deque<GridMap>& maps_;
   const Callbacks& callbacks_;
   ProgressReport& report_;
   double check_count_;  // number of points, and of edges, that this process verifies

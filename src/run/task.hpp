@@ -62,9 +62,8 @@ struct InputFile {
   StructureOptions structure = {};  ///< options for PDB and mmCIF files
 };
 
-/// Receives consecutive rows of a map. See GridMap::write_rows.
-using TakeRows = std::function<void(std::int64_t first_row, std::span<const std::uint64_t> words,
-                                    GridMap::Scratch& scratch)>;
+/// Receives consecutive rows of a map. See GridMap::add_rows.
+using TakeRows = std::function<void(std::int64_t first_row, std::span<const std::uint64_t> words)>;
 
 /// The receiver of the rows of a map. Several threads call it for different rows.
 struct MapSink {

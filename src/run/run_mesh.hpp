@@ -1,0 +1,53 @@
+#pragma once
+/// The mesh of a run, from the pieces of the sweep to its file.
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+
+#include "eses/summary.hpp"
+#include "mesh/quality_filter.hpp"
+#include "output/mesh_file.hpp"
+#include "output/mesh_writer.hpp"
+#include "output/output_files.hpp"
+#include "output/vertex_maker.hpp"
+#include "run/mesh_sinks.hpp"
+#include "run/run_plan.hpp"
+
+namespace eses::detail {
+
+/// The mesh of a run. The first process writes its file, and has its `files`; they are null in the
+/// others, which only make pieces.
+class RunMesh {
+ public:
+  /// Keeps references to all arguments. Writes the header of the file.
+  RunMesh(const RunTask& task, const RunPlan& plan, OutputFiles* files);
+  RunMesh(const RunMesh&) = delete;
+  RunMesh& operator=(const RunMesh&) = delete;
+
+  /// The lists that the sweep makes of each piece.
+  mesh::PieceContents swept_contents() const {
+    return filter_is_used_ ? mesh::PieceContents() : text_.piece_contents();
+  }
+  /// Makes the vertices of the pieces.
+  mesh::VertexMaker vertex_maker() const;
+  /// Returns the receiver of a sweep that writes directly to the file.
+  std::unique_ptr<MeshSink> sink();
+  /// Adds the next piece, from a chunk. One thread alone may call it.
+  void add(const mesh::MeshPiece& piece);
+  /// Finishes the mesh after all pieces were added. Sets its counts and angles in the summary.
+  void finish(Summary& summary);
+  /// Completes the file after `finish`. Returns its length in bytes.
+  std::uint64_t write(const std::function<void()>& check) { return file_->finish(check); }
+
+ private:
+  const RunTask& task_;
+  const RunPlan& plan_;
+  bool filter_is_used_;
+  mesh::MeshText text_;
+  std::optional<mesh::MeshFile> file_;
+  std::optional<mesh::QualityFilter> filter_;
+};
+
+}  // namespace eses::detail
