@@ -35,10 +35,10 @@ class Configure(TestCase):
             path = self.folder / "include" / name
             path.parent.mkdir(parents=True, exist_ok=True)
             path.write_text(text, encoding="utf-8")
-        include = self.folder / "include"
+        include, triplet = self.folder / "include", sysconfig.get_config_var("MULTIARCH")
         options = (f"-DGEMMI_INCLUDE_DIR={include}", f"-DPEGTL_INCLUDE_DIR={include}",
                    "-DCMAKE_DISABLE_FIND_PACKAGE_fmt=ON",
-                   f"-DCMAKE_IGNORE_PATH=/usr/lib;/usr/lib/{sysconfig.get_config_var('MULTIARCH')}")
+                   f"-DCMAKE_IGNORE_PATH=/lib/{triplet};/usr/lib/{triplet}")
         self.assertNotIn("gemmi-dev", self.missing_packages(*options))
         self.assertIn("gemmi-dev", self.missing_packages(*options, "-DESES_WITH_GEMMI=ON"))
 
