@@ -30,11 +30,11 @@ if(ESES_BUILD_PROGRAM)
   endforeach()
 endif()
 
-# The scripts for users are installed in ESES_SCRIPT_DIR, where they find their modules in lib/. Links
-# in the folder of the program have the prefix eses-. scripts/lib/common.py knows this layout.
+# The scripts for users are installed in ESES_SCRIPT_DIR, where they find the package eses_tools. Links
+# in the folder of the program have the prefix eses-. eses_tools/common.py knows this layout.
+set(ESES_TOOLS_FILES FILES_MATCHING PATTERN "*.py" PATTERN "*.html" PATTERN "*.js" PATTERN "*.css"
+    PATTERN __pycache__ EXCLUDE)
 set(ESES_SCRIPTS apbs assemble pdbbind render report view)
-set(ESES_SCRIPT_MODULES atoms common measuring meshes mmcif open_dx page patch_borders pdb_to_pqr poisson_boltzmann
-    quiet_interrupt report_page structures summary thumbnails)
 set(ESES_SCRIPT_DIR ${CMAKE_INSTALL_DATADIR}/eses-blocks)
 file(RELATIVE_PATH to_scripts ${CMAKE_INSTALL_FULL_BINDIR}
      ${CMAKE_INSTALL_FULL_DATADIR}/eses-blocks)
@@ -45,11 +45,7 @@ foreach(script IN LISTS ESES_SCRIPTS)
   install(PROGRAMS scripts/${script} DESTINATION ${ESES_SCRIPT_DIR} COMPONENT program)
   install(FILES ${link} DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT program)
 endforeach()
-foreach(module IN LISTS ESES_SCRIPT_MODULES)
-  install(FILES scripts/lib/${module}.py DESTINATION ${ESES_SCRIPT_DIR}/lib COMPONENT program)
-endforeach()
-install(FILES scripts/lib/head.html DESTINATION ${ESES_SCRIPT_DIR}/lib COMPONENT program)
-install(DIRECTORY scripts/lib/report scripts/lib/viewer DESTINATION ${ESES_SCRIPT_DIR}/lib COMPONENT program)
+install(DIRECTORY scripts/eses_tools DESTINATION ${ESES_SCRIPT_DIR} COMPONENT program ${ESES_TOOLS_FILES})
 
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/include/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}
         COMPONENT development FILES_MATCHING PATTERN "*.hpp")

@@ -6,7 +6,7 @@ import inspect
 
 import numpy as np
 
-from . import _page
+from eses_tools import page as _page
 
 
 def _require(name, caller):

@@ -13,7 +13,7 @@ import eses_blocks as eses
 PROJECT = pathlib.Path(__file__).resolve().parents[2]
 DATA = PROJECT / "data"
 
-sys.path.insert(0, str(PROJECT / "scripts/lib"))  # modules of the scripts
+sys.path.append(str(PROJECT / "scripts/lib"))  # for notebook_page
 
 
 @pytest.fixture

@@ -122,10 +122,10 @@ def test_old_name_warns_and_is_the_same_package():
     assert done.returncode == 0, done.stderr
 
 
-def test_module_has_no_command_line():
-    done = subprocess.run([sys.executable, "-m", "eses_blocks"], capture_output=True, text=True,
-                          check=False)
-    assert done.returncode != 0 and "cannot be directly executed" in done.stderr
+def test_module_is_the_program(program):
+    done, direct = (subprocess.run([*command, "--version"], capture_output=True, text=True, check=True).stdout
+                    for command in ([sys.executable, "-m", "eses_blocks"], [program]))
+    assert done == direct
 
 
 def test_module_shows_one_symbol():

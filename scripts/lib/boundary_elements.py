@@ -16,7 +16,7 @@ from scipy.sparse import csr_array
 from scipy.sparse.linalg import LinearOperator, gmres
 from scipy.spatial import cKDTree
 
-from common import Failed
+from eses_tools.common import Failed
 
 # Barycentric coordinates and weights of the rule of degree 4 with six points: D. A. Dunavant, Int.
 # J. Numer. Methods Eng. 21 (1985), 1129-1148, doi:10.1002/nme.1620210612.

@@ -8,7 +8,7 @@ import math
 import re
 import xml.sax.saxutils
 
-from common import Failed
+from eses_tools.common import Failed
 
 # Colours of Okabe and Ito, which colour-blind readers can distinguish, and light tints of them.
 BLUE, ORANGE, GREEN, PURPLE = "#0072B2", "#D55E00", "#009E73", "#9A5580"

@@ -2,7 +2,7 @@
 
 import importlib.util
 
-from common import Failed
+from eses_tools.common import Failed
 
 WIDTH, HEIGHT = 600 / 72, 315 / 72  # inches; an SVG of 600 pt is 800 px wide
 TOP, BOTTOM = 0.87, 0.25  # share of the height: the axes, between legend and caption

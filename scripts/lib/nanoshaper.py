@@ -2,9 +2,9 @@
 
 import pathlib
 
-from atoms import read_atoms
-from common import Failed
-import measuring
+from eses_tools.atoms import read_atoms
+from eses_tools.common import Failed
+from eses_tools import measuring
 
 # Cavities are not filled, and no maps are made. Grid_scale is the number of points per angstrom.
 SETTINGS = """\

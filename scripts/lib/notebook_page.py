@@ -10,7 +10,7 @@ import sys
 import nbclient
 import nbformat
 
-from common import PROJECT
+PROJECT = pathlib.Path(__file__).resolve().parents[2]
 
 SOURCE = PROJECT / "python/examples/surface.ipynb"
 PAGE = PROJECT / "doc/notebook.md"

@@ -29,13 +29,13 @@ Color distinct_color(std::uint64_t number) {
   return sixths[hue >> 32];
 }
 
-// The colours are those of scripts/lib/viewer/data.js.
+// The colours are those of scripts/eses_tools/pages/viewer/data.js.
 Color component_color(std::uint32_t component) {
   constexpr Color outside{200, 200, 200};
   return component == 0 ? outside : distinct_color(component - 1);
 }
 
-// The colours are those of scripts/lib/page.py.
+// The colours are those of scripts/eses_tools/page.py.
 Color potential_color(double potential, double limit) {
   constexpr std::array<std::array<double, 3>, 5> stops{
       {{200, 20, 30}, {245, 160, 140}, {248, 248, 248}, {140, 170, 245}, {25, 50, 205}}};

@@ -16,7 +16,7 @@ SCRIPTS = PROJECT / "scripts"
 DATA = PROJECT / "data"
 PROGRAM = pathlib.Path(os.environ.get("ESES_BINARY", PROJECT / "build" / "eses-blocks"))
 
-sys.path.insert(0, str(SCRIPTS / "lib"))  # modules of the scripts
+sys.path[:0] = [str(SCRIPTS), str(SCRIPTS / "lib")]  # eses_tools, and the modules of other scripts
 
 
 def command(script, *arguments):

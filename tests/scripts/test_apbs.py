@@ -15,7 +15,7 @@ import time
 import unittest
 
 from support import DATA, PROGRAM, SCRIPTS, TestCase, command, forget_signals, run, write_program
-import poisson_boltzmann as pb
+from eses_tools import poisson_boltzmann as pb
 
 PATIENCE = 600  # seconds until a test gives up; no normal run takes so long
 

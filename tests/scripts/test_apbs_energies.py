@@ -12,7 +12,7 @@ import subprocess
 import unittest
 
 from support import DATA, PROGRAM, PROJECT, TestCase, run
-import poisson_boltzmann as pb
+from eses_tools import poisson_boltzmann as pb
 
 EXAMPLES = pathlib.Path("/usr/share/apbs/examples")  # in Debian's package apbs-data
 

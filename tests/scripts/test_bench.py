@@ -12,7 +12,7 @@ import unittest.mock
 
 from support import DATA, PROGRAM, TestCase, run, write_program
 
-import measuring  # after support, which makes the modules of the scripts known
+from eses_tools import measuring  # after support, which makes the modules of the scripts known
 
 COLUMNS = ("structure", "atoms", "points", "CPU s", "wall s", "peak MB", "MB out", "x copy")
 

@@ -9,7 +9,7 @@ import xml.etree.ElementTree
 
 from support import PROJECT, SCRIPTS, TestCase
 
-from common import Failed
+from eses_tools.common import Failed
 from diagrams import Diagram, Panel, on_circle
 from disc_surface import DiscSurface
 

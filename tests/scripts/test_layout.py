@@ -7,7 +7,7 @@ import sys
 
 from support import SCRIPTS, TestCase
 
-FOLDERS = [SCRIPTS, SCRIPTS / "dev", SCRIPTS / "benchmarks", SCRIPTS / "lib"]
+FOLDERS = [SCRIPTS, SCRIPTS / "dev", SCRIPTS / "benchmarks", SCRIPTS / "eses_tools", SCRIPTS / "lib"]
 
 
 def files_in(folder):
@@ -39,7 +39,7 @@ class Layout(TestCase):
     def test_every_script_is_described(self):
         for folder in FOLDERS:
             text = (folder / "README.md").read_text(encoding="utf-8")
-            described = {line.split("`")[1] for line in text.splitlines()
-                         if line.startswith("- `")}
+            described = {name for line in text.splitlines() if line.startswith("- `")
+                         for name in line.partition(":")[0].split("`")[1::2]}
             names = {path.name for path in files_in(folder)} - {"README.md"}
             self.assertEqual(described, names)

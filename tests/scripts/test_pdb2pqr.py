@@ -4,7 +4,7 @@ import csv
 import unittest
 
 from support import DATA, PROGRAM, TestCase, run
-import pdb_to_pqr
+from eses_tools import pdb_to_pqr
 
 # data/fas2.pqr has names of its own for the ends of the chain and some others.
 RESIDUES = {"CYX": "CYS", "HSD": "HIS"}

@@ -4,9 +4,9 @@ import gzip
 import unittest
 
 from support import TestCase
-import common
-import mmcif
-import pdb_to_pqr
+from eses_tools import common
+from eses_tools import mmcif
+from eses_tools import pdb_to_pqr
 
 
 def atom(name, residue="GLY", number=1, chain="A", element="", record="ATOM", place=(1, 2, 3)):

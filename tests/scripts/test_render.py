@@ -225,9 +225,9 @@ class Borders(TestCase):
     def test_borders_of_contact_circles_are_exact(self):
         """Two spheres: a place is on the saddle if the probe that touches the nearer sphere in its
         direction would overlap the other sphere."""
-        import meshes
+        from eses_tools import meshes
         import numpy
-        import patch_borders
+        from eses_tools import patch_borders
         radius, probe, half = 1.7, 1.4, 1.6
         source, mesh_file = self.folder / "two.xyzr", self.folder / "two.ply"
         source.write_text(f"{-half} 0 0 {radius}\n{half} 0 0 {radius}\n")

@@ -60,7 +60,7 @@ class WithoutPackages(TestCase):
         for script, arguments, code, message in (
                 ("view", ["a.txt"], 2, "neither a structure nor a mesh"),
                 ("view", ["a.ply", "--color", "blue"], 2, "--color: blue is none of patch"),
-                ("view", ["a.ply"], 1, "install python3-numpy"),
+                ("view", ["a.ply"], 1, "install numpy"),
                 ("render", ["a.txt"], 1, "not a .ply"),
                 ("render", ["a.ply", "b.ply", "--cavities"], 2, "--cavities needs a single mesh")):
             with self.subTest(script=script, arguments=arguments):

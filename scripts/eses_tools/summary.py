@@ -4,7 +4,7 @@ import collections
 import csv
 import re
 
-from common import Failed, complete_file, printable
+from eses_tools.common import Failed, complete_file, printable
 
 NAME = "summary.csv"
 AREAS = {f"{kind}_area": kind for kind in ("convex", "saddle", "concave")}

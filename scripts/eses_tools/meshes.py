@@ -11,7 +11,7 @@ try:
 except ImportError:
     numpy = None  # the names of the formats need none
 
-from common import Failed
+from eses_tools.common import Failed
 
 PLY_TYPES = {"char": "i1", "uchar": "u1", "short": "i2", "ushort": "u2", "int": "i4", "uint": "u4",
              "float": "f4", "double": "f8"}

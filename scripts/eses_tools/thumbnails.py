@@ -1,18 +1,19 @@
-"""Draws small pictures of surfaces with scripts/render, for the pages of many structures."""
+"""Draws small pictures of surfaces with eses-render, for the pages of many structures."""
 
 import base64
+import contextlib
 import fnmatch
-import pathlib
+import functools
 import subprocess
+import sys
 import threading
 
-from common import Failed
+from eses_tools.common import FOLDER, Failed
 
-RENDER = pathlib.Path(__file__).resolve().parents[1] / "render"
 WIDTH = 320  # pixels
 ONE_DISPLAY = threading.Lock()  # xvfb-run can choose one display for two calls at the same time
-HELP = ("draw a small picture of the structures whose {} match, such as '1a*,2b*'; needs "
-        "python3-vtk9, and xvfb if there is no display")
+HELP = ("draw a small picture of the structures whose {} match, such as '1a*,2b*'; needs VTK "
+        "(Debian: python3-vtk9), and xvfb if there is no display")
 
 
 def patterns_of(text):
@@ -23,12 +24,21 @@ def is_chosen(name, patterns):
     return any(fnmatch.fnmatchcase(str(name), pattern) for pattern in patterns)
 
 
+@functools.cache
+def find_interpreter():
+    """Returns an interpreter that has VTK: this one, or the system's with Debian's python3-vtk9."""
+    for python in (sys.executable, "/usr/bin/python3"):
+        with contextlib.suppress(OSError):
+            if subprocess.run([python, "-c", "import vtk"], stdin=subprocess.DEVNULL,
+                              capture_output=True, check=False).returncode == 0:
+                return python
+    return None
+
+
 def require_renderer():
-    """Fails now if scripts/render could not draw later."""
-    interpreter = RENDER.read_text(encoding="utf-8").partition("\n")[0].removeprefix("#!")
-    if subprocess.run([interpreter, "-c", "import vtk"], stdin=subprocess.DEVNULL,
-                      capture_output=True, check=False).returncode != 0:
-        raise Failed("--pictures: install python3-vtk9")
+    """Fails now if eses-render could not draw later."""
+    if find_interpreter() is None:
+        raise Failed("--pictures: install VTK (Debian: python3-vtk9; pip: vtk)")
 
 
 def draw(run, command, scratch, picture):
@@ -49,7 +59,7 @@ def draw(run, command, scratch, picture):
     call([*command, "--write", "none", "--quiet", "--output-dir", scratch, "--mesh", mesh, "--color",
           "patch"])
     with ONE_DISPLAY:
-        call([RENDER, mesh, "-o", picture, "--size", WIDTH, "--no-legend"])
+        call([find_interpreter(), FOLDER, "render", mesh, "-o", picture, "--size", WIDTH, "--no-legend"])
 
 
 def uri(picture):

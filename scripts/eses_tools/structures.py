@@ -6,7 +6,7 @@ import os
 import pathlib
 import re
 
-from common import Failed
+from eses_tools.common import Failed
 
 KINDS = (".xyzr, .pqr, .pdb, .pdb1, .pdb2 and so on, .ent, .cif, .mmcif, .mcif and .pdbx, each "
          "also .gz")

@@ -1,8 +1,8 @@
 """Makes a page that shows molecular surfaces in a browser, without a network.
 
-Used by scripts/view, and by the Python package for notebooks. viewer/ has the parts of the page.
+Used by eses-view, and by the Python package for notebooks. pages/viewer/ has the parts of the page.
 Arrays are stored as differences between rows, which gzip compresses well, and read by
-viewer/data.js.
+pages/viewer/data.js.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ try:
 except ImportError:
     numpy = None  # fill() needs none
 
-FOLDER = pathlib.Path(__file__).resolve().parent  # head.html is the head of all pages
+FOLDER = pathlib.Path(__file__).resolve().parent / "pages"  # head.html is the head of all pages
 PARTS = FOLDER / "viewer"
 SCHEMES = ("patch", "atom", "element", "chain", "residue", "area", "component", "potential", "file",
            "plain")

@@ -13,9 +13,9 @@ import itertools
 import re
 import shutil
 
-from common import Failed
-import mmcif
-from structures import is_assembly_file
+from eses_tools.common import Failed
+from eses_tools import mmcif
+from eses_tools.structures import is_assembly_file
 
 OPTIONS = ["--ff=CHARMM"]
 RADII = "charmm"  # name of these radii in tables

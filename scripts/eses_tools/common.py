@@ -1,4 +1,4 @@
-"""Shared by the Python scripts: paths, command lines, errors, files, and the machine."""
+"""Shared by the tools: paths, command lines, errors, files, and the machine."""
 
 import argparse
 import contextlib
@@ -13,26 +13,38 @@ import shutil
 import signal
 import subprocess
 import sys
+import sysconfig
 import tempfile
 import zlib
 
-PROJECT = pathlib.Path(__file__).resolve().parents[2]
+FOLDER = pathlib.Path(__file__).resolve().parent  # of the package
+PROJECT = FOLDER.parents[1]  # if the package is in a checkout
 DATA = PROJECT / "data"
-
-# Installed, this file is PREFIX/share/eses-blocks/lib/common.py (cmake/install.cmake).
 IS_INSTALLED = not (PROJECT / "CMakeLists.txt").is_file()
 
 
 def default_program():
-    """Returns the path of eses-blocks: in the build directory, or installed with the scripts."""
+    """Returns the path of eses-blocks: the one that belongs to this package, or that in PATH."""
+    name = "eses-blocks"
     if not IS_INSTALLED:
-        return PROJECT / "build" / "eses-blocks"
-    installed = PROJECT.parent / "bin" / "eses-blocks"
-    return installed if installed.exists() else pathlib.Path(shutil.which(installed.name) or installed)
+        return PROJECT / "build" / name
+    for folder in (FOLDER.parents[2] / "bin",  # PREFIX/share/eses-blocks/eses_tools, by CMake
+                   FOLDER.parents[1],  # BUILD/python/eses_tools, the build tree
+                   FOLDER.parent / "bin",  # pip install --target
+                   pathlib.Path(sysconfig.get_path("scripts")),
+                   pathlib.Path(sysconfig.get_path("scripts", sysconfig.get_preferred_scheme("user")))):
+        if os.access(folder / name, os.X_OK) and (folder / name).is_file():
+            return folder / name
+    return pathlib.Path(shutil.which(name) or name)
+
+
+def command_of(tool):
+    """Returns the beginning of a command that starts another tool of this package."""
+    return [sys.executable, FOLDER, tool]
 
 
 PROGRAM = default_program()
-NAME = pathlib.Path(sys.argv[0]).name  # of the script; installed ones begin with eses-
+NAME = pathlib.Path(sys.argv[0]).name  # of the tool; installed ones begin with eses-
 COMPRESSION_LEVEL = 6  # gzip's own default
 
 
@@ -207,7 +219,7 @@ def describe_build(program):
         done = subprocess.run([program, "--version"], stdin=subprocess.DEVNULL, capture_output=True,
                               text=True, check=True)
     except OSError as error:
-        advice = "" if IS_INSTALLED else "; build it with scripts/quickstart"
+        advice = "; install eses-blocks" if IS_INSTALLED else "; build it with scripts/quickstart"
         raise Failed(f"{program}: {error.strerror}{advice}") from None
     except subprocess.CalledProcessError:
         raise Failed(f"{program} --version fails") from None

@@ -1,15 +1,15 @@
 """Makes the page with the results of many structures: failures, pictures, plots and a table.
 
-Used by scripts/report, and by scripts/pdbbind --report.
+Used by eses-report, and by eses-pdbbind --report.
 """
 
 import html
 import pathlib
 
-from common import complete_file, printable
-import page
+from eses_tools.common import complete_file, printable
+from eses_tools import page
 
-PARTS = pathlib.Path(__file__).resolve().parent / "report"
+PARTS = pathlib.Path(__file__).resolve().parent / "pages/report"
 TEXTS = ("id", "input", "file", "radii", "status", "message")  # other columns are numbers if possible
 # Columns that are drawn against the number of atoms, if the table has them.
 PLOTS = (("seconds", "time, s"), ("peak_bytes", "peak memory, bytes"), ("area", "area, Å²"),

@@ -5,7 +5,7 @@ import pathlib
 import re
 import tempfile
 
-from common import Failed, unpacked
+from eses_tools.common import Failed, unpacked
 
 # Matches an element symbol with an optional formal charge: N, Zn, O1-. Some programs append it.
 ELEMENT = re.compile(r"[A-Za-z]{1,2}([0-9][+-])?")

@@ -5,7 +5,7 @@ import itertools
 
 import numpy
 
-from common import Failed
+from eses_tools.common import Failed
 
 
 class Map:

@@ -8,7 +8,7 @@ import itertools
 import re
 import string
 
-from common import Failed
+from eses_tools.common import Failed
 
 # A value in quotes, which end at a quote before a blank; the rest of a comment; or a bare value.
 TOKEN = re.compile(r"""'(.*?)'(?=\s|$)|"(.*?)"(?=\s|$)|(\#.*)|(\S+)""")

@@ -15,9 +15,9 @@ import re
 import shutil
 import tempfile
 
-from atoms import read_charged_atoms
-from common import Failed, unpacked
-import measuring
+from eses_tools.atoms import read_charged_atoms
+from eses_tools.common import FOLDER, Failed, unpacked
+from eses_tools import measuring
 
 # Dielectric boundaries: maps of eses-blocks, and APBS's own `srfm mol` and `srfm smol`.
 ESES, MOL, SMOL = "eses-blocks", "mol", "smol"
@@ -277,12 +277,12 @@ def write_maps(program, molecule, name, grid, settings, folder):
 # ----------------------------------------------------------------------------------------- APBS
 
 
-def find_apbs(script):
-    """Returns the path of APBS, skipping the script of the same name. Throws Failed if it is
-    missing."""
+def find_apbs():
+    """Returns the path of APBS, skipping scripts/apbs, which has the same name. Throws Failed if it
+    is missing."""
     for folder in os.get_exec_path():
         found = shutil.which("apbs", path=folder)
-        if found and not os.path.samefile(found, script):
+        if found and os.path.realpath(found) != str(FOLDER.parent / "apbs"):
             return os.path.abspath(found)
     raise Failed("APBS is not installed; install it with `apt-get install apbs`")
 

@@ -12,7 +12,7 @@ import sys
 import tempfile
 import time
 
-from common import PROJECT, Failed, complete_file, machine
+from eses_tools.common import Failed, command_of, complete_file, machine
 
 
 @contextlib.contextmanager
@@ -116,8 +116,8 @@ def rings_for(copies):
 
 
 def assemble(source, copies, target):
-    """Writes a complex of copies of the structure with scripts/assemble."""
-    command = [sys.executable, PROJECT / "scripts" / "assemble", source, "--copies", str(copies),
+    """Writes a complex of copies of the structure with eses-assemble."""
+    command = [*command_of("assemble"), source, "--copies", str(copies),
                "--rings", str(rings_for(copies)), "--output", target]
     done = subprocess.run(command, stdin=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True,
                           check=False)

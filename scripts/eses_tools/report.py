@@ -1,0 +1,167 @@
+"""Writes a page with the results of many structures: failures, pictures, plots, and a table.
+
+TABLE is a table of eses-blocks measure --csv, the lines of its --json, or a summary of
+eses-pdbbind; it may be compressed (.gz). The page needs no network and no other file. Its table
+sorts and filters, and its plots show times, areas and volumes against the number of atoms.
+
+Structures that measure has refused are not in its table. --messages reads its standard error:
+eses-blocks measure --csv all.csv *.pdb 2> errors.txt; report all.csv --messages errors.txt -o
+all.html. --pictures draws structures from the files that the table names. Arguments after -- choose
+how eses-blocks reads them, such as -- --radii bondi.
+"""
+
+import os
+import sys
+
+from eses_tools import quiet_interrupt  # before the modules that take time to load
+
+import csv
+import gzip
+import io
+import json
+import math
+import pathlib
+import subprocess
+import tempfile
+
+from eses_tools.common import (NAME, PROGRAM, Failed, Parser, describe_build, end_with, printable,
+                               require_writable_file, show)
+from eses_tools import report_page, thumbnails
+
+ERROR = "eses-blocks: error: "  # begins the messages of files that measure has refused
+MIN_SPACING = 0.4  # angstrom, of pictures
+MAX_CELLS = 30000  # of the surface of a picture, which are squares of the spacing
+
+
+def read_text(path):
+    data = path.read_bytes()
+    try:
+        data = gzip.decompress(data) if path.suffix.lower() == ".gz" else data
+    except (EOFError, OSError) as error:
+        raise Failed(f"{path}: {error}") from None
+    return data.decode("utf-8", "replace")
+
+
+def flat(record):
+    """Returns the columns of measure --csv of an object of measure --json."""
+    row = {name: value for name, value in record.items()
+           if isinstance(value, (str, int, float)) and not isinstance(value, bool)}
+    kinds = record.get("ses_area_by_kind", {})
+    return {**row, **{f"{kind}_area": area for kind, area in kinds.items()}}
+
+
+def parse_json(text):
+    rows = [flat(json.loads(line)) for line in text.splitlines() if line.strip()]
+    return rows, list(dict.fromkeys(name for row in rows for name in row))
+
+
+def parse_csv(text):
+    reader = csv.DictReader(io.StringIO(text))
+    rows = list(reader)
+    if any(None in row or None in row.values() for row in rows):
+        raise ValueError  # more or fewer fields than the header
+    return rows, list(reader.fieldnames or ())
+
+
+def read_table(path):
+    """Returns rows and columns. The first column names the structures."""
+    text = read_text(path)
+    try:
+        rows, columns = parse_json(text) if text.lstrip().startswith("{") else parse_csv(text)
+    except (AttributeError, TypeError, ValueError, csv.Error):
+        columns = []
+    if columns[:1] not in (["file"], ["id"]) or "atoms" not in columns:
+        raise Failed(f"{path}: no table of eses-blocks measure --csv, no lines of its --json, and no "
+                     "summary of pdbbind")
+    return rows, columns
+
+
+def failures_in(path):
+    """Returns rows for the errors in the messages of eses-blocks measure."""
+    return [{"status": "failed", "message": line.removeprefix(ERROR)}
+            for line in read_text(path).splitlines() if line.startswith(ERROR)]
+
+
+def file_of(table, row):
+    """Returns the file of a structure, which measure names as the command line did."""
+    path = pathlib.Path(row["file"])
+    return path if path.is_file() else table.parent / path
+
+
+def draw(options, path, row):
+    """Returns the address of a picture. Throws Failed."""
+    spacing = max(MIN_SPACING, math.sqrt(float(row["ses_area"]) / MAX_CELLS))
+    with tempfile.TemporaryDirectory(prefix="report-") as scratch:
+        folder = pathlib.Path(scratch)
+        thumbnails.draw(lambda command, **how: (subprocess.run(
+            command, stdin=subprocess.DEVNULL, check=False, **how).returncode,),
+            [options.program, path, "--probe-radius", row["probe_radius"], "--spacing", spacing,
+             "--margin", 2 * spacing, "--independent", *options.arguments], folder,
+            folder / "surface.png")
+        return thumbnails.uri(folder / "surface.png")
+
+
+def draw_all(options, rows):
+    """Returns the addresses of pictures by file. Prints which structures cannot be drawn."""
+    chosen = [row for row in rows if thumbnails.is_chosen(row.get("file", ""), options.pictures)]
+    if not chosen:
+        raise Failed("--pictures: no file of the table matches")
+    if "ses_area" not in chosen[0]:
+        raise Failed("--pictures needs a table of eses-blocks measure; eses-pdbbind has an option "
+                     "of this name")
+    describe_build(options.program)
+    thumbnails.require_renderer()
+    pictures = {}
+    for row in {row["file"]: row for row in chosen}.values():
+        show(f"picture of {printable(row['file'])}")
+        try:
+            pictures[row["file"]] = draw(options, file_of(options.table, row), row)
+        except Failed as error:
+            show("")
+            print(f"{NAME}: {printable(row['file'])}: {printable(error)}", file=sys.stderr)
+    show("")
+    return pictures
+
+
+def parse():
+    arguments = sys.argv[1:]
+    at = arguments.index("--") if "--" in arguments else len(arguments)
+    first, *others = __doc__.split("\n\n")
+    parser = Parser(description=first, epilog="\n\n".join(others),
+                    usage=f"{NAME} [OPTION...] TABLE -o PAGE.html [-- ARGUMENT...]")
+    parser.add_argument("table", metavar="TABLE", type=pathlib.Path,
+                        help="table of eses-blocks measure, or summary of eses-pdbbind")
+    parser.add_argument("-o", "--output", required=True, metavar="PAGE.html", type=pathlib.Path,
+                        help="page to write; - for standard output")
+    parser.add_argument("--title", help="title of the page (default: the name of the table)")
+    parser.add_argument("--messages", metavar="FILE", type=pathlib.Path,
+                        help="standard error of eses-blocks measure, whose errors are shown")
+    parser.add_argument("--pictures", type=thumbnails.patterns_of, default=[], metavar="PATTERNS",
+                        help=thumbnails.HELP.format("files in the table"))
+    parser.add_argument("--program", type=pathlib.Path, default=PROGRAM, metavar="FILE",
+                        help="path of eses-blocks, for --pictures (default: the one beside this "
+                             "script, or build/eses-blocks)")
+    options = parser.parse_args(arguments[:at])
+    options.arguments = arguments[at + 1:]
+    options.program = options.program.absolute()
+    if options.arguments and not options.pictures:
+        parser.error("arguments after -- need --pictures")
+    return options
+
+
+def main():
+    options = parse()
+    rows, columns = read_table(options.table)
+    failures = failures_in(options.messages) if options.messages else []
+    if "status" not in columns:
+        columns += ["status", "message"]
+        rows = [{**row, "status": "done", "message": ""} for row in rows]
+    if str(options.output) != "-":
+        require_writable_file(options.output)
+    pictures = draw_all(options, rows) if options.pictures else {}
+    report_page.write(options.output, rows + failures, columns, options.title or options.table.name,
+                      pictures)
+
+
+def start():
+    end_with(main)

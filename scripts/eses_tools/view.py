@@ -1,0 +1,345 @@
+"""Writes a page that shows molecular surfaces in a browser.
+
+Files are structures (xyzr, PQR, PDB, mmCIF) or meshes of eses-blocks --mesh. Several files are shown
+side by side. The page needs no network and no other file. It has the surface, the atoms of
+structures, and controls for colours, a clip plane and pictures.
+
+--electrostatics computes the potential of one PDB, mmCIF or PQR file with PDB2PQR and APBS.
+Arguments after -- are passed to eses-blocks and choose how structures are read, such as
+-- --radii bondi --chains A. Needs numpy (Debian: python3-numpy).
+"""
+
+import os
+import sys
+
+from eses_tools import quiet_interrupt  # before the modules that take time to load
+
+import argparse
+import csv
+import json
+import math
+import pathlib
+import subprocess
+import tempfile
+
+from eses_tools.common import (NAME, PROGRAM, Failed, Parser, at_least, complete_file,
+                               describe_build, end_with, require_writable_file, show)
+from eses_tools import measuring, pdb_to_pqr
+from eses_tools.structures import KINDS, split_name
+
+meshes = open_dx = page = None  # imported after --help and the checks of the arguments, which need no numpy
+
+MIN_SPACING = 0.25  # angstrom, of structures without --spacing
+MAX_TRIANGLES = 1e6  # of a structure without --spacing
+TRIANGLES_PER_CELL = 3  # of surface whose area is the square of the spacing
+
+
+def import_modules():
+    global meshes, page
+    from eses_tools import meshes
+    from eses_tools import page
+
+
+def import_numpy():
+    global open_dx
+    try:
+        from eses_tools import open_dx
+    except ImportError:
+        raise Failed("install numpy (Debian: python3-numpy)") from None
+
+
+def say(text):
+    show("")
+    print(f"{NAME}: {text}", file=sys.stderr)
+
+
+# ----------------------------------------------------------------------------------- programs
+
+
+def run_program(command, folder):
+    """Runs eses-blocks and returns its messages. Throws Failed if it fails, and ends with exit code
+    2 if it refuses the arguments after `--`."""
+    with open(folder / "messages", "w+", encoding="utf-8", errors="replace") as messages:
+        code, _, _ = measuring.run(command, subprocess.DEVNULL, messages)
+        messages.seek(0)
+        text = "\n".join(line.removeprefix("eses-blocks: ").removeprefix("error: ")
+                         for line in messages.read().splitlines()).strip()
+    if code == 2:
+        say(text.partition("\n")[0])
+        sys.exit(2)
+    if code != 0:
+        raise Failed(text or f"{command[0]}: exit code {code}")
+    return text
+
+
+def prepare_pqr(path, folder):
+    """Returns a PQR file of a structure, which PDB2PQR makes unless it is one."""
+    _, layout = split_name(path.name)
+    if layout == "pqr":
+        return path
+    if layout == "xyzr":
+        raise Failed(f"{path}: xyzr files have no charges; use a PQR, PDB or mmCIF file")
+    program = pdb_to_pqr.find_program()
+    if program is None:
+        raise Failed(f"{path}: PDB2PQR is missing; install it with `apt-get install "
+                     f"{pdb_to_pqr.PACKAGE}`")
+    show(f"PDB2PQR: {path}")
+    try:
+        pdb_to_pqr.write_protein(path, layout, folder / "protein.pdb")
+    except Failed as error:
+        raise Failed(f"{path}: {error}") from None
+    made = folder / f"{path.name.partition('.')[0]}.pqr"
+    with open(folder / "pdb2pqr.log", "w+", encoding="utf-8", errors="replace") as log:
+        code, _, _ = measuring.run([program, *pdb_to_pqr.OPTIONS, folder / "protein.pdb", made],
+                                   log, log, cwd=folder)
+        log.seek(0)
+        text = log.read()
+    if code != 0 or not made.exists():
+        raise Failed(f"{path}: PDB2PQR: {pdb_to_pqr.failure(text)}")
+    if remark := pdb_to_pqr.remark(text):
+        say(f"{path}: {remark}")
+    return made
+
+
+def compute_potential(options, atoms, folder):
+    """Returns the file of the potential around a PQR file, which eses-apbs computes."""
+    potential = folder / "potential.dx"
+    # Its messages and progress go to standard error, as those of this script.
+    done = subprocess.run(
+        [*command_of("apbs"), atoms, "--write-potential", potential, "--json", "--program",
+         options.program, "--probe-radius", str(options.probe_radius), "--ionic-strength",
+         str(options.ionic_strength)], stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, text=True,
+        check=False)
+    if done.returncode != 0:
+        raise Failed("eses-apbs has failed, see the message above")
+    energy = json.loads(done.stdout)["solvation_energy"]
+    say(f"solvation energy {next(iter(energy.values())):.2f} kJ/mol")
+    return potential
+
+
+# ----------------------------------------------------------------------------------- molecules
+
+
+def read_atoms(path):
+    """Returns the atoms of a table of eses-blocks measure, and the area of the surface."""
+    import numpy
+    with open(path, encoding="utf-8", newline="") as source:
+        rows = list(csv.DictReader(source))
+
+    def numbers(*names):
+        return numpy.array([[float(row[name]) for name in names] for row in rows])
+
+    residues = [(row["residue"], row["residue_number"], row["chain"]) for row in rows]
+    areas = numbers("ses_area")[:, 0]
+    return page.Atoms(
+        serial=numbers("serial")[:, 0].astype(int), centers=numbers("x", "y", "z"),
+        radii=numbers("radius")[:, 0], areas=areas, names=[row["name"] for row in rows],
+        elements=[row["element"] for row in rows],
+        residues=residues if any(map(any, residues)) else None), float(areas.sum())
+
+
+def choose_spacing(area):
+    """Returns a spacing with which a surface of this area has at most MAX_TRIANGLES triangles."""
+    return max(MIN_SPACING, math.ceil(100 * math.sqrt(TRIANGLES_PER_CELL * area / MAX_TRIANGLES)) / 100)
+
+
+def read_structure(options, path, folder):
+    """Returns the surface and atoms of a structure, which eses-blocks computes in the folder."""
+    reading = [path, "--probe-radius", options.probe_radius, *options.arguments]
+    show(f"areas of {path}")
+    run_program([options.program, "measure", *reading, "--quiet", "--write", "atoms", "-o", folder],
+                folder)
+    (table,) = folder.glob("*.atoms.csv")
+    atoms, area = read_atoms(table)
+    spacing = options.spacing or choose_spacing(area)
+    show(f"surface of {path}")
+    mesh = folder / "surface.ply"
+    margin = 2 * spacing  # does not cut the surface
+    messages = run_program([options.program, *reading, "--spacing", spacing, "--margin", margin,
+                            "--json", "--write", "none", "--independent", "-o", folder, "--mesh",
+                            mesh, "--color", "component"], folder)
+    if messages:
+        say(messages)
+    read = meshes.read_mesh(mesh)
+    return page.Molecule(path.name, read.points, read.normals, read.triangles,
+                         patch=read.values["patch"], component=read.values.get("component"),
+                         atom=read.values["atom"], atoms=atoms)
+
+
+def atoms_of_mesh(mesh):
+    """Returns the atoms that a mesh names, and the index of the atom of each vertex."""
+    import numpy
+    values = mesh.values
+    found, first, index = numpy.unique(values["atom"], return_index=True, return_inverse=True)
+    corners = mesh.points[mesh.triangles]
+    areas = numpy.linalg.norm(numpy.cross(corners[:, 1] - corners[:, 0],
+                                          corners[:, 2] - corners[:, 0]), axis=1) / 2
+    shares = numpy.repeat(areas / 3, 3)  # a third of each triangle for each corner
+    residues = None
+    if "residue" in values:
+        texts = [mesh.residues[number] for number in values["residue"][first]]
+        chains = [mesh.chains[number] for number in values["chain"][first]]
+        residues = [split_residue(text, chain) for text, chain in zip(texts, chains)]
+    return index, page.Atoms(
+        serial=found + 1, residues=residues,
+        areas=numpy.bincount(index[mesh.triangles.ravel()], shares, len(found)))
+
+
+def split_residue(text, chain):
+    """Returns name, number and chain of a residue, from a text such as `ALA 52A B`."""
+    words = text.removesuffix(f" {chain}" if chain else "").split(" ")
+    return " ".join(words[:-1]), words[-1], chain
+
+
+def read_mesh(path):
+    show(f"mesh {path}")
+    mesh = meshes.read_mesh(path)
+    molecule = page.Molecule(path.name, mesh.points, mesh.normals, mesh.triangles,
+                             patch=mesh.values.get("patch"), component=mesh.values.get("component"),
+                             color=mesh.values.get("color"),
+                             potential=mesh.values.get("potential"))
+    if "atom" in mesh.values:
+        molecule.atom, molecule.atoms = atoms_of_mesh(mesh)
+    return molecule
+
+
+def make_molecules(options):
+    molecules = []
+    with tempfile.TemporaryDirectory(prefix="view-") as scratch:
+        for number, path in enumerate(options.files):
+            folder = pathlib.Path(scratch) / str(number)
+            folder.mkdir()
+            potential = options.potential[number % len(options.potential)] if options.potential else None
+            if meshes.is_mesh(path):
+                molecule = read_mesh(path)
+            elif options.electrostatics:
+                atoms = prepare_pqr(path, folder)
+                potential = compute_potential(options, atoms, folder)
+                molecule = read_structure(options, atoms, folder)
+                molecule.name = path.name
+            else:
+                molecule = read_structure(options, path, folder)
+            if potential is not None:
+                show(f"potential {potential}")
+                molecule.potential = open_dx.potential_at(
+                    open_dx.read_map(potential), molecule.points, molecule.normals,
+                    options.potential_offset)
+            molecules.append(molecule)
+    if options.color == "potential" and all(one.potential is None for one in molecules):
+        raise Failed("the meshes have no potential; give one with --potential")
+    return molecules
+
+
+# -------------------------------------------------------------------------------- command line
+
+
+def per_cent(text):
+    value = int(text)
+    if not 0 <= value <= 100:
+        raise argparse.ArgumentTypeError("expected 0 to 100")
+    return value
+
+
+def parse():
+    arguments = sys.argv[1:]
+    at = arguments.index("--") if "--" in arguments else len(arguments)
+    paragraphs = __doc__.split("\n\n")
+    above_zero = at_least(0, is_open=True)
+    parser = Parser(description="\n\n".join(paragraphs[:2]), epilog=paragraphs[2],
+                    usage=f"{NAME} [OPTION...] FILE... -o PAGE.html [-- ARGUMENT...]")
+    parser.add_argument("files", nargs="+", metavar="FILE", type=pathlib.Path,
+                        help=f"structure ({KINDS}) or mesh (.ply, .vtp, .obj, .off, .stl, .glb, .vert or .face)")
+    parser.add_argument("-o", "--output", required=True, metavar="PAGE.html", type=pathlib.Path,
+                        help="page to write; - for standard output")
+    parser.add_argument("--title", help="title of the page (default: the names of the files)")
+    look = parser.add_argument_group("first view, which the controls of the page change")
+    look.add_argument("--color", metavar="NAME",
+                      help="colours of the surface: patch, atom, element, chain, residue, area, "
+                           "component, potential, file or plain (default: potential if there is one, "
+                           "otherwise patch)")
+    look.add_argument("--atoms", default="none", metavar="NAME",
+                      help="atoms of structures: none (the default), sticks, balls or spheres")
+    look.add_argument("--opacity", type=per_cent, metavar="PERCENT",
+                      help="opacity of the surface (default: 100, or 45 with --atoms)")
+    surface = parser.add_argument_group("surface of structures")
+    surface.add_argument("--probe-radius", type=above_zero, default=1.4, metavar="ANGSTROM",
+                         help="radius of the solvent probe (default: 1.4)")
+    surface.add_argument("--spacing", type=above_zero, metavar="ANGSTROM",
+                         help=f"distance between grid points (default: {MIN_SPACING}, or more for "
+                              f"at most {MAX_TRIANGLES:,.0f} triangles)")
+    potential = parser.add_argument_group("potential")
+    potential.add_argument("--potential", action="append", type=pathlib.Path, metavar="FILE.dx",
+                           help="OpenDX map of the potential in kT/e, such as those of APBS; also "
+                                ".dx.gz; given once, or once for each file")
+    potential.add_argument("--electrostatics", action="store_true",
+                           help="compute the potential with PDB2PQR and APBS")
+    potential.add_argument("--potential-offset", type=at_least(0), default=0.0,
+                           metavar="ANGSTROM",
+                           help="take the potential at this distance outside of the surface "
+                                "(default: 0)")
+    potential.add_argument("--potential-limit", type=above_zero, metavar="KT/E",
+                           help="end of the scale of colours (default: a round number that 2 per "
+                                "cent of the vertices exceed)")
+    potential.add_argument("--ionic-strength", type=at_least(0), default=0.15, metavar="MOLAR",
+                           help="concentration of a 1:1 salt for --electrostatics (default: 0.15)")
+    parser.add_argument("--program", type=pathlib.Path, default=PROGRAM, metavar="FILE",
+                        help="path of eses-blocks (default: the one beside this script, or "
+                             "build/eses-blocks)")
+    options = parser.parse_args(arguments[:at])
+    options.arguments = arguments[at + 1:]
+    import_modules()
+    complete_options(parser, options)
+    import_numpy()
+    return options
+
+
+def complete_options(parser, options):
+    """Sets the title. Ends with exit code 2 if options contradict each other."""
+    for name, value, known in (("--color", options.color, page.SCHEMES),
+                               ("--atoms", options.atoms, page.STYLES)):
+        if value is not None and value not in known:
+            parser.error(f"{name}: {value} is none of {', '.join(known)}")
+    is_mesh = [meshes.is_mesh(path) for path in options.files]
+    for path, known in zip(options.files, is_mesh):
+        if not known and split_name(path.name) is None:
+            parser.error(f"{path}: neither a structure nor a mesh; the suffixes are {KINDS}, and "
+                         f"{', '.join(meshes.SUFFIXES)}")
+    if options.electrostatics and options.potential:
+        parser.error("--electrostatics and --potential exclude each other")
+    if options.electrostatics and any(is_mesh):
+        parser.error("--electrostatics needs structures, not meshes")
+    if options.electrostatics and options.arguments:
+        parser.error("--electrostatics reads the atoms that PDB2PQR has made; leave out the "
+                     "arguments after --")
+    if options.potential and len(options.potential) not in (1, len(options.files)):
+        parser.error(f"{len(options.potential)} maps of --potential for {len(options.files)} files; "
+                     "give one, or one for each file")
+    if options.color == "potential" and not (options.potential or options.electrostatics
+                                             or any(is_mesh)):
+        parser.error("--color potential needs --potential or --electrostatics")
+    options.needs_program = not all(is_mesh)
+    options.program = options.program.absolute()
+    options.title = options.title or ", ".join(path.name for path in options.files)
+
+
+def main():
+    options = parse()
+    for path in (*options.files, *(options.potential or ())):
+        if not path.is_file():
+            raise Failed(f"{path}: no such file")
+    if str(options.output) != "-":
+        require_writable_file(options.output)
+    if options.needs_program:
+        describe_build(options.program)
+    measuring.end_on_sigterm()
+    molecules = make_molecules(options)
+    show("writing the page")
+    text = page.make_page(molecules, options.title, options.color, options.atoms, options.opacity,
+                          options.potential_limit)
+    with complete_file(options.output, encoding="utf-8") as target:
+        target.write(text)
+    show("")
+
+
+def start():
+    end_with(main)
