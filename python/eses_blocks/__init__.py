@@ -1,10 +1,13 @@
-"""Solvent excluded surface of molecules on Cartesian grids.
+"""Surfaces of molecules: solvent excluded, solvent accessible, van der Waals.
 
 Lengths are in angstrom, areas in square angstrom, volumes in cubic angstrom. Indices start from 0.
 
 Examples
 --------
 >>> import eses_blocks as eses
+>>> result = eses.measure("fas2.pqr")
+>>> print(f"{result.ses_area:.1f} {result.ses_volume:.1f} {result.sas_area:.1f}")
+PLACE
 >>> atoms = eses.read_atoms("1ubq.xyzr")
 >>> surface = eses.Surface(atoms.centers, atoms.radii, probe_radius=1.4)
 >>> grid = surface.grid(spacing=0.5, margin=1.0)
@@ -13,6 +16,7 @@ Examples
 True
 """
 
+from . import adaptors
 from ._core import (
     AtomAreas,
     Atoms,
@@ -34,6 +38,8 @@ from ._core import (
     read_atoms,
     read_grid,
 )
+from ._measurement import Measurement, Table, measure
+from ._molecule import Molecule, Radii, read_molecule
 from ._shown import add_methods
 
 add_methods(Mesh, Result, Surface)
@@ -51,12 +57,19 @@ __all__ = [
     "Gradients",
     "Grid",
     "Labels",
+    "Measurement",
     "Measures",
     "Mesh",
+    "Molecule",
+    "Radii",
     "Result",
     "Surface",
+    "Table",
     "__version__",
+    "adaptors",
+    "measure",
     "measure_frames",
     "read_atoms",
     "read_grid",
+    "read_molecule",
 ]

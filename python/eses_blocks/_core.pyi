@@ -303,8 +303,8 @@ class Diagnostic:
 class Surface:
     def __init__(
         self,
-        centers: npt.ArrayLike,
-        radii: npt.ArrayLike,
+        centers: Any,
+        radii: Optional[npt.ArrayLike] = None,
         probe_radius: float = 1.4,
         *,
         fill_cavities: Union[bool, float] = False,

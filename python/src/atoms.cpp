@@ -99,6 +99,24 @@ HydrogenChoice hydrogens_named(const std::string& name) {
   throw py::value_error("hydrogens must be 'auto', 'keep' or 'drop', not '" + name + "'");
 }
 
+StructureOptions structure_options(const std::filesystem::path& radii,
+                                   std::optional<double> unknown_radius, int model,
+                                   const std::string& altloc, bool waters, bool hetatm,
+                                   const std::string& hydrogens,
+                                   const std::vector<std::string>& chains,
+                                   const std::string& select, const std::string& assembly) {
+  return {.radii = radii.string(),
+          .unknown_radius = unknown_radius,
+          .model = model,
+          .altloc = altloc,
+          .with_waters = waters,
+          .with_hetatm = hetatm,
+          .hydrogens = hydrogens_named(hydrogens),
+          .chains = chains,
+          .select = select,
+          .assembly = assembly};
+}
+
 std::shared_ptr<AtomFile> read(const std::filesystem::path& path, const std::string& format,
                                const std::filesystem::path& radii,
                                std::optional<double> unknown_radius, int model,
@@ -109,16 +127,8 @@ std::shared_ptr<AtomFile> read(const std::filesystem::path& path, const std::str
   if (path == "-") throw py::value_error("path must be the name of a file, not '-'");
   ReadOptions options;
   options.format = format_named(format);
-  options.structure = {.radii = radii.string(),
-                       .unknown_radius = unknown_radius,
-                       .model = model,
-                       .altloc = altloc,
-                       .with_waters = waters,
-                       .with_hetatm = hetatm,
-                       .hydrogens = hydrogens_named(hydrogens),
-                       .chains = chains,
-                       .select = select,
-                       .assembly = assembly};
+  options.structure = structure_options(radii, unknown_radius, model, altloc, waters, hetatm,
+                                        hydrogens, chains, select, assembly);
   // A part of reading an mmCIF file is a single call of a parser, which takes seconds if the file
   // has millions of atoms.
   auto file = std::make_shared<AtomFile>();
@@ -130,6 +140,51 @@ std::shared_ptr<AtomFile> read(const std::filesystem::path& path, const std::str
     });
   });
   return file;
+}
+
+// Reads the atoms of a text. The package finds the format.
+std::shared_ptr<AtomFile> parse(const py::bytes& text, const std::string& name,
+                                const std::string& format, const std::filesystem::path& radii,
+                                std::optional<double> unknown_radius, int model,
+                                const std::string& altloc, bool waters, bool hetatm,
+                                const std::string& hydrogens,
+                                const std::vector<std::string>& chains, const std::string& select,
+                                const std::string& assembly) {
+  const AtomFormat known = format_named(format);
+  const StructureOptions options = structure_options(radii, unknown_radius, model, altloc, waters,
+                                                     hetatm, hydrogens, chains, select, assembly);
+  auto file = std::make_shared<AtomFile>();
+  const std::string copy = text;
+  read_file_as_value([&] {
+    call_in_background([copy, known, name, options, file](const CheckCallback&) {
+      *file = parse_atoms(copy, known, name, options);
+    });
+  });
+  return file;
+}
+
+// Returns the name of a set of radii, whether it has united atoms, and for each atom the radius,
+// the element, and whether they follow from the element and from the names.
+py::tuple radii_of(const std::vector<std::string>& residues, const std::vector<std::string>& names,
+                   const std::vector<std::string>& elements, const std::filesystem::path& set) {
+  if (residues.size() != names.size() || elements.size() != names.size())
+    throw py::value_error("residues, names and elements differ in length");
+  std::vector<AtomLabel> labels(names.size());
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    labels[i].residue = residues[i];
+    labels[i].atom_name = names[i];
+    labels[i].element = elements[i];
+  }
+  NamedRadii found;
+  read_file_as_value([&] { found = find_radii(labels, set.string()); });
+  py::list radii, symbols, by_element, by_name;
+  for (const NamedRadius& atom : found.atoms) {
+    radii.append(atom.radius);
+    symbols.append(atom.element);
+    by_element.append(atom.is_by_element);
+    by_name.append(atom.is_element_by_name);
+  }
+  return py::make_tuple(found.set, found.are_united, radii, symbols, by_element, by_name);
 }
 
 // Labels share the memory of the file.
@@ -295,6 +350,8 @@ void bind_atoms(py::module_& module) {
              py::arg("unknown_radius") = py::none(), py::arg("model") = 0, py::arg("altloc") = "",
              py::arg("waters") = false, py::arg("hetatm") = true, py::arg("hydrogens") = "auto",
              py::arg("chains") = py::tuple(), py::arg("select") = "", py::arg("assembly") = "");
+  module.def("_parse_atoms", &parse);
+  module.def("_find_radii", &radii_of);
 }
 
 }  // namespace eses::python

@@ -35,8 +35,10 @@ A surface never changes, and may be used for many grids and by several threads a
 Parameters
 ----------
 centers : array_like
-    (N, 3) centres of the atoms, in angstrom. Any real type and memory layout is accepted.
-radii : array_like
+    (N, 3) centres of the atoms, in angstrom. Any real type and memory layout is accepted. Without
+    ``radii``, anything that ``read_molecule`` accepts, such as a path or a molecule of another
+    library.
+radii : array_like, optional
     (N,) van der Waals radii of the atoms, in angstrom.
 probe_radius : float, optional
     Radius of the probe, in angstrom, 0.01 to 1000.
@@ -56,7 +58,7 @@ TypeError
     If an array does not contain real numbers.)";
 
 constexpr const char* init_text =
-    R"(__init__(self, centers, radii, probe_radius=1.4, *, fill_cavities=False, threads=0)
+    R"(__init__(self, centers, radii=None, probe_radius=1.4, *, fill_cavities=False, threads=0)
 --
 
 Check and index the atoms.)";
@@ -180,6 +182,11 @@ py::object fill_choice(const Surface& surface) {
 
 Surface make_surface(const py::object& centers, const py::object& radii, double probe_radius,
                      const py::object& fill_cavities, int threads) {
+  if (radii.is_none()) {  // a molecule of another library, or a file
+    const py::object molecule = py::module_::import("eses_blocks").attr("read_molecule")(centers);
+    return make_surface(molecule.attr("centers"), molecule.attr("radii"), probe_radius,
+                        fill_cavities, threads);
+  }
   std::vector<Atom> atoms = make_atoms(centers, radii);
   const std::optional<double> max_void = max_filled_void(fill_cavities);
   const py::gil_scoped_release unlocked;
@@ -329,7 +336,7 @@ void bind_surface(py::module_& module) {
   bind_diagnostic(module);
   py::class_<Surface> type(module, "Surface", class_text);
   type.attr("__module__") = "eses_blocks";
-  type.def(py::init(&make_surface), init_text, py::arg("centers"), py::arg("radii"),
+  type.def(py::init(&make_surface), init_text, py::arg("centers"), py::arg("radii") = py::none(),
            py::arg("probe_radius") = 1.4, py::kw_only(), py::arg("fill_cavities") = false,
            py::arg("threads") = 0)
       .def("__len__", [](const Surface& self) { return self.atoms().size(); })

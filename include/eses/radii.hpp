@@ -1,0 +1,35 @@
+#pragma once
+/// @file
+/// Van der Waals radii of named atoms.
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "eses/atoms.hpp"
+
+#pragma GCC visibility push(default)
+namespace eses {
+
+/// The radius of an atom in a set of radii, and how it was found.
+struct NamedRadius {
+  double radius = 0;           ///< In angstrom; not a number if the set has no radius for the atom.
+  std::string element;         ///< Element symbol, such as Cl; empty if unknown.
+  bool is_by_element = false;  ///< Whether the set does not name the atom, only its element.
+  bool is_element_by_name = false;  ///< Whether the element follows from the names.
+};
+
+/// The radii of atoms in a set.
+struct NamedRadii {
+  std::string set;          ///< Name of the set.
+  bool are_united = false;  ///< Whether the radii belong to united atoms, which include hydrogens.
+  std::vector<NamedRadius> atoms;  ///< One for each atom.
+};
+
+/// Finds the radii of atoms by their names and elements. `set` is StructureOptions::radii. An empty
+/// element follows from the names, as for PQR files; deuterium (D) is hydrogen. Throws Error if the
+/// set is unknown or its file cannot be read.
+NamedRadii find_radii(std::span<const AtomLabel> atoms, const std::string& set = "protor");
+
+}  // namespace eses
+#pragma GCC visibility pop

@@ -1,0 +1,67 @@
+"""Structures with a value for each atom in the column of the B-factor."""
+
+from __future__ import annotations
+
+import os
+import re
+from typing import Any, Union
+
+import numpy as np
+
+_Path = Union[str, os.PathLike[str]]
+
+
+def _too_wide(what: str, value: Any, i: int) -> ValueError:
+    return ValueError(f"atom {i} (counted from 0): {what} {value} is too wide for a PDB file; save a .cif file")
+
+
+def _pdb_line(serial: int, i: int, molecule: Any, value: float) -> str:
+    name, residue, chain = (str(column[i]) for column in (molecule.name, molecule.residue, molecule.chain))
+    element, icode = str(molecule.element[i]), str(molecule.icode[i])
+    x, y, z = molecule.positions[i].tolist()
+    padded = name if len(name) >= 4 or len(element) == 2 else f" {name}"
+    fields = (("serial number", f"{serial:5d}", 5), ("atom name", f"{padded:<4}", 4), ("residue name", f"{residue:>3}", 3),
+              ("chain name", f"{chain:1}", 1), ("residue number", f"{molecule.residue_number[i]:4d}", 4),
+              ("insertion code", f"{icode:1}", 1), ("x", f"{x:8.3f}", 8), ("y", f"{y:8.3f}", 8), ("z", f"{z:8.3f}", 8),
+              ("value", f"{value:6.2f}", 6))
+    for what, text, width in fields:
+        if len(text) > width:
+            raise _too_wide(what, text.strip(), i)
+    text = [field for _, field, _ in fields]
+    return (f"ATOM  {text[0]} {text[1]} {text[2]} {text[3]}{text[4]}{text[5]}   {text[6]}{text[7]}{text[8]}"
+            f"  1.00{text[9]}          {element.upper():>2}\n")
+
+
+def write_pdb(path: _Path, molecule: Any, values: Any) -> None:
+    """Writes the atoms whose value is a number. Raises ValueError, before it writes, if one does not
+    fit into its columns."""
+    lines = [_pdb_line(serial, i, molecule, float(values[i]))
+             for serial, i in enumerate(np.flatnonzero(~np.isnan(values)).tolist(), 1)]
+    with open(path, "w", encoding="utf-8") as target:
+        target.writelines([*lines, "END\n"])
+
+
+def _cif(value: Any) -> str:
+    text = str(value)
+    if not text:
+        return "."
+    if re.fullmatch(r"[A-Za-z0-9+*.-][^\s'\"]*", text) and not re.match(r"(?i)data_|save_|loop_|stop_|global_|[.?]$", text):
+        return text
+    return f'"{text}"' if '"' not in text else f"'{text}'"
+
+
+def write_cif(path: _Path, molecule: Any, values: Any) -> None:
+    """Writes the atoms whose value is a number."""
+    columns = ("group_PDB id type_symbol label_atom_id label_alt_id label_comp_id label_asym_id label_entity_id label_seq_id "
+               "pdbx_PDB_ins_code Cartn_x Cartn_y Cartn_z occupancy B_iso_or_equiv auth_seq_id auth_comp_id auth_asym_id "
+               "auth_atom_id pdbx_PDB_model_num").split()
+    with open(path, "w", encoding="utf-8") as target:
+        target.write("data_areas\n#\nloop_\n" + "".join(f"_atom_site.{name}\n" for name in columns))
+        for serial, i in enumerate(np.flatnonzero(~np.isnan(values)).tolist(), 1):
+            name, residue, chain, element, icode = (_cif(column[i]) for column in (
+                molecule.name, molecule.residue, molecule.chain, molecule.element, molecule.icode))
+            x, y, z = molecule.positions[i].tolist()
+            number = molecule.residue_number[i]
+            target.write(f"ATOM {serial} {element if element != '.' else 'X'} {name} . {residue} {chain} 1 . {icode} "
+                         f"{x:.3f} {y:.3f} {z:.3f} 1.00 {float(values[i]):.4f} {number} {residue} {chain} {name} 1\n")
+        target.write("#\n")

@@ -1,0 +1,434 @@
+"""Areas and volumes of a molecule as columns: atoms, residues and chains."""
+
+from __future__ import annotations
+
+import csv
+import functools
+import html
+import os
+from typing import Any, Iterator, Optional, Union
+
+import numpy as np
+import numpy.typing as npt
+
+from . import _core, _molecule
+from ._files import write_cif, write_pdb
+from ._references import CLASSES, MAIN_CHAIN, POLAR, REFERENCES, SYNONYMS
+
+_Doubles = npt.NDArray[np.float64]
+_Bools = npt.NDArray[np.bool_]
+
+
+class Table:
+    """Read-only numpy columns of one length, by name: ``table["sas"]``. ``len(table)`` is the number of
+    rows, ``dict(table)`` has all columns."""
+
+    def __init__(self, columns: dict[str, Any]) -> None:
+        self._columns = {name: np.array(column) for name, column in columns.items()}
+        for column in self._columns.values():
+            column.flags.writeable = False
+
+    def __getitem__(self, name: str) -> Any:
+        try:
+            return self._columns[name]
+        except KeyError:
+            raise KeyError(f"{name!r}; the columns are {', '.join(self._columns)}") from None
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._columns)
+
+    def __contains__(self, name: object) -> bool:
+        return name in self._columns
+
+    def __len__(self) -> int:
+        return len(next(iter(self._columns.values())))
+
+    def keys(self) -> list[str]:
+        """Returns the names of the columns."""
+        return list(self._columns)
+
+    def __repr__(self) -> str:
+        return f"<eses_blocks.Table: {len(self)} rows; {', '.join(self._columns)}>"
+
+    def __reduce__(self) -> Any:
+        return Table, (self._columns,)
+
+    def to_pandas(self) -> Any:
+        """Returns a pandas.DataFrame with these columns. Raises ImportError without pandas."""
+        try:
+            import pandas
+        except ImportError as error:
+            raise ImportError("to_pandas needs pandas; install it, for example with `pip install pandas`") from error
+        return pandas.DataFrame({name: column.copy() for name, column in self._columns.items()})
+
+    def save(self, path: Union[str, os.PathLike[str]]) -> None:
+        """Writes a CSV file with a line of column names. Missing values are empty."""
+        with open(path, "w", encoding="utf-8", newline="") as target:
+            rows = csv.writer(target, lineterminator="\n")
+            rows.writerow(self._columns)
+            columns = [["" if value != value else value for value in column.tolist()]
+                       for column in self._columns.values()]
+            rows.writerows(zip(*columns))
+
+    def _repr_html_(self, limit: int = 20) -> str:
+        def cell(value: Any) -> str:
+            return "" if value != value else f"{value:.2f}" if isinstance(value, float) else html.escape(str(value))
+        head = "".join(f"<th>{html.escape(name)}</th>" for name in self._columns)
+        rows = zip(*(column[:limit].tolist() for column in self._columns.values()))
+        body = "".join(f"<tr>{''.join(f'<td>{cell(value)}</td>' for value in row)}</tr>" for row in rows)
+        rest = f"<p>{len(self) - limit} more rows</p>" if len(self) > limit else ""
+        return f"<table><tr>{head}</tr>{body}</table>{rest}"
+
+
+def _polar_atoms(molecule: _molecule.Molecule, starts: npt.NDArray[np.int64]) -> _Bools:
+    """Marks the polar atoms; CLASSES describes them."""
+    polar = np.isin(molecule.element, list(POLAR))
+    hydrogen = np.zeros(len(molecule), bool)
+    hydrogen[molecule.kept] = molecule.element[molecule.kept] == "H"
+    for begin, end in zip(starts, np.append(starts[1:], len(molecule))):
+        light = begin + np.flatnonzero(hydrogen[begin:end])
+        heavy = begin + np.flatnonzero(molecule.element[begin:end] != "H")
+        if len(light) and len(heavy):
+            for some in np.array_split(light, len(light) * len(heavy) // 10_000_000 + 1):
+                steps = molecule.positions[some, None] - molecule.positions[None, heavy]
+                polar[some] = polar[heavy[np.einsum("ijk,ijk->ij", steps, steps).argmin(axis=1)]]
+    return polar
+
+
+class Measurement:
+    """Areas and volumes of a molecule in closed form, in angstrom.
+
+    ``atoms``, ``residues`` and ``chains`` are tables of numpy columns in the order of the molecule.
+    Atoms that are left out or not reported have areas that are not a number (nan).
+    """
+
+    def __init__(self, molecule: _molecule.Molecule, surface: _core.Surface, measures: _core.Measures,
+                 reported: Optional[_Bools], reference: str) -> None:
+        self._molecule, self._surface, self._measures = molecule, surface, measures
+        self._reported, self._reference = reported, reference
+        by_atom = measures.by_atom
+        assert by_atom is not None
+        self._sas, self._ses = (self._spread(column) for column in (by_atom.sas, by_atom.ses))
+
+    def _spread(self, areas: _Doubles) -> _Doubles:
+        """Returns areas of kept atoms as a column of all atoms."""
+        column = np.full(len(self._molecule), np.nan)
+        column[self._molecule.kept] = areas
+        if self._reported is not None:
+            column[~self._reported] = np.nan
+        column.flags.writeable = False
+        return column
+
+    def __reduce__(self) -> Any:
+        return Measurement, (self._molecule, self._surface, self._measures, self._reported, self._reference)
+
+    # ------------------------------------------------------------------------------- numbers
+
+    @property
+    def whole(self) -> _core.Measures:
+        """Areas and volumes of all atoms that make up the surface, also those that are not reported."""
+        return self._measures
+
+    @property
+    def ses_area(self) -> float:
+        """Area of the reported atoms on the solvent excluded surface."""
+        return self._measures.ses_area if self._reported is None else float(np.nansum(self._ses))
+
+    @property
+    def sas_area(self) -> float:
+        """Area of the reported atoms on the solvent accessible surface (SASA)."""
+        return self._measures.sas_area if self._reported is None else float(np.nansum(self._sas))
+
+    @property
+    def ses_volume(self) -> float:
+        """Volume inside the solvent excluded surface, of the whole molecule."""
+        return self._measures.ses_volume
+
+    @property
+    def sas_volume(self) -> float:
+        """Volume inside the solvent accessible surface, of the whole molecule."""
+        return self._measures.sas_volume
+
+    @property
+    def vdw_area(self) -> Optional[float]:
+        """Area of the van der Waals surface of the whole molecule, if it was chosen."""
+        return self._measures.vdw_area
+
+    @property
+    def vdw_volume(self) -> Optional[float]:
+        """Volume of the van der Waals spheres of the whole molecule, if it was chosen."""
+        return self._measures.vdw_volume
+
+    @property
+    def polar(self) -> float:
+        """Area of the reported polar atoms on the SAS; `classes` says which atoms are polar."""
+        return float(np.nansum(self._sas[self._polar]))
+
+    @property
+    def apolar(self) -> float:
+        """Area of the reported apolar atoms on the SAS."""
+        return float(np.nansum(self._sas[~self._polar]))
+
+    @property
+    def classes(self) -> str:
+        """Which atoms are polar."""
+        return CLASSES
+
+    @property
+    def reference(self) -> str:
+        """Publication of the maximum areas of residues, by which relative areas are divided."""
+        return REFERENCES[self._reference].source
+
+    @property
+    def radii(self) -> _molecule.Radii:
+        """The set of radii, its source, and the atoms whose radius or element was guessed."""
+        return self._molecule.set
+
+    @property
+    def left_out(self) -> dict[str, int]:
+        """Numbers of the atoms of the object that are not part of the surface, by their kind."""
+        return dict(self._molecule.left_out)
+
+    @property
+    def molecule(self) -> _molecule.Molecule:
+        """The atoms."""
+        return self._molecule
+
+    @property
+    def surface(self) -> _core.Surface:
+        """The surface, with the atoms that are kept."""
+        return self._surface
+
+    @property
+    def derivatives(self) -> Optional[_core.Gradients]:
+        """Derivatives of areas and volumes of the whole molecule, if chosen, for the kept atoms."""
+        return self._measures.gradients
+
+    def cavities(self) -> list[dict[str, Any]]:
+        """Returns the cavities, as ``Surface.cavities``; their atoms are indices of kept atoms."""
+        return self._surface.cavities()
+
+    # -------------------------------------------------------------------------------- tables
+
+    @functools.cached_property
+    def _starts(self) -> npt.NDArray[np.int64]:
+        molecule = self._molecule
+        return _molecule._runs(molecule.chain, molecule.residue_number, molecule.icode, molecule.residue)
+
+    @functools.cached_property
+    def _polar(self) -> _Bools:
+        return _polar_atoms(self._molecule, self._starts)
+
+    @functools.cached_property
+    def atoms(self) -> Table:
+        """A row for each atom of the object: ``chain``, ``residue_number``, ``icode``, ``residue``,
+        ``name``, ``element``, ``radius``, ``ses``, ``sas``, ``is_polar``, ``is_guessed``."""
+        molecule = self._molecule
+        radius = np.full(len(molecule), np.nan)
+        radius[molecule.kept] = molecule.radii
+        guessed = np.zeros(len(molecule), bool)
+        guessed[molecule.set.guessed] = guessed[molecule.set.unknown] = True
+        return Table({"chain": molecule.chain, "residue_number": molecule.residue_number, "icode": molecule.icode,
+                      "residue": molecule.residue, "name": molecule.name, "element": molecule.element,
+                      "radius": radius, "ses": self._ses, "sas": self._sas, "is_polar": self._polar,
+                      "is_guessed": guessed})
+
+    def _sums(self, starts: npt.NDArray[np.int64]) -> tuple[dict[str, Any], _Bools]:
+        """Returns the columns of sums over runs of atoms, and the runs with a reported atom."""
+        is_known = ~np.isnan(self._sas)
+        sas, ses = np.nan_to_num(self._sas), np.nan_to_num(self._ses)
+
+        def add(column: Any) -> Any:
+            return np.add.reduceat(column, starts)
+
+        count = add(is_known.astype(np.int64))
+        return {"atoms": count, "ses": add(ses), "sas": add(sas), "sas_polar": add(np.where(self._polar, sas, 0)),
+                "sas_apolar": add(np.where(self._polar, 0, sas))}, count > 0
+
+    @functools.cached_property
+    def residues(self) -> Table:
+        """A row for each residue with a reported atom: ``chain``, ``residue_number``, ``icode``,
+        ``residue``, the number of ``atoms``, ``ses``, ``sas``, ``sas_polar``, ``sas_apolar``,
+        ``sas_main_chain``, ``sas_side_chain`` and ``relative_sas``.
+
+        The last three are not a number for residues other than amino acids. The relative area is
+        ``sas`` by the maximum area of the residue, whose source is `reference`. It may exceed 1 at the
+        ends of chains and in unusual conformations, and does if atoms of neighbours are missing.
+        """
+        molecule, starts = self._molecule, self._starts
+        sums, is_shown = self._sums(starts)
+        names = molecule.residue[starts]
+        reference = REFERENCES[self._reference]
+        maximum = np.array([reference.maximum(name) for name in names.tolist()])
+        is_main = np.isin(molecule.name, list(MAIN_CHAIN))
+        main = np.add.reduceat(np.where(is_main, np.nan_to_num(self._sas), 0), starts)
+        main[~np.isin(names, [*reference.areas, *SYNONYMS, "MSE"])] = np.nan
+        columns = {"chain": molecule.chain[starts], "residue_number": molecule.residue_number[starts],
+                   "icode": molecule.icode[starts], "residue": names, **sums, "sas_main_chain": main,
+                   "sas_side_chain": sums["sas"] - main, "relative_sas": sums["sas"] / maximum}
+        return Table({name: column[is_shown] for name, column in columns.items()})
+
+    @functools.cached_property
+    def chains(self) -> Table:
+        """A row for each chain with a reported atom: ``chain``, the numbers of ``residues`` and
+        ``atoms``, ``ses``, ``sas``, ``sas_polar`` and ``sas_apolar``."""
+        residues = self.residues
+        names = list(dict.fromkeys(residues["chain"].tolist()))
+        rows = [np.flatnonzero(residues["chain"] == name) for name in names]
+        columns: dict[str, Any] = {"chain": np.array(names, str), "residues": [len(row) for row in rows]}
+        for column in ("atoms", "ses", "sas", "sas_polar", "sas_apolar"):
+            columns[column] = [residues[column][row].sum() for row in rows]
+        return Table(columns)
+
+    # ------------------------------------------------------------------------------- output
+
+    def save(self, path: Union[str, os.PathLike[str]], column: str = "sas", level: str = "atom") -> None:
+        """Write the atoms with areas in the column of the B-factor, or a table.
+
+        Parameters
+        ----------
+        path : str or os.PathLike
+            ``.pdb`` and ``.cif`` are structures, ``.csv`` is the table of atoms, residues or chains.
+        column : str, optional
+            The area of structures: ``sas``, ``ses`` or, by residue, ``relative_sas``.
+        level : {'atom', 'residue', 'chain'}, optional
+            Whose area an atom gets. Atoms without an area are not written.
+
+        Raises
+        ------
+        ValueError
+            If a number or a name is too wide for its column of a PDB file, or an argument is unknown.
+        """
+        tables = {"atom": self.atoms, "residue": self.residues, "chain": self.chains}
+        if level not in tables:
+            raise ValueError(f"level must be atom, residue or chain, not {level!r}")
+        suffix = os.path.splitext(os.fspath(path))[1].lower()
+        if suffix == ".csv":
+            tables[level].save(path)
+            return
+        writers = {".pdb": write_pdb, ".cif": write_cif}
+        if suffix not in writers:
+            raise ValueError(f"{os.fspath(path)}: the suffix must be .pdb, .cif or .csv")
+        if column not in tables[level] or column in ("chain", "residue", "icode"):
+            raise ValueError(f"column must be a number of the {level}s, not {column!r}")
+        writers[suffix](path, self._molecule, self._values(column, level))
+
+    def _values(self, column: str, level: str) -> _Doubles:
+        """Returns the value of each atom; not a number for atoms that are not reported."""
+        values = np.where(np.isnan(self._sas), np.nan, 0.0)
+        if level == "atom":
+            return values + self.atoms[column]
+        if level == "chain":
+            by_name = dict(zip(self.chains["chain"].tolist(), self.chains[column].tolist()))
+            return values + np.array([by_name.get(name, np.nan) for name in self._molecule.chain.tolist()])
+        count = len(self._molecule)
+        index = np.zeros(count, np.int64)
+        is_shown = self._sums(self._starts)[1]
+        rows = np.full(len(self._starts), np.nan)
+        rows[is_shown] = self.residues[column]
+        index[self._starts[1:]] = 1
+        return values + rows[np.cumsum(index)]
+
+    def _facts(self) -> list[tuple[str, str]]:
+        facts = [("SES area", f"{self.ses_area:.2f} Å²"), ("SES volume", f"{self.ses_volume:.2f} Å³"),
+                 ("SAS area", f"{self.sas_area:.2f} Å²"),
+                 ("polar, apolar SAS area", f"{self.polar:.2f}, {self.apolar:.2f} Å²"),
+                 ("radii", f"{self.radii.name}, {self.radii.source}"),
+                 ("atoms", f"{len(self._molecule.kept)}")]
+        if len(self.radii.guessed):
+            facts.append(("guessed", f"{len(self.radii.guessed)} radii follow from the element"))
+        if self.left_out:
+            facts.append(("left out", ", ".join(f"{number} {what}" for what, number in self.left_out.items())))
+        if self._reported is not None:
+            facts.append(("reported", f"{int((~np.isnan(self._sas)).sum())} atoms; the volume is that of all"))
+        return facts
+
+    def __repr__(self) -> str:
+        return (f"<eses_blocks.Measurement: SES area {self.ses_area:.6g}, SES volume {self.ses_volume:.6g}, "
+                f"SAS area {self.sas_area:.6g}, radii {self.radii.name}>")
+
+    def _repr_html_(self) -> str:
+        rows = "".join(f"<tr><th>{name}</th><td>{html.escape(text)}</td></tr>" for name, text in self._facts())
+        tables = self.chains._repr_html_() if self._molecule.are_named else ""
+        return f"<table>{rows}</table>{tables}"
+
+
+def _mask_of(report: Any, count: int, select: Any) -> Optional[_Bools]:
+    """Returns the mask of the atoms that are reported."""
+    if report is None:
+        return None
+    if isinstance(report, str):
+        if select is None:
+            raise ValueError("report: this object has no language for selections; give a mask or indices")
+        mask = np.asarray(select(report), bool)
+    else:
+        given = np.asarray(report)
+        if given.dtype == bool:
+            if given.shape != (count,):
+                raise ValueError(f"report: a mask must have shape ({count},), one value for each atom, not {given.shape}")
+            mask = given.copy()
+        else:
+            mask = np.zeros(count, bool)
+            try:
+                mask[given.astype(np.int64, casting="same_kind") if given.size else []] = True
+            except IndexError as error:
+                raise ValueError(f"report: {error}") from None
+    if not mask.any():
+        raise ValueError("report: the selection has no atoms")
+    mask.flags.writeable = False
+    return mask
+
+
+def measure(molecule: Any, radii: Any = None, *, probe_radius: float = 1.4, report: Any = None,
+            waters: bool = False, hydrogens: str = "auto", unknown_radius: Optional[float] = None,
+            frame: int = 0, reference: str = "tien", van_der_waals: bool = False, derivatives: bool = False,
+            fill_cavities: Union[bool, float] = False, threads: int = 0, **options: Any) -> Measurement:
+    """Measure the surfaces of a file or of a molecule of another library.
+
+    Parameters
+    ----------
+    molecule : object
+        See ``read_molecule``, which also describes ``radii``, ``waters``, ``hydrogens``,
+        ``unknown_radius``, ``frame`` and the further arguments of files.
+    radii : str, os.PathLike or array_like, optional
+        A set of radii, or a radius for each atom.
+    probe_radius : float, optional
+        Radius of the probe, in angstrom.
+    report : str or array_like, optional
+        The atoms whose areas are reported, while all others still block: a mask, indices, or a
+        selection. Its syntax is that of gemmi for files and that of the library for MDAnalysis, MDTraj
+        and ProDy.
+    waters, hydrogens, unknown_radius, frame : optional
+        See ``read_molecule``.
+    reference : {'tien', 'miller', 'sander', 'wilke'}, optional
+        Maximum areas of residues for ``relative_sas``; ``wilke`` is another name of ``tien``.
+    van_der_waals : bool, optional
+        Whether the van der Waals surface is measured, too.
+    derivatives : bool, optional
+        Whether derivatives of areas and volumes are computed.
+    fill_cavities : bool or float, optional
+        See ``Surface``.
+    threads : int, optional
+        Number of threads; 0 for all.
+    **options
+        See ``read_molecule``.
+
+    Returns
+    -------
+    Measurement
+        Areas, volumes, and tables of atoms, residues and chains in the order of the molecule.
+
+    Raises
+    ------
+    TypeError
+        If the object is not known.
+    ValueError
+        If it has no coordinates, if an atom has no radius, or if an argument is not valid.
+    """
+    if reference not in REFERENCES:
+        raise ValueError(f"reference must be one of {', '.join(REFERENCES)}, not {reference!r}")
+    found, select = _molecule._read(molecule, radii, waters, hydrogens, unknown_radius, frame, options)
+    reported = _mask_of(report, len(found), select)
+    surface = _core.Surface(found.centers, found.radii, probe_radius, fill_cavities=fill_cavities, threads=threads)
+    measures = surface.measure(van_der_waals=van_der_waals, by_atom=True, derivatives=derivatives, threads=threads)
+    return Measurement(found, surface, measures, reported, reference)

@@ -1,0 +1,376 @@
+"""Molecules from files, texts, arrays and objects of other libraries, with their radii."""
+
+from __future__ import annotations
+
+import dataclasses
+import gzip
+import os
+import re
+import warnings
+from typing import Any, Optional
+
+import numpy as np
+import numpy.typing as npt
+
+from . import _core, adaptors
+
+_Texts = npt.NDArray[np.str_]
+_Bools = npt.NDArray[np.bool_]
+
+WATERS = frozenset("HOH WAT H2O DOD SOL TIP TIP2 TIP3 TIP4 TIP5 TP3 TP4 TP5 T3P T4P T5P SPC SPCE SPE OPC OP3".split())
+SOURCES = {
+    "protor": "Tsai et al. 1999, doi:10.1006/jmbi.1999.2829, extended as in FreeSASA",
+    "bondi": "Bondi 1964, doi:10.1021/j100785a001; Mantina et al. 2009, doi:10.1021/jp8111556; "
+             "Alvarez 2013, doi:10.1039/c3dt50599e",
+    "msms": "pdb_to_xyzr of MSMS, Sanner et al. 1996, doi:10.1002/(SICI)1097-0282(199603)38:3<305::AID-BIP4>3.0.CO;2-Y",
+    "file": "the input file",
+    "given": "the caller",
+}
+
+
+@dataclasses.dataclass(frozen=True)
+class Radii:
+    """The set of radii of a molecule, and the atoms whose radius or element was guessed."""
+
+    name: str
+    """``protor``, ``bondi``, ``msms``, the name in a configuration file, ``file`` or ``given``."""
+    source: str
+    """The publication with its DOI, or where the radii come from."""
+    guessed: npt.NDArray[np.int64]
+    """Indices of the atoms whose radius is that of their element, because the set does not name them,
+    and of those whose element follows from their name."""
+    unknown: npt.NDArray[np.int64]
+    """Indices of the atoms that have ``unknown_radius``."""
+
+    def __repr__(self) -> str:
+        notes = [f"{len(atoms)} {what}" for atoms, what in ((self.guessed, "guessed"), (self.unknown, "unknown"))
+                 if len(atoms)]
+        return f"<radii: {self.name}{', ' if notes else ''}{', '.join(notes)}>"
+
+
+@dataclasses.dataclass(frozen=True)
+class Molecule:
+    """The atoms of a molecule in the order of the object that they come from.
+
+    The columns have a value for each of the N atoms of the object. `kept` names the M atoms that make
+    up the surface; `centers` and `radii` are theirs.
+    """
+
+    centers: npt.NDArray[np.float64]
+    """(M, 3) centres of the kept atoms, in angstrom."""
+    radii: npt.NDArray[np.float64]
+    """(M,) van der Waals radii of the kept atoms, in angstrom."""
+    kept: npt.NDArray[np.int64]
+    """(M,) indices of the kept atoms in the object."""
+    left_out: dict[str, int]
+    """Numbers of the atoms that are not kept: ``water``, ``hydrogen``, ``altloc``, ``virtual``."""
+    positions: npt.NDArray[np.float64]
+    """(N, 3) centres of all atoms."""
+    chain: _Texts
+    residue: _Texts
+    residue_number: npt.NDArray[np.int64]
+    icode: _Texts
+    name: _Texts
+    element: _Texts
+    set: Radii
+    """The set of radii."""
+    are_named: bool
+    """Whether the atoms have names of residues."""
+
+    def __len__(self) -> int:
+        return len(self.positions)
+
+    def __repr__(self) -> str:
+        out = "".join(f", {count} {what} left out" for what, count in self.left_out.items())
+        return f"<eses_blocks.Molecule: {len(self)} atoms{out}, {self.set}>"
+
+
+@dataclasses.dataclass
+class _Source:
+    """Columns with their origin. `select` returns the mask of a selection."""
+
+    columns: adaptors.Columns
+    are_read: bool = False  # by the library, which has left out atoms and assigned radii
+    set_name: str = ""
+    select: Any = None
+
+
+# ------------------------------------------------------------------------------------------ files
+
+_FILE_OPTIONS = ("format", "model", "altloc", "hetatm", "chains", "select", "assembly")
+
+
+def _format_of(text: bytes, name: str) -> str:
+    """Returns the format of a text by the suffix of its name, else by its first lines."""
+    stem = name.lower().removesuffix(".gz")
+    for suffixes, layout in (((".cif", ".mmcif", ".mcif", ".pdbx"), "mmcif"), ((".pqr",), "pqr"),
+                             ((".xyzr",), "xyzr"), ((".pdb", ".ent"), "pdb")):
+        if stem.endswith(suffixes):
+            return layout
+    if re.search(rb"(?m)^\s*(data_|_atom_site\.)", text[:100000]):
+        return "mmcif"
+    record = re.search(rb"(?m)^(ATOM  |HETATM)", text)
+    return "pdb" if record else "xyzr"
+
+
+def _read_file(found: Any, radii: str, unknown: Optional[float], waters: bool, hydrogens: str,
+               options: dict[str, Any]) -> _Source:
+    """Reads a path, an open file, or the bytes or text of a file."""
+    given = {"format": "auto", "model": 0, "altloc": "", "hetatm": True, "chains": (), "select": "",
+             "assembly": ""} | options
+    if isinstance(found, os.PathLike) or (isinstance(found, str) and "\n" not in found):
+        def read(select: str) -> _core.Atoms:
+            return _core.read_atoms(found, radii=radii, unknown_radius=unknown, waters=waters, hydrogens=hydrogens,
+                                    **(given | {"select": select}))
+    else:
+        name = str(getattr(found, "name", "")) if hasattr(found, "read") else ""
+        data = found.read() if hasattr(found, "read") else found
+        data = data.encode() if isinstance(data, str) else bytes(data)
+        data = gzip.decompress(data) if data[:2] == b"\x1f\x8b" else data
+        layout = _format_of(data, name) if given["format"] == "auto" else given["format"]
+
+        def read(select: str) -> _core.Atoms:
+            return _core._parse_atoms(data, name or "text", layout, radii, unknown, given["model"], given["altloc"],
+                                      waters, given["hetatm"], hydrogens, list(given["chains"]), select,
+                                      given["assembly"])
+    atoms = read(given["select"])
+
+    def choose(text: str) -> _Bools:
+        return np.isin(atoms.lines, read(text).lines)
+
+    return _of_atoms(atoms, choose)
+
+
+def _of_atoms(atoms: _core.Atoms, choose: Any = None) -> _Source:
+    columns = adaptors.Columns(centers=atoms.centers, elements=atoms.element.tolist(), radii=atoms.radii)
+    labels = atoms.labels
+    if labels is not None:
+        parts = [re.fullmatch(r"(-?\d+)?(.*)", number) for number in labels.residue_number.tolist()]
+        columns.names, columns.residues = labels.atom_name.tolist(), labels.residue.tolist()
+        columns.chains = labels.chain.tolist()
+        columns.numbers = [int(part[1] or 0) for part in parts if part]
+        columns.icodes = [part[2] for part in parts if part]
+    return _Source(columns, are_read=True, set_name="file", select=choose)
+
+
+def _source_of(found: Any, radii: Any, unknown: Optional[float], waters: bool, hydrogens: str, frame: int,
+               options: dict[str, Any]) -> _Source:
+    if wrong := set(options) - set(_FILE_OPTIONS):
+        raise TypeError(f"unknown arguments: {', '.join(sorted(wrong))}")
+    is_file = isinstance(found, (str, bytes, bytearray, memoryview, os.PathLike)) or hasattr(found, "read")
+    if not is_file and options:
+        raise TypeError(f"{', '.join(sorted(options))}: only files have these arguments")
+    if is_file:
+        if frame:
+            raise TypeError("frame: use model= for a file")
+        if radii is not None and not isinstance(radii, (str, os.PathLike)):
+            raise TypeError("a file needs the name of a set of radii, not an array")
+        source = _read_file(found, os.fspath(radii or "protor"), unknown, waters, hydrogens, options)
+        if _radii_are_assigned(source, found):
+            source.set_name = os.fspath(radii or "protor")
+        return source
+    if isinstance(found, _core.Atoms):
+        return _of_atoms(found)
+    if isinstance(found, _core.Surface):
+        return _Source(adaptors.Columns(centers=found.centers, radii=found.radii), are_read=True, set_name="given")
+    if adaptors.find_adaptor(found):
+        columns = adaptors.columns_of(found, frame)
+        return _Source(columns, select=columns.select)
+    if isinstance(found, tuple) and len(found) == 2:
+        return _Source(adaptors.Columns(centers=found[0], radii=found[1]), are_read=True, set_name="given")
+    if radii is not None and not isinstance(radii, (str, os.PathLike)):
+        return _Source(adaptors.Columns(centers=found, radii=radii), are_read=True, set_name="given")
+    return _Source(adaptors.columns_of(found, frame))  # an error that names the known libraries
+
+
+def _radii_are_assigned(source: _Source, found: Any) -> bool:
+    """Whether the radii of a file are those of a set: xyzr and PQR files have their own."""
+    names = source.columns.names
+    name = str(getattr(found, "name", found) if not isinstance(found, (bytes, bytearray)) else "").lower()
+    return names is not None and not name.removesuffix(".gz").endswith(".pqr")
+
+
+# ------------------------------------------------------------------------------------ kept atoms
+
+
+def _runs(*columns: Any) -> npt.NDArray[np.int64]:
+    """Returns the first atom of each run of atoms with equal values."""
+    first = np.ones(len(columns[0]), bool)
+    first[1:] = np.any([column[1:] != column[:-1] for column in columns], axis=0)
+    return np.flatnonzero(first)
+
+
+def _other_locations(columns: adaptors.Columns, chain: _Texts, number: Any, icode: _Texts, name: _Texts) -> _Bools:
+    """Marks the atoms of alternate locations other than that of the highest mean occupancy in the
+    residue. An atom that lacks this location keeps its own of the highest occupancy."""
+    count = len(name)
+    dropped = np.zeros(count, bool)
+    locations = np.array(["" if one is None else str(one).strip() for one in columns.altlocs or ()], str)
+    if not (locations != "").any():
+        return dropped
+    occupancy = np.array([1.0] * count if columns.occupancies is None else columns.occupancies, float)
+    starts = _runs(chain, number, icode)
+    for begin, end in zip(starts, np.append(starts[1:], count)):
+        here = locations[begin:end]
+        letters = sorted(set(here) - {""})
+        if not letters:
+            continue
+        chosen = max(letters, key=lambda letter: float(occupancy[begin:end][here == letter].mean()))
+        best: dict[str, int] = {}
+        for i in range(begin, end):
+            if locations[i]:
+                j = best.setdefault(name[i], i)
+                best[name[i]] = max(i, j, key=lambda k: (locations[k] == chosen, occupancy[k], -k))
+        for i in range(begin, end):
+            dropped[i] = bool(locations[i]) and best[name[i]] != i
+    return dropped
+
+
+# ------------------------------------------------------------------------------------------ radii
+
+
+def _find_radii(residue: _Texts, name: _Texts, element: _Texts, which: str) -> tuple[str, bool, Any, _Texts, Any, Any]:
+    """Returns what _core._find_radii returns, asking for each kind of atom once."""
+    kinds: dict[tuple[str, str, str], int] = {}
+    index = np.array([kinds.setdefault(kind, len(kinds))
+                      for kind in zip(residue.tolist(), name.tolist(), element.tolist())], int)
+    columns = [list(column) for column in zip(*kinds)] or [[], [], []]
+    set_name, are_united, radii, symbols, by_element, by_name = _core._find_radii(*columns, which)
+    return (set_name, are_united, np.array(radii, float)[index], np.array(symbols, str)[index],
+            np.array(by_element, bool)[index], np.array(by_name, bool)[index])
+
+
+def _column(values: Any, count: int, what: str) -> _Texts:
+    if values is None:
+        return np.zeros(count, "U1")
+    texts = np.array(["" if value is None else str(value) for value in values], str)
+    if len(texts) != count:
+        raise ValueError(f"{count} centres, but {len(texts)} {what}")
+    return texts.astype("U1") if texts.dtype.itemsize == 0 else texts
+
+
+def _complain(bad: _Bools, residue: _Texts, name: _Texts, element: _Texts, set_name: str) -> None:
+    kinds = list(dict.fromkeys(f"{r} {n} ({e or 'element unknown'})".strip() for r, n, e in
+                               zip(residue[bad], name[bad], element[bad])))
+    more = f" and {len(kinds) - 10} more names" if len(kinds) > 10 else ""
+    raise ValueError(f"{int(bad.sum())} atoms without a radius in the set {set_name}: {', '.join(kinds[:10])}{more}; "
+                     "use unknown_radius=, radii='bondi', or an array of radii")
+
+
+def read_molecule(molecule: Any, radii: Any = None, *, waters: bool = False, hydrogens: str = "auto",
+                  unknown_radius: Optional[float] = None, frame: int = 0, **options: Any) -> Molecule:
+    """Read the atoms of a file or of an object of another library, and assign their radii.
+
+    Parameters
+    ----------
+    molecule : object
+        A path, an open file, the bytes or the text of a file, ``(centers, radii)``, ``Atoms``,
+        ``Surface``, or an object of one of the libraries in ``adaptors.ADAPTORS``: gemmi Structure,
+        Model, Chain; MDAnalysis Universe, AtomGroup; MDTraj Trajectory; Biopython Structure, Model,
+        Chain, Residue; Biotite AtomArray, AtomArrayStack; RDKit Mol; ASE Atoms; ParmEd Structure;
+        ProDy AtomGroup, Selection; an object of OpenMM with topology and positions, or the pair.
+    radii : str, os.PathLike or array_like, optional
+        ``protor``, ``bondi``, ``msms``, the path of a file in FreeSASA's configuration format, or N
+        radii in angstrom. By default ``protor`` for molecules with names of residues, whose
+        hydrogens then belong to the united atoms, and ``bondi`` for others. PQR and xyzr files have
+        radii of their own.
+    waters : bool, optional
+        Whether waters are kept.
+    hydrogens : {'auto', 'keep', 'drop'}, optional
+        Whether hydrogens are kept; ``auto`` drops them if the radii are those of united atoms.
+    unknown_radius : float, optional
+        Radius of atoms for which the set has none, in angstrom. Without it such atoms are an error.
+    frame : int, optional
+        Frame, model or conformer of an object that has several.
+    **options
+        Further arguments of ``read_atoms``, for files: ``format``, ``model``, ``altloc``, ``hetatm``,
+        ``chains``, ``select``, ``assembly``.
+
+    Returns
+    -------
+    Molecule
+        The columns of all atoms, and centres and radii of those that are kept.
+
+    Raises
+    ------
+    TypeError
+        If the object is not known.
+    ValueError
+        If it has no coordinates, if an atom has no radius, or if the content of a file is not valid.
+    """
+    if hydrogens not in ("auto", "keep", "drop"):
+        raise ValueError(f"hydrogens must be 'auto', 'keep' or 'drop', not {hydrogens!r}")
+    return _read(molecule, radii, waters, hydrogens, unknown_radius, frame, options)[0]
+
+
+def _read(found: Any, radii: Any, waters: bool, hydrogens: str, unknown: Optional[float], frame: int,
+          options: dict[str, Any]) -> tuple[Molecule, Any]:
+    """Returns the molecule and the function for selections."""
+    source = _source_of(found, radii, unknown, waters, hydrogens, frame, options)
+    columns = source.columns
+    positions = np.array(columns.centers, dtype=float)
+    if positions.ndim != 2 or positions.shape[1] != 3:
+        raise ValueError(f"centers must have shape (N, 3), not {positions.shape}")
+    count = len(positions)
+    chain, residue, name = (_column(values, count, what) for values, what in
+                            ((columns.chains, "chains"), (columns.residues, "residues"), (columns.names, "names")))
+    element, icode = _column(columns.elements, count, "elements"), _column(columns.icodes, count, "insertion codes")
+    number = np.zeros(count, np.int64) if columns.numbers is None else np.array(columns.numbers, np.int64)
+    are_named = bool((residue != "").any())
+    has_array = radii is not None and not isinstance(radii, (str, os.PathLike))
+    chosen = os.fspath(radii) if isinstance(radii, (str, os.PathLike)) else "protor" if are_named else "bondi"
+    left_out: dict[str, int] = {}
+    keep = np.ones(count, bool)
+
+    def drop(mask: Any, what: str) -> None:
+        mask = np.asarray(mask, bool) & keep
+        if mask.any():
+            left_out[what] = int(mask.sum())
+            keep[mask] = False
+
+    nothing = np.zeros(0, np.int64)
+    if source.are_read or has_array:
+        values = np.array(radii if has_array else columns.radii, dtype=float)
+        if values.shape != (count,):
+            raise ValueError(f"radii must have shape ({count},), one for each atom, not {values.shape}")
+        set_name, guessed, missing = "given" if has_array else source.set_name, nothing, nothing
+        if set_name not in ("given", "file"):
+            set_name, _, found_radii, _, by_element, _ = _find_radii(residue, name, element, set_name)
+            guessed, missing = np.flatnonzero(by_element), np.flatnonzero(np.isnan(found_radii))
+    else:
+        set_name, are_united, values, element, by_element, by_name = _find_radii(residue, name, element, chosen)
+        drop(columns.virtual if columns.virtual is not None else np.zeros(count, bool), "virtual")
+        drop(_other_locations(columns, chain, number, icode, name), "altloc")
+        if not waters:
+            drop(np.isin(residue, list(WATERS)), "water")
+        if hydrogens == "drop" or (hydrogens == "auto" and are_united):
+            drop(element == "H", "hydrogen")
+        is_unknown = np.isnan(values) & keep
+        if is_unknown.any():
+            if unknown is None:
+                _complain(is_unknown, residue, name, element, set_name)
+            values = np.where(np.isnan(values), unknown, values)
+        guessed, missing = np.flatnonzero((by_element | by_name) & keep & ~is_unknown), np.flatnonzero(is_unknown)
+    if not keep.any():
+        raise ValueError("no atoms are left" + "".join(f"; {number} {what}" for what, number in left_out.items()))
+    _check_unit(positions[keep])
+    kept = np.flatnonzero(keep)
+    source_text = SOURCES.get(set_name.lower(), f"the configuration file {chosen}")
+    molecule = Molecule(
+        centers=positions[kept], radii=values[kept], kept=kept, left_out=left_out, positions=positions, chain=chain,
+        residue=residue, residue_number=number, icode=icode, name=name, element=element,
+        set=Radii(set_name, source_text, guessed, missing), are_named=are_named)
+    for column in (molecule.centers, molecule.radii, kept, positions, chain, residue, number, icode, name, element,
+                   guessed, missing):
+        column.flags.writeable = False
+    return molecule, source.select
+
+
+def _check_unit(centers: npt.NDArray[np.float64]) -> None:
+    """Warns if the distances of successive atoms are those of nanometres."""
+    if len(centers) < 10:
+        return
+    steps = np.linalg.norm(np.diff(centers, axis=0), axis=1)
+    if 0 < float(np.median(steps)) < 0.5:
+        warnings.warn("successive atoms are less than 0.5 apart: centres must be in angstrom, not nanometres",
+                      stacklevel=4)

@@ -1,0 +1,420 @@
+"""Molecules of files, texts, arrays and other libraries: the same atoms give the same areas, in the
+order of the object. Libraries that are missing are skipped."""
+
+import csv
+import gzip
+import io
+import pickle
+import warnings
+
+import numpy as np
+import pytest
+
+import eses_blocks as eses
+from conftest import DATA
+from eses_blocks._references import REFERENCES
+
+pytestmark = pytest.mark.usefixtures("needs_gemmi")
+
+# A dipeptide with an ion, a water, an insertion code, and a side chain in two locations.
+PDB = """\
+ATOM      1  N   ALA A  10      11.104   6.134  -6.504  1.00  0.00           N
+ATOM      2  CA  ALA A  10      11.639   6.071  -5.147  1.00  0.00           C
+ATOM      3  C   ALA A  10      10.594   5.544  -4.167  1.00  0.00           C
+ATOM      4  O   ALA A  10       9.393   5.761  -4.333  1.00  0.00           O
+ATOM      5  CB  ALA A  10      12.123   7.449  -4.716  1.00  0.00           C
+ATOM      6  N   SER A  10A     11.068   4.851  -3.135  1.00  0.00           N
+ATOM      7  CA  SER A  10A     10.189   4.299  -2.111  1.00  0.00           C
+ATOM      8  C   SER A  10A     10.984   3.907  -0.868  1.00  0.00           C
+ATOM      9  O   SER A  10A     12.210   3.805  -0.909  1.00  0.00           O
+ATOM     10  CB ASER A  10A      9.440   3.081  -2.642  0.40  0.00           C
+ATOM     11  CB BSER A  10A      9.240   3.281  -2.742  0.60  0.00           C
+ATOM     12  OG ASER A  10A     10.317   2.170  -3.270  0.40  0.00           O
+ATOM     13  OG BSER A  10A      9.917   2.470  -3.670  0.60  0.00           O
+TER      14      SER A  10A
+HETATM   15 ZN    ZN B   1       5.104   2.134  -3.504  1.00  0.00          ZN
+HETATM   16  O   HOH B   2       2.104   1.134  -1.504  1.00  0.00           O
+END
+"""
+KEPT = [0, 1, 2, 3, 4, 5, 6, 7, 8, 10, 12, 13]  # of the 15 atoms: location B, no water
+
+
+@pytest.fixture(name="pdb")
+def fixture_pdb(tmp_path):
+    path = tmp_path / "two.pdb"
+    path.write_text(PDB)
+    return path
+
+
+@pytest.fixture(name="expected")
+def fixture_expected(pdb):
+    """Returns the areas by the program's own reader."""
+    atoms = eses.read_atoms(pdb)
+    assert len(atoms) == len(KEPT)
+    return eses.Surface(atoms.centers, atoms.radii).measure(by_atom=True)
+
+
+def check(result, expected, kept, count, atol=1e-9):
+    """The object's atoms `kept` have the areas of the file, and all others none."""
+    kept = list(kept)
+    assert len(result.atoms) == count
+    assert result.molecule.kept.tolist() == kept
+    assert result.sas_area == pytest.approx(expected.sas_area, abs=atol * 100)
+    for name in ("sas", "ses"):
+        column = result.atoms[name]
+        np.testing.assert_allclose(column[kept], getattr(expected.by_atom, name), atol=atol)
+        assert np.isnan(np.delete(column, kept)).all()
+
+
+# ------------------------------------------------------------------------------ files and arrays
+
+
+def test_files_texts_and_arrays(pdb, expected):
+    for found in (pdb, str(pdb), PDB, PDB.encode(), gzip.compress(PDB.encode()), io.StringIO(PDB),
+                  io.BytesIO(PDB.encode()), eses.read_atoms(pdb)):
+        result = eses.measure(found)
+        check(result, expected, range(12), 12)
+        assert result.ses_area == expected.ses_area and result.ses_volume == expected.ses_volume
+    with open(pdb, encoding="ascii") as source:
+        check(eses.measure(source), expected, range(12), 12)
+    atoms = eses.read_atoms(pdb)
+    for result in (eses.measure((atoms.centers, atoms.radii)), eses.measure(atoms.centers, atoms.radii),
+                   eses.measure(eses.Surface(atoms.centers, atoms.radii))):
+        assert result.sas_area == expected.sas_area
+        assert result.radii.name == "given"
+    assert eses.Surface(pdb).measure().sas_area == expected.sas_area
+    assert eses.measure(pdb, "bondi").radii.name == "bondi"
+    assert eses.measure(pdb, waters=True).molecule.residue.tolist()[-1] == "HOH"
+    assert len(eses.measure(pdb, hetatm=False).atoms) == 11
+    assert eses.measure(DATA / "c60.xyzr").radii.name == "file"
+    assert eses.measure(DATA / "fas2.pqr").radii.name == "file"
+
+
+def test_unknown_objects_and_arguments_are_named(pdb):
+    with pytest.raises(TypeError, match="builtins.dict is not a known molecule; give a path"):
+        eses.measure({})
+    with pytest.raises(TypeError, match="unknown arguments: modl"):
+        eses.measure(pdb, modl=2)
+    with pytest.raises(TypeError, match="model: only files"):
+        eses.measure(([[0, 0, 0]], [1.5]), model=2)
+    with pytest.raises(ValueError, match=r"radii must have shape \(2,\)"):
+        eses.measure([[0, 0, 0], [3, 0, 0]], [1.5])
+    with pytest.raises(ValueError, match="reference must be one of tien"):
+        eses.measure(pdb, reference="me")
+    with pytest.raises(FileNotFoundError):
+        eses.measure("missing.pdb")
+    with pytest.raises(ValueError, match="hydrogens must be"):
+        eses.measure(pdb, hydrogens="maybe")
+
+
+def test_centres_in_nanometres_are_warned_about(ubiquitin):
+    with pytest.warns(UserWarning, match="angstrom, not nanometres"):
+        eses.measure(ubiquitin.centers / 10, ubiquitin.radii)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        eses.measure(ubiquitin.centers, ubiquitin.radii)
+
+
+def test_another_library_can_be_added(monkeypatch):
+    class Ion:
+        """A molecule of this module."""
+
+    monkeypatch.setitem(eses.adaptors.ADAPTORS, Ion.__module__.partition(".")[0],
+                        lambda ion, frame: eses.adaptors.Columns(centers=[[0, 0, frame]], elements=["Zn"]))
+    result = eses.measure(Ion(), frame=3)
+    assert result.radii.name == "bondi"
+    assert result.sas_area == pytest.approx(4 * np.pi * (1.39 + 1.4) ** 2)
+
+
+# ------------------------------------------------------------------------------------ libraries
+
+
+def test_gemmi(pdb, expected):
+    gemmi = pytest.importorskip("gemmi")
+    structure = gemmi.read_structure(str(pdb))
+    for found in (structure, structure[0]):
+        check(eses.measure(found), expected, KEPT, 15)
+    result = eses.measure(structure[0]["A"])
+    assert result.left_out == {"altloc": 2} and result.chains["chain"].tolist() == ["A"]
+    assert eses.measure(structure).left_out == {"altloc": 2, "water": 1}
+    with pytest.raises(TypeError, match="gemmi.Residue is not a molecule"):
+        eses.measure(structure[0]["A"][0])
+
+
+def test_biopython(pdb, expected):
+    parser = pytest.importorskip("Bio.PDB").PDBParser(QUIET=True)
+    structure = parser.get_structure("two", str(pdb))
+    for found in (structure, structure[0]):
+        check(eses.measure(found), expected, range(12), 13, atol=1e-3)  # disordered atoms are one; float32
+    assert len(eses.measure(structure[0]["A"]).atoms) == 11
+    assert len(eses.measure(structure[0]["A"][10]).atoms) == 5
+
+
+def test_mdanalysis(pdb, expected):
+    mda = pytest.importorskip("MDAnalysis")
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        universe = mda.Universe(str(pdb))
+    for found in (universe, universe.atoms):
+        check(eses.measure(found), expected, KEPT, 15, atol=1e-3)  # float32
+    result = eses.measure(universe, report="protein")
+    assert len(result.residues) == 2 and result.residues["icode"].tolist() == ["", "A"]
+    assert eses.measure(universe.select_atoms("protein")).sas_area > result.sas_area
+    # Without elements, these follow from the names.
+    bare = mda.Universe.empty(1, atom_resindex=[0], trajectory=True)
+    bare.add_TopologyAttr("names", ["CL"])
+    bare.add_TopologyAttr("resnames", ["CL"])
+    found = eses.measure(bare)
+    assert found.atoms["element"].tolist() == ["Cl"] and found.radii.guessed.tolist() == [0]
+
+
+def test_mdtraj(pdb):
+    mdtraj = pytest.importorskip("mdtraj")
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        frames = mdtraj.load(str(pdb), no_boxchk=True)
+    result = eses.measure(frames)  # converts nanometres; MDTraj reads the first location alone
+    assert len(result.atoms) == 13 and result.left_out == {"water": 1}
+    atoms = eses.read_atoms(pdb, altloc="A")
+    check(result, eses.Surface(atoms.centers, atoms.radii).measure(by_atom=True), range(12), 13, atol=1e-3)
+    assert len(eses.measure(frames, report="protein").residues) == 2
+    with pytest.raises(ValueError, match="has 1 frames; there is no frame 1"):
+        eses.measure(frames, frame=1)
+
+
+def test_biotite(pdb, expected):
+    biotite = pytest.importorskip("biotite.structure.io.pdb")
+    stack = biotite.PDBFile.read(str(pdb)).get_structure(altloc="occupancy")
+    check(eses.measure(stack), expected, range(12), 13, atol=1e-3)
+    check(eses.measure(stack[0]), expected, range(12), 13, atol=1e-3)
+    mask = stack[0].res_name == "SER"
+    np.testing.assert_array_equal(~np.isnan(eses.measure(stack[0], report=mask).atoms["sas"]), mask)
+
+
+def test_prody(pdb, expected):
+    prody = pytest.importorskip("prody")
+    prody.confProDy(verbosity="none")
+    atoms = prody.parsePDB(str(pdb), altloc="B")
+    result = eses.measure(atoms)
+    np.testing.assert_allclose(result.sas_area, expected.sas_area, rtol=1e-6)
+    assert len(eses.measure(atoms, report="protein").residues) == 2
+    assert len(eses.measure(atoms.select("chain A")).atoms) == 11
+
+
+def test_parmed(pdb):
+    parmed = pytest.importorskip("parmed")
+    structure = parmed.load_file(str(pdb))
+    result = eses.measure(structure)
+    assert len(result.atoms) == len(structure.atoms) and result.left_out["water"] == 1
+    atoms = eses.read_atoms(pdb, altloc="A")
+    np.testing.assert_allclose(result.sas_area, eses.Surface(atoms.centers, atoms.radii).measure().sas_area, rtol=1e-6)
+
+
+def test_openmm(pdb):
+    app = pytest.importorskip("openmm.app")
+    path = pdb.with_name("one.pdb")
+    path.write_text("\n".join(line for line in PDB.splitlines() if line[16:17] != "B"))
+    found = app.PDBFile(str(path))
+    atoms = eses.read_atoms(path)
+    expected = eses.Surface(atoms.centers, atoms.radii).measure(by_atom=True)
+    for each in (found, app.Modeller(found.topology, found.positions), (found.topology, found.positions)):
+        check(eses.measure(each), expected, range(12), 13, atol=1e-6)
+    with pytest.raises(TypeError, match="give the pair"):
+        eses.measure(found.topology)
+
+
+def test_rdkit():
+    chem = pytest.importorskip("rdkit.Chem")
+    all_chem = pytest.importorskip("rdkit.Chem.AllChem")
+    bare = chem.MolFromSmiles("CCO")
+    with pytest.raises(ValueError, match="no coordinates"):
+        eses.measure(bare)
+    molecule = chem.AddHs(bare)
+    all_chem.EmbedMultipleConfs(molecule, 2, randomSeed=7)
+    result = eses.measure(molecule)
+    assert result.radii.name == "bondi" and len(result.atoms) == 9
+    assert not np.isnan(result.atoms["sas"]).any()
+    # The hydroxyl's hydrogen is polar, those of carbon are not.
+    polar = result.atoms["is_polar"]
+    assert polar.sum() == 2 and result.polar + result.apolar == pytest.approx(result.sas_area)
+    assert eses.measure(molecule, frame=1).sas_area != result.sas_area
+    with pytest.warns(UserWarning, match="lacks hydrogens"):
+        eses.measure(chem.RemoveHs(molecule))
+    text = "".join(line for line in PDB.splitlines(True) if not line.startswith("HETATM"))
+    with pytest.warns(UserWarning, match="lacks hydrogens"):
+        peptide = eses.measure(chem.MolFromPDBBlock(text))
+    assert peptide.residues["residue"].tolist() == ["ALA", "SER"]
+
+
+def test_ase():
+    atoms = pytest.importorskip("ase").Atoms("OH2", [(0, 0, 0), (0.76, 0.59, 0), (-0.76, 0.59, 0)])
+    result = eses.measure(atoms)
+    expected = eses.Surface(atoms.positions, [1.52, 1.2, 1.2]).measure()
+    assert result.sas_area == pytest.approx(expected.sas_area)
+    atoms.pbc = True
+    with pytest.warns(UserWarning, match="without its periodic images"):
+        eses.measure(atoms)
+
+
+# --------------------------------------------------------------------------------------- radii
+
+
+def test_guessed_and_unknown_radii_are_named(pdb):
+    radii = eses.measure(pdb).radii
+    assert radii.name == "protor" and "10.1006/jmbi.1999.2829" in radii.source
+    assert radii.guessed.tolist() == [11] and len(radii.unknown) == 0  # the ion has the radius of its element
+    text = PDB.replace("ZN    ZN B", " X1  UNX B").replace("          ZN\n", "           X\n")
+    with pytest.raises(ValueError, match="UNX X1"):
+        eses.measure(text)
+    radii = eses.measure(text, unknown_radius=2).radii
+    assert radii.unknown.tolist() == [11]
+    gemmi = pytest.importorskip("gemmi")
+    structure = gemmi.read_pdb_string(text)
+    with pytest.raises(ValueError, match="1 atoms without a radius in the set protor: UNX X1"):
+        eses.measure(structure)
+    result = eses.measure(structure, unknown_radius=2)
+    assert result.radii.unknown.tolist() == [13] and result.atoms["radius"][13] == 2
+    assert result.atoms["is_guessed"].tolist() == [i == 13 for i in range(15)]
+
+
+def test_radii_from_a_file(pdb, tmp_path):
+    path = tmp_path / "my.config"
+    path.write_text("name: mine\ntypes:\nT 2.0 apolar\natoms:\nANY CA T\n")
+    result = eses.measure(pdb, path)
+    assert result.radii.name == "mine" and "my.config" in result.radii.source
+    assert result.atoms["radius"][1] == 2
+
+
+def test_hydrogens_do_not_count_twice():
+    gemmi = pytest.importorskip("gemmi")
+    hydrogen = "ATOM      6  HA  ALA A  10      12.139   5.371  -5.147  1.00  0.00           H\n"
+    structure = gemmi.read_pdb_string(PDB.replace("ATOM      6", hydrogen + "ATOM      6"))
+    assert eses.measure(structure).left_out["hydrogen"] == 1
+    assert "hydrogen" not in eses.measure(structure, "bondi").left_out
+    assert "hydrogen" not in eses.measure(structure, hydrogens="keep").left_out
+    assert eses.measure(structure, "bondi", hydrogens="drop").left_out["hydrogen"] == 1
+
+
+# -------------------------------------------------------------------------------------- results
+
+
+def test_tables_add_up(pdb):
+    result = eses.measure(pdb)
+    for table in (result.residues, result.chains):
+        assert table["sas"].sum() == pytest.approx(result.sas_area)
+        assert table["ses"].sum() == pytest.approx(result.ses_area)
+        np.testing.assert_allclose(table["sas_polar"] + table["sas_apolar"], table["sas"])
+    assert result.residues["residue_number"].tolist() == [10, 10, 1]
+    assert result.chains["residues"].tolist() == [2, 1] and result.chains["atoms"].tolist() == [11, 1]
+    residues = result.residues
+    np.testing.assert_allclose(residues["sas_main_chain"] + residues["sas_side_chain"], [*residues["sas"][:2], np.nan])
+    with pytest.raises(KeyError, match="'rsa'; the columns are chain"):
+        residues["rsa"]
+    with pytest.raises(ValueError, match="read-only"):
+        residues["sas"][0] = 0
+
+
+def test_relative_areas_have_a_reference(pdb):
+    maxima = {"tien": (129, 155), "wilke": (129, 155), "miller": (113, 122), "sander": (106, 130)}
+    for name, (alanine, serine) in maxima.items():
+        result = eses.measure(pdb, reference=name)
+        assert "doi:10." in result.reference
+        np.testing.assert_allclose(result.residues["relative_sas"], result.residues["sas"] / [alanine, serine, np.nan])
+
+
+def test_references_are_those_of_biopython():
+    scales = pytest.importorskip("Bio.Data.PDBData").residue_sasa_scales
+    for name, scale in (("tien", "Wilke"), ("miller", "Miller"), ("sander", "Sander")):
+        assert REFERENCES[name].areas == scales[scale]
+
+
+def test_report_keeps_what_blocks(pdb, expected):
+    part = eses.measure(pdb, report="//A")  # gemmi's syntax
+    whole = eses.measure(pdb)
+    assert part.ses_volume == whole.ses_volume == expected.ses_volume
+    np.testing.assert_array_equal(part.atoms["sas"][:11], whole.atoms["sas"][:11])
+    assert np.isnan(part.atoms["sas"][11]) and part.sas_area == pytest.approx(whole.atoms["sas"][:11].sum())
+    assert part.chains["chain"].tolist() == ["A"] and part.whole.sas_area == whole.sas_area
+    for report in (range(11), np.arange(12) < 11, np.arange(11)):
+        assert eses.measure(pdb, report=report).sas_area == part.sas_area
+    assert eses.measure(pdb, report=[11]).residues["residue"].tolist() == ["ZN"]
+    for report, message in (([], "no atoms"), ([99], "out of bounds"), ([True], r"shape \(12,\)")):
+        with pytest.raises(ValueError, match=message):
+            eses.measure(pdb, report=report)
+    with pytest.raises(ValueError, match="no language for selections"):
+        eses.measure(([[0, 0, 0]], [1.5]), report="protein")
+
+
+def test_structures_with_areas(pdb, tmp_path):
+    result = eses.measure(pdb)
+    for name in ("areas.pdb", "areas.cif"):
+        result.save(tmp_path / name)
+        again = eses.measure(tmp_path / name)
+        assert again.sas_area == pytest.approx(result.sas_area, rel=1e-6)
+        assert again.residues["icode"].tolist() == ["", "A", ""]
+    lines = (tmp_path / "areas.pdb").read_text().splitlines()
+    assert [float(line[60:66]) for line in lines[:12]] == pytest.approx(result.atoms["sas"], abs=0.006)
+    # Apart from the last columns, the file is the input.
+    original = [line for line in PDB.splitlines() if line.startswith("ATOM") and line[16] == " "]
+    assert [line[12:54] for line in lines[:9]] == [line[12:54] for line in original]
+    result.save(tmp_path / "residues.pdb", "relative_sas", "residue")
+    lines = (tmp_path / "residues.pdb").read_text().splitlines()
+    assert [float(line[60:66]) for line in lines[:11]] == pytest.approx(
+        [result.residues["relative_sas"][i] for i in (0,) * 5 + (1,) * 6], abs=0.006)
+    assert len(lines) == 12  # the ion has no relative area
+    result.save(tmp_path / "chains.csv", level="chain")
+    assert (tmp_path / "chains.csv").read_text().splitlines()[0].startswith("chain,residues,atoms,ses,sas")
+
+
+def test_gemmi_reads_the_areas(pdb, tmp_path):
+    gemmi = pytest.importorskip("gemmi")
+    result = eses.measure(pdb)
+    for name, accuracy in (("areas.pdb", 0.006), ("areas.cif", 0.00006)):
+        result.save(tmp_path / name)
+        model = gemmi.read_structure(str(tmp_path / name))[0]
+        values = [atom.b_iso for chain in model for residue in chain for atom in residue]
+        np.testing.assert_allclose(values, result.atoms["sas"], atol=accuracy)
+
+
+def test_wide_numbers_are_refused(pdb, tmp_path):
+    result = eses.measure(pdb)
+    big = eses.measure(pdb, probe_radius=50)
+    with pytest.raises(ValueError, match=r"value \d+\.\d\d is too wide for a PDB file; save a .cif file"):
+        big.save(tmp_path / "bad.pdb", level="chain")
+    assert not (tmp_path / "bad.pdb").exists()
+    big.save(tmp_path / "good.cif", level="chain")
+    for name, column, level, message in (("a.xyz", "sas", "atom", "suffix must be .pdb"),
+                                         ("a.pdb", "sas", "all", "level must"),
+                                         ("a.pdb", "chain", "atom", "column must be a number of the atoms")):
+        with pytest.raises(ValueError, match=message):
+            result.save(tmp_path / name, column, level)
+
+
+def test_results_pickle_and_show_themselves(pdb):
+    result = eses.measure(pdb, report="//A", derivatives=True, van_der_waals=True)
+    again = pickle.loads(pickle.dumps(result))
+    assert again.ses_area == result.ses_area and again.vdw_area == result.vdw_area
+    np.testing.assert_array_equal(again.residues["sas"], result.residues["sas"])
+    assert not again.atoms["sas"].flags.writeable
+    assert again.derivatives.sas_area.centers.shape == (12, 3)
+    assert result.cavities() == [] and repr(result).startswith("<eses_blocks.Measurement: SES area")
+    page = result._repr_html_()
+    assert "protor" in page and "doi:10.1006" in page and "11 atoms" in page
+    assert "<table>" in result.residues._repr_html_()
+    assert repr(result.molecule) == "<eses_blocks.Molecule: 12 atoms, <radii: protor, 1 guessed>>"
+
+
+def test_tables_become_frames(pdb):
+    pytest.importorskip("pandas")
+    frame = eses.measure(pdb).residues.to_pandas()
+    assert list(frame.columns)[:4] == ["chain", "residue_number", "icode", "residue"] and len(frame) == 3
+
+
+def test_residues_agree_with_the_program(pdb, run_program, tmp_path):
+    run_program("measure", pdb, "--write", "residues", "-o", tmp_path)
+    [path] = tmp_path.glob("*.residues.csv")
+    rows = list(csv.DictReader(path.read_text().splitlines()))
+    residues = eses.measure(pdb).residues
+    assert [float(row["sas_area"]) for row in rows] == pytest.approx(residues["sas"], abs=1e-6)
+    assert [float(row["relative_sas_area"] or "nan") for row in rows] == pytest.approx(
+        residues["relative_sas"], abs=1e-6, nan_ok=True)
