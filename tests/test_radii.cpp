@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdio>
 #include <cstdlib>
@@ -19,6 +20,8 @@
 #include <vector>
 
 #include "catch.hpp"
+#include "eses/error.hpp"
+#include "eses/radii.hpp"
 #include "input/radii_set.hpp"
 #include "support/structures.hpp"
 #include "support/temporary_directory.hpp"
@@ -267,6 +270,29 @@ TEST_CASE("atoms without a radius are named", "[structure][radii]") {
   REQUIRE(file.structure->unknown.size() == 1);
   CHECK(file.structure->unknown[0].residue == "UNX");
   CHECK(file.structure->unknown[0].radius == 1.25);
+}
+
+TEST_CASE("find_radii: radii of named atoms, and what was guessed", "[radii]") {
+  const std::vector<AtomLabel> atoms{
+      {.chain = "A", .residue = "ALA", .residue_number = "1", .atom_name = "CA", .element = "C"},
+      {.chain = "A", .residue = "ZN", .residue_number = "2", .atom_name = "ZN", .element = "Zn"},
+      {.chain = "A", .residue = "SER", .residue_number = "3", .atom_name = "OG"},
+      {.chain = "A", .residue = "ALA", .residue_number = "4", .atom_name = "D", .element = "D"},
+      {.chain = "A", .residue = "UNX", .residue_number = "5", .atom_name = "?1"}};
+  const NamedRadii found = find_radii(atoms);
+  CHECK(found.set == "protor");
+  CHECK(found.are_united);
+  REQUIRE(found.atoms.size() == 5);
+  CHECK(found.atoms[0].radius == 1.88);
+  CHECK_FALSE(found.atoms[0].is_by_element);
+  CHECK(found.atoms[1].is_by_element);
+  CHECK(found.atoms[2].radius == 1.46);
+  CHECK(found.atoms[2].element == "O");
+  CHECK(found.atoms[2].is_element_by_name);
+  CHECK(found.atoms[3].element == "H");
+  CHECK(std::isnan(found.atoms[4].radius));
+  CHECK_FALSE(find_radii(atoms, "bondi").are_united);
+  CHECK_THROWS_AS(find_radii(atoms, "bondy"), Error);
 }
 
 }  // namespace eses::detail::test

@@ -44,6 +44,9 @@ from ._shown import add_methods
 
 add_methods(Mesh, Result, Surface)
 del add_methods
+for _each in (Measurement, Molecule, Radii, Table, measure, read_molecule):
+    _each.__module__ = __name__  # where users find it
+del _each
 
 __all__ = [
     "AtomAreas",

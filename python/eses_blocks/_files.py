@@ -27,9 +27,9 @@ def _pdb_line(serial: int, i: int, molecule: Any, value: float) -> str:
     for what, text, width in fields:
         if len(text) > width:
             raise _too_wide(what, text.strip(), i)
-    text = [field for _, field, _ in fields]
-    return (f"ATOM  {text[0]} {text[1]} {text[2]} {text[3]}{text[4]}{text[5]}   {text[6]}{text[7]}{text[8]}"
-            f"  1.00{text[9]}          {element.upper():>2}\n")
+    column = [field for _, field, _ in fields]
+    return (f"ATOM  {column[0]} {column[1]} {column[2]} {column[3]}{column[4]}{column[5]}   {column[6]}{column[7]}{column[8]}"
+            f"  1.00{column[9]}          {element.upper():>2}\n")
 
 
 def write_pdb(path: _Path, molecule: Any, values: Any) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import functools
 import html
+import importlib
 import os
 from typing import Any, Iterator, Optional, Union
 
@@ -56,7 +57,7 @@ class Table:
     def to_pandas(self) -> Any:
         """Returns a pandas.DataFrame with these columns. Raises ImportError without pandas."""
         try:
-            import pandas
+            pandas: Any = importlib.import_module("pandas")
         except ImportError as error:
             raise ImportError("to_pandas needs pandas; install it, for example with `pip install pandas`") from error
         return pandas.DataFrame({name: column.copy() for name, column in self._columns.items()})
@@ -313,9 +314,9 @@ class Measurement:
             raise ValueError(f"column must be a number of the {level}s, not {column!r}")
         writers[suffix](path, self._molecule, self._values(column, level))
 
-    def _values(self, column: str, level: str) -> _Doubles:
+    def _values(self, column: str, level: str) -> Any:
         """Returns the value of each atom; not a number for atoms that are not reported."""
-        values = np.where(np.isnan(self._sas), np.nan, 0.0)
+        values: Any = np.where(np.isnan(self._sas), np.nan, 0.0)
         if level == "atom":
             return values + self.atoms[column]
         if level == "chain":

@@ -116,12 +116,12 @@ def _format_of(text: bytes, name: str) -> str:
 def _read_file(found: Any, radii: str, unknown: Optional[float], waters: bool, hydrogens: str,
                options: dict[str, Any]) -> _Source:
     """Reads a path, an open file, or the bytes or text of a file."""
-    given = {"format": "auto", "model": 0, "altloc": "", "hetatm": True, "chains": (), "select": "",
+    given: dict[str, Any] = {"format": "auto", "model": 0, "altloc": "", "hetatm": True, "chains": (), "select": "",
              "assembly": ""} | options
     if isinstance(found, os.PathLike) or (isinstance(found, str) and "\n" not in found):
         def read(select: str) -> _core.Atoms:
-            return _core.read_atoms(found, radii=radii, unknown_radius=unknown, waters=waters, hydrogens=hydrogens,
-                                    **(given | {"select": select}))
+            choices: dict[str, Any] = given | {"select": select, "hydrogens": hydrogens}
+            return _core.read_atoms(found, radii=radii, unknown_radius=unknown, waters=waters, **choices)
     else:
         name = str(getattr(found, "name", "")) if hasattr(found, "read") else ""
         data = found.read() if hasattr(found, "read") else found
@@ -320,7 +320,9 @@ def _read(found: Any, radii: Any, waters: bool, hydrogens: str, unknown: Optiona
     has_array = radii is not None and not isinstance(radii, (str, os.PathLike))
     chosen = os.fspath(radii) if isinstance(radii, (str, os.PathLike)) else "protor" if are_named else "bondi"
     left_out: dict[str, int] = {}
-    keep = np.ones(count, bool)
+    keep: Any = np.ones(count, bool)
+    guessed: Any
+    missing: Any
 
     def drop(mask: Any, what: str) -> None:
         mask = np.asarray(mask, bool) & keep
@@ -330,7 +332,7 @@ def _read(found: Any, radii: Any, waters: bool, hydrogens: str, unknown: Optiona
 
     nothing = np.zeros(0, np.int64)
     if source.are_read or has_array:
-        values = np.array(radii if has_array else columns.radii, dtype=float)
+        values: Any = np.array(radii if has_array else columns.radii, dtype=float)
         if values.shape != (count,):
             raise ValueError(f"radii must have shape ({count},), one for each atom, not {values.shape}")
         set_name, guessed, missing = "given" if has_array else source.set_name, nothing, nothing

@@ -11,6 +11,7 @@ library known, add its adaptor:
 from __future__ import annotations
 
 import dataclasses
+import importlib
 import warnings
 from typing import Any, Callable, Optional, Sequence
 
@@ -223,7 +224,7 @@ def _from_openmm(found: Any, frame: int) -> Columns:
     if frame != 0:
         raise ValueError("give the positions of the frame")
     if hasattr(positions, "value_in_unit_system"):
-        from openmm import unit  # the library of the object, which is imported already
+        unit: Any = importlib.import_module("openmm.unit")  # the library of the object, which is imported already
         positions = positions.value_in_unit(unit.angstrom)
     else:
         positions = 10.0 * np.asarray(positions, float)  # OpenMM's numbers without units are nanometres

@@ -1,4 +1,4 @@
-"""Runs the Python examples of doc/python.md and of the package as doctests."""
+"""Runs the Python examples of doc/python.md, doc/molecules.md and the package as doctests."""
 
 import doctest
 import shutil
@@ -18,12 +18,14 @@ def in_folder_with_data(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
 
 
-def test_examples_of_the_page_run():
-    page = PROJECT / "doc/python.md"
+@pytest.mark.parametrize(("name", "least"), [("python.md", 20), ("molecules.md", 10)])
+def test_examples_of_the_page_run(name, least, monkeypatch):
+    monkeypatch.setattr(eses.adaptors, "ADAPTORS", dict(eses.adaptors.ADAPTORS))
+    page = PROJECT / "doc" / name
     # The end of a code block would count as expected output.
     text = page.read_text(encoding="utf-8").replace("```\n", "\n")
-    examples = doctest.DocTestParser().get_doctest(text, {}, page.name, str(page), 0)
-    assert len(examples.examples) > 20
+    examples = doctest.DocTestParser().get_doctest(text, {"__name__": "doctest"}, page.name, str(page), 0)
+    assert len(examples.examples) > least
     report = []
     results = doctest.DocTestRunner(optionflags=FLAGS).run(examples, out=report.append)
     assert results.failed == 0, "".join(report)

@@ -38,10 +38,15 @@ inside: npt.NDArray[np.bool_] = result.inside
 along_x: npt.NDArray[np.float64] = result.dielectric(2, 78.54)[0]
 area: float = surface.measure().ses_area
 areas: npt.NDArray[np.float64] = eses.measure_frames([atoms.centers], atoms.radii).ses_area
+found = eses.measure("1ubq.pdb", "bondi", report=[1, 2], reference="miller")
+volume: float = found.ses_volume
+names: list[str] = found.residues.keys()
+set_name: str = eses.read_molecule(atoms).set.name
+eses.adaptors.ADAPTORS["mine"] = lambda molecule, frame: eses.adaptors.Columns(centers=molecule, elements=["C"])
 wrong: str = result.area
 """, encoding="utf-8")
     done = subprocess.run([sys.executable, "-m", "mypy", "--strict", "--cache-dir", tmp_path / "cache", program],
                           capture_output=True, text=True, check=False, cwd=tmp_path,
                           env={"MYPYPATH": str(pathlib.Path(eses.__file__).parents[1])})
     errors = [line for line in done.stdout.splitlines() if ": error:" in line]
-    assert len(errors) == 1 and "program.py:11:" in errors[0], done.stdout + done.stderr
+    assert len(errors) == 1 and "program.py:16:" in errors[0], done.stdout + done.stderr
