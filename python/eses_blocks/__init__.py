@@ -7,7 +7,7 @@ Examples
 >>> import eses_blocks as eses
 >>> result = eses.measure("fas2.pqr")
 >>> print(f"{result.ses_area:.1f} {result.ses_volume:.1f} {result.sas_area:.1f}")
-PLACE
+3663.1 8209.7 4525.8
 >>> atoms = eses.read_atoms("1ubq.xyzr")
 >>> surface = eses.Surface(atoms.centers, atoms.radii, probe_radius=1.4)
 >>> grid = surface.grid(spacing=0.5, margin=1.0)

@@ -1,5 +1,5 @@
 """`python -m eses_blocks` is the program eses-blocks."""
 
-from eses_tools import program
+from eses_tools import program  # type: ignore[import-untyped]
 
 program.run()
