@@ -2,4 +2,5 @@
 
 from eses_tools import program  # type: ignore[import-untyped]
 
-program.run()
+if __name__ == "__main__":
+    program.run()

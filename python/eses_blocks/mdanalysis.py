@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import importlib
 from typing import Any, Optional
 
 import numpy as np
-from MDAnalysis.analysis.base import AnalysisBase
 
 from ._measurement import measure
 
 __all__ = ["SASAAnalysis"]
+
+AnalysisBase: Any = importlib.import_module("MDAnalysis.analysis.base").AnalysisBase
 
 
 class SASAAnalysis(AnalysisBase):  # type: ignore[misc]
@@ -67,6 +69,6 @@ class SASAAnalysis(AnalysisBase):  # type: ignore[misc]
         self.results.mean_residue_area = self.results.residue_area.mean(axis=0)
 
     def _get_aggregator(self) -> Any:
-        from MDAnalysis.analysis.results import ResultsGroup  # MDAnalysis 2.8
+        ResultsGroup: Any = importlib.import_module("MDAnalysis.analysis.results").ResultsGroup  # MDAnalysis 2.8
         join = ResultsGroup.flatten_sequence
         return ResultsGroup(lookup={"total_area": join, "residue_area": join})

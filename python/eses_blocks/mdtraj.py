@@ -61,6 +61,7 @@ def shrake_rupley(traj: Any, probe_radius: float = 0.14, n_sphere_points: int = 
     chosen = np.arange(len(atoms)) if atom_indices is None else np.asarray(atom_indices)
     result = np.full((traj.n_frames, traj.n_atoms if mode == "atom" else traj.n_residues), -1.0, np.float32)
     sums = np.zeros(result.shape)
-    np.add.at(sums, (slice(None), mapping[chosen]), areas[:, chosen])
-    result[:, mapping[chosen]] = sums[:, mapping[chosen]]
+    columns: Any = (slice(None), mapping[chosen])
+    np.add.at(sums, columns, areas[:, chosen])
+    result[columns] = sums[columns]
     return (result, mapping) if get_mapping else result
