@@ -180,6 +180,8 @@ def _source_of(found: Any, radii: Any, unknown: Optional[float], waters: bool, h
         return _Source(adaptors.Columns(centers=found[0], radii=found[1]), are_read=True, set_name="given")
     if radii is not None and not isinstance(radii, (str, os.PathLike)):
         return _Source(adaptors.Columns(centers=found, radii=radii), are_read=True, set_name="given")
+    if isinstance(found, (np.ndarray, list, tuple)):
+        raise TypeError("an array of centres needs radii: give (centers, radii)")
     return _Source(adaptors.columns_of(found, frame))  # an error that names the known libraries
 
 

@@ -20,8 +20,7 @@ MESH = ("vertices", "normals", "faces", "atoms", "kind")
 TOTALS = ("area", "volume", "divergence_volume", "convex_area", "saddle_area", "concave_area",
           "inside_points", "grid", "region")
 LABELS = ("chain", "residue", "residue_number", "atom_name")
-CLASSES = [getattr(eses, name) for name in eses.__all__
-           if isinstance(getattr(eses, name), type)]
+CLASSES = [value for value in vars(eses._core).values() if isinstance(value, type)]
 
 
 @pytest.fixture(name="rebuild", params=list(REBUILDS))

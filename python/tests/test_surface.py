@@ -75,7 +75,8 @@ def test_float32_keeps_its_values(chain):
 def test_other_kinds_are_refused(values):
     with pytest.raises(TypeError, match="centers must be an array of real numbers"):
         eses.Surface(values, np.ones(2))
-    with pytest.raises(TypeError, match="radii must be an array of real numbers"):
+    message = "radii must be an array of real numbers" if values is not None else "an array of centres needs radii"
+    with pytest.raises(TypeError, match=message):
         eses.Surface(np.zeros((2, 3)), values)
 
 
