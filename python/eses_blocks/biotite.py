@@ -65,7 +65,8 @@ def sasa(array: Any, probe_radius: float = 1.4, atom_filter: Any = None, ignore_
     frames = coord if coord.ndim == 3 else coord[None]
     areas = np.full(frames.shape[:2], np.nan)
     if shown.any():
-        measures = _core.measure_frames(frames[:, blocks], radii[blocks], probe_radius, by_atom=True, threads=threads)
+        measures = _core.measure_frames(frames[:, blocks], radii[blocks], probe_radius, ses=surface == "ses",
+                                        by_atom=True, threads=threads)
         assert measures.by_atom is not None
         areas[:, blocks] = getattr(measures.by_atom, surface)
         areas[:, ~shown] = np.nan

@@ -52,7 +52,7 @@ def shrake_rupley(traj: Any, probe_radius: float = 0.14, n_sphere_points: int = 
     angstrom = 10.0
     measures = _core.measure_frames(
         angstrom * np.asarray(traj.xyz, float), [angstrom * radii[atom.element.symbol] for atom in atoms],
-        angstrom * probe_radius, by_atom=True, threads=threads)
+        angstrom * probe_radius, ses=surface == "ses", by_atom=True, threads=threads)
     assert measures.by_atom is not None
     areas = getattr(measures.by_atom, surface) / angstrom**2
     mapping = np.arange(len(atoms), dtype=np.int32)

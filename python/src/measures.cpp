@@ -6,6 +6,7 @@
 #include <array>
 #include <cstdint>
 #include <cstring>
+#include <limits>
 #include <optional>
 #include <span>
 #include <type_traits>
@@ -21,7 +22,7 @@ namespace eses::python {
 namespace {
 
 constexpr const char* measure_text =
-    R"(measure(self, probe_radius=None, *, van_der_waals=False, by_atom=False, derivatives=False, weights=None, threads=0)
+    R"(measure(self, probe_radius=None, *, ses=True, van_der_waals=False, by_atom=False, derivatives=False, weights=None, threads=0)
 --
 
 Measure areas and volumes in closed form, without a grid.
@@ -35,9 +36,11 @@ Parameters
 probe_radius : float, optional
     Radius of the probe, in angstrom: 0, or 0.01 to 1000. The default is that of the surface. With 0,
     all surfaces are the van der Waals surface.
+ses : bool, optional
+    Whether to measure the solvent excluded surface. The solvent accessible surface (SAS) alone takes
+    a third of the time. Then the Euler number is 0, and other values of the SES are NaN.
 van_der_waals : bool, optional
-    Whether to measure the van der Waals surface, too. This takes three quarters of the time of
-    the rest.
+    Whether to measure the van der Waals surface, too.
 by_atom : bool, optional
     Whether to divide the areas among the atoms.
 derivatives : bool, optional
@@ -55,10 +58,11 @@ Measures
 Raises
 ------
 ValueError
-    If an argument is out of its range.)";
+    If an argument is out of its range, or if derivatives or weighted areas are wanted without the
+    SES.)";
 
 constexpr const char* measure_frames_text =
-    R"(measure_frames(frames, radii, probe_radius=1.4, *, van_der_waals=False, by_atom=False, derivatives=False, weights=None, fill_cavities=False, threads=0)
+    R"(measure_frames(frames, radii, probe_radius=1.4, *, ses=True, van_der_waals=False, by_atom=False, derivatives=False, weights=None, fill_cavities=False, threads=0)
 --
 
 Measure areas and volumes of each frame of a trajectory, several frames at a time.
@@ -76,7 +80,7 @@ radii : array_like
     (N,) van der Waals radii of the atoms, in angstrom.
 probe_radius : float, optional
     Radius of the probe, in angstrom: 0, or 0.01 to 1000.
-van_der_waals, by_atom, derivatives : bool, optional
+ses, van_der_waals, by_atom, derivatives : bool, optional
     As for ``Surface.measure``. Areas by atom take 40 bytes for each atom and frame, derivatives 128,
     or 192 with weights.
 weights : array_like, optional
@@ -105,12 +109,12 @@ class MeasureArrays {
  public:
   MeasureArrays(py::ssize_t frames, py::ssize_t atoms, const MeasureOptions& options)
       : euler_numbers_(make_array<std::int64_t>(frames)),
+        has_ses_(options.ses),
         has_van_der_waals_(options.van_der_waals),
         has_weights_(!options.weights.empty()),
         are_smooth_(make_array<bool>(frames)) {
     for (Doubles& numbers : numbers_) numbers = make_array<double>(frames);
-    if (options.by_atom)
-      for (Doubles& areas : areas_.emplace()) areas = Doubles({frames, atoms});
+    if (options.by_atom) areas_ = make_areas(frames, atoms);
     if (options.gradients) gradients_.resize(has_weights_ ? gradient_count : gradient_count - 2);
     for (GradientArrays& gradient : gradients_)
       gradient = {Doubles({frames, atoms, py::ssize_t{3}}), Doubles({frames, atoms}),
@@ -133,16 +137,30 @@ class MeasureArrays {
   static constexpr std::size_t number_count = 12, area_count = AtomAreasKind::fields.size(),
                                gradient_count = 6;
 
+  std::array<Doubles, area_count> make_areas(py::ssize_t frames, py::ssize_t atoms) const;
   void store_areas(std::size_t frame, const AtomAreas& areas);
   void store_gradients(std::size_t frame, const Gradients& gradients);
 
   std::array<Doubles, number_count> numbers_;
   py::array_t<std::int64_t> euler_numbers_;
-  bool has_van_der_waals_, has_weights_;
+  bool has_ses_, has_van_der_waals_, has_weights_;
   std::optional<std::array<Doubles, area_count>> areas_;
   std::vector<GradientArrays> gradients_;  // without the weighted areas if there are no weights
   py::array_t<bool> are_smooth_;
 };
+
+// Without the SES, the arrays of its areas are views of a single NaN.
+std::array<MeasureArrays::Doubles, MeasureArrays::area_count> MeasureArrays::make_areas(
+    py::ssize_t frames, py::ssize_t atoms) const {
+  const Doubles unknown(1);
+  *Doubles(unknown).mutable_data(0) = std::numeric_limits<double>::quiet_NaN();
+  std::array<Doubles, area_count> areas;
+  for (std::size_t k = 0; k < areas.size(); ++k)
+    areas[k] = k == 0 || has_ses_ ? Doubles({frames, atoms})
+                                  : Doubles({frames, atoms}, {py::ssize_t{0}, py::ssize_t{0}},
+                                            unknown.data(), unknown);
+  return areas;
+}
 
 void MeasureArrays::store(std::size_t frame, const eses::Measures& measures) {
   const auto& [convex, saddle, concave] = measures.ses_areas;
@@ -159,7 +177,12 @@ void MeasureArrays::store(std::size_t frame, const eses::Measures& measures) {
                                                  measures.vdw_volume,
                                                  measures.weighted_ses_area,
                                                  measures.weighted_sas_area};
-  for (std::size_t k = 0; k < number_count; ++k) *numbers_[k].mutable_data(frame) = numbers[k];
+  // The areas by kind and the curvature belong to the SES.
+  constexpr std::array is_of_ses{true,  true, true,  true,  true,  false,
+                                 false, true, false, false, false, false};
+  for (std::size_t k = 0; k < number_count; ++k)
+    *numbers_[k].mutable_data(frame) =
+        has_ses_ || !is_of_ses[k] ? numbers[k] : std::numeric_limits<double>::quiet_NaN();
   *euler_numbers_.mutable_data(frame) = measures.euler_number;
   if (areas_) store_areas(frame, measures.by_atom);
   if (!gradients_.empty()) store_gradients(frame, measures.gradients);
@@ -168,6 +191,7 @@ void MeasureArrays::store(std::size_t frame, const eses::Measures& measures) {
 void MeasureArrays::store_areas(std::size_t frame, const AtomAreas& areas) {
   auto& [sas, ses, convex, saddle, concave] = *areas_;
   std::copy(areas.sas.begin(), areas.sas.end(), sas.mutable_data(frame));
+  if (!has_ses_) return;
   std::copy(areas.convex.begin(), areas.convex.end(), convex.mutable_data(frame));
   std::copy(areas.saddle.begin(), areas.saddle.end(), saddle.mutable_data(frame));
   std::copy(areas.concave.begin(), areas.concave.end(), concave.mutable_data(frame));
@@ -284,10 +308,11 @@ std::vector<double> make_weights(const py::object& weights, std::size_t atoms) {
   return make_atom_values(weights, "weights", atoms);
 }
 
-MeasureOptions make_measure_options(std::optional<double> probe_radius, bool van_der_waals,
-                                    bool by_atom, bool derivatives, std::span<const double> weights,
-                                    int threads) {
+MeasureOptions make_measure_options(std::optional<double> probe_radius, bool ses,
+                                    bool van_der_waals, bool by_atom, bool derivatives,
+                                    std::span<const double> weights, int threads) {
   return {.probe_radius = probe_radius,
+          .ses = ses,
           .van_der_waals = van_der_waals,
           .by_atom = by_atom,
           .gradients = derivatives,
@@ -296,11 +321,11 @@ MeasureOptions make_measure_options(std::optional<double> probe_radius, bool van
 }
 
 Record<MeasuresKind> measure_surface(const Surface& surface, std::optional<double> probe_radius,
-                                     bool van_der_waals, bool by_atom, bool derivatives,
+                                     bool ses, bool van_der_waals, bool by_atom, bool derivatives,
                                      const py::object& weights, int threads) {
   const std::vector<double> weight_of = make_weights(weights, surface.atoms().size());
-  MeasureOptions options =
-      make_measure_options(probe_radius, van_der_waals, by_atom, derivatives, weight_of, threads);
+  MeasureOptions options = make_measure_options(probe_radius, ses, van_der_waals, by_atom,
+                                                derivatives, weight_of, threads);
   MeasureArrays arrays(1, static_cast<py::ssize_t>(surface.atoms().size()), options);
   {
     const py::gil_scoped_release unlocked;
@@ -312,16 +337,17 @@ Record<MeasuresKind> measure_surface(const Surface& surface, std::optional<doubl
 }
 
 Record<FrameMeasuresKind> measure_all_frames(const py::object& frames, const py::object& radii,
-                                             double probe_radius, bool van_der_waals, bool by_atom,
-                                             bool derivatives, const py::object& weights,
+                                             double probe_radius, bool ses, bool van_der_waals,
+                                             bool by_atom, bool derivatives,
+                                             const py::object& weights,
                                              const py::object& fill_cavities, int threads) {
   const Frames source(frames);
   const SurfaceOptions surface{.max_filled_void = max_filled_void(fill_cavities)};
   const std::vector<double> radius_of =
       make_atom_values(radii, "radii", static_cast<std::size_t>(source.atom_count()));
   const std::vector<double> weight_of = make_weights(weights, radius_of.size());
-  MeasureOptions options =
-      make_measure_options(probe_radius, van_der_waals, by_atom, derivatives, weight_of, threads);
+  MeasureOptions options = make_measure_options(probe_radius, ses, van_der_waals, by_atom,
+                                                derivatives, weight_of, threads);
   MeasureArrays arrays(source.count(), source.atom_count(), options);
   {
     const py::gil_scoped_release unlocked;
@@ -343,11 +369,11 @@ Record<FrameMeasuresKind> measure_all_frames(const py::object& frames, const py:
 void bind_measures(py::module_& module, py::class_<Surface>& surface) {
   bind_measure_records(module);
   surface.def("measure", &measure_surface, measure_text, py::arg("probe_radius") = py::none(),
-              py::kw_only(), py::arg("van_der_waals") = false, py::arg("by_atom") = false,
-              py::arg("derivatives") = false, py::arg("weights") = py::none(),
-              py::arg("threads") = 0);
+              py::kw_only(), py::arg("ses") = true, py::arg("van_der_waals") = false,
+              py::arg("by_atom") = false, py::arg("derivatives") = false,
+              py::arg("weights") = py::none(), py::arg("threads") = 0);
   module.def("measure_frames", &measure_all_frames, measure_frames_text, py::arg("frames"),
-             py::arg("radii"), py::arg("probe_radius") = 1.4, py::kw_only(),
+             py::arg("radii"), py::arg("probe_radius") = 1.4, py::kw_only(), py::arg("ses") = true,
              py::arg("van_der_waals") = false, py::arg("by_atom") = false,
              py::arg("derivatives") = false, py::arg("weights") = py::none(),
              py::arg("fill_cavities") = false, py::arg("threads") = 0);

@@ -294,3 +294,22 @@ def test_arguments_of_measure_frames_are_checked(chain):
             eses.measure_frames(np.zeros((count, 12, 3)), radii, -1)
         with pytest.raises(ValueError, match="^the number of threads"):
             eses.measure_frames(np.zeros((count, 12, 3)), radii, threads=-1)
+
+
+def test_the_sas_alone_is_that_of_all_surfaces():
+    rng = np.random.default_rng(5)
+    frames, radii = rng.uniform(0, 12, (3, 60, 3)), rng.uniform(1, 2, 60)
+    surface = eses.Surface(frames[0], radii)
+    both, sas = surface.measure(by_atom=True), surface.measure(ses=False, by_atom=True)
+    assert sas.sas_area == pytest.approx(both.sas_area, rel=1e-12)
+    assert sas.sas_volume == pytest.approx(both.sas_volume, rel=1e-12)
+    np.testing.assert_allclose(sas.by_atom.sas, both.by_atom.sas, rtol=1e-9, atol=1e-9)
+    assert np.isnan([sas.ses_area, sas.ses_volume, sas.convex_area, sas.total_curvature]).all()
+    assert np.isnan(sas.by_atom.ses).all() and sas.by_atom.ses.shape == (60,)
+    assert sas.euler_number == 0 and sas.vdw_area is None
+    by_frame = eses.measure_frames(frames, radii, ses=False, by_atom=True, van_der_waals=True)
+    assert by_frame.sas_area[0] == sas.sas_area
+    assert np.isnan(by_frame.by_atom.concave).all() and by_frame.by_atom.concave.shape == (3, 60)
+    assert by_frame.vdw_area[0] == pytest.approx(surface.measure(0).sas_area, rel=1e-12)
+    with pytest.raises(ValueError, match="solvent excluded surface"):
+        surface.measure(ses=False, derivatives=True)

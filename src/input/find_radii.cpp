@@ -13,7 +13,7 @@ NamedRadii find_radii(std::span<const AtomLabel> atoms, const std::string& set) 
   const detail::RadiiSet radii = detail::find_radii_set(set);
   std::vector<AtomLabel> labels(atoms.begin(), atoms.end());
   detail::complete_elements(labels);
-  NamedRadii found{.set = radii.name, .are_united = radii.is_united};
+  NamedRadii found{.set = radii.name, .are_united = radii.is_united, .atoms = {}};
   found.atoms.reserve(labels.size());
   for (std::size_t i = 0; i < labels.size(); ++i) {
     AtomLabel& label = labels[i];
