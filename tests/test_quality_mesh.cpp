@@ -13,6 +13,7 @@
 
 #include "catch.hpp"
 #include "eses/read_atoms.hpp"
+#include "mesh/sliding_list.hpp"
 #include "support/atom_sets.hpp"
 #include "support/eses_files.hpp"
 #include "support/mesh_files.hpp"
@@ -125,6 +126,23 @@ std::vector<Atom> atoms_of(const char* file) {
 }
 
 }  // namespace
+
+TEST_CASE("elements of a sliding list keep their indices", "[mesh]") {
+  mesh::SlidingList<std::uint32_t> list;
+  std::uint32_t first = 0;
+  for (std::uint32_t i = 0; i < 100'000; ++i) {
+    REQUIRE(list.end() == i);
+    list.push_back(i);
+    if (i % 700 == 699) {
+      list.remove_before(i - 400);
+      first = i - 400;
+      CHECK(list.first() == first);
+    }
+    // An index modulo 2^12 is enough for up to 2^11 elements.
+    REQUIRE(list[first] == first);
+    REQUIRE(list[i & 0xFFFU] == i);
+  }
+}
 
 TEST_CASE("quality mesh: angles and topology of molecules", "[mesh][quality]") {
   for (const char* const name : {"c60.xyzr", "fas2.pqr", "1ubq.xyzr", "boxb.pqr"}) {

@@ -17,7 +17,8 @@ QualityMesh::QualityMesh(const Grid& grid, const GridRegion& region, Sink sink)
 
 double QualityMesh::memory_bytes(const GridRegion& region, double plane_crossings,
                                  double more_bytes) {
-  constexpr double window = freeze_planes + kept_planes + max_drift;
+  constexpr double delivered = 1.15;  // part of the lists
+  constexpr double window = delivered * (freeze_planes + kept_planes + max_drift);
   return FacingCells::memory_bytes(region) +
          window * plane_crossings *
              (sizeof(Vertex) + sizeof(std::uint64_t) + 2 * sizeof(Face) + more_bytes);
@@ -258,18 +259,21 @@ MeshQuality QualityMesh::quality() const {
   return result;
 }
 
-// Removes delivered triangles and their vertices from the window.
+// Removes delivered triangles and their vertices from the window, when there are enough of them.
 void QualityMesh::drop_delivered() {
+  constexpr Index min_share = 8;
+  const Index delivered = delivered_ - faces_.first();
+  if (min_share * delivered < faces_.end() - faces_.first()) return;
   // Delivered triangles may only share vertices of these planes with the others.
   const std::int32_t kept = plane_ - freeze_planes - kept_planes - max_drift;
   while (!planes_.empty() && planes_.front().z < kept) planes_.pop_front();
   const Index first_vertex = planes_.empty() ? vertices_.end() : planes_.front().first_vertex;
   // Corners of delivered triangles leave the lists of their vertices.
-  const Index removed = first_vertex - vertices_.first();
+  const Index kept_vertices = vertices_.end() - first_vertex;
   for (Index face = faces_.first(); face != delivered_; ++face) {
     if (faces_[face].vertices[0] == none) continue;
     for (Index corner = 4 * face; corner != 4 * face + 3; ++corner)
-      if (vertex_at(corner) - vertices_.first() >= removed) unlink(corner);
+      if (vertices_.end() - vertex_at(corner) <= kept_vertices) unlink(corner);
   }
   vertices_.remove_before(first_vertex);
   new_numbers_.remove_before(first_vertex);

@@ -218,7 +218,7 @@ Color MeshText::color_of(const FileVertex& vertex) const {
   if (color_ == MeshColor::potential)
     return potential_color(labels.potential, *source_.potential_limit);
   if (has_components()) return component_color(labels.component);
-  if (color_ == MeshColor::atom) return distinct_color(labels.atom);
+  if (color_ == MeshColor::atom) return distinct_color(labels.source);
   if (color_ == MeshColor::chain) return distinct_color(labels.chain);
   return patch_color(labels.patch);
 }
@@ -235,7 +235,7 @@ char* MeshText::put_fields(char* out, const FileVertex& vertex, PutPosition put_
   if (has_colors())
     for (const std::uint8_t part : color_of(vertex)) out = put_integer(out, part);
   out = put_integer(out, labels.patch);
-  out = put_integer(out, labels.atom);
+  out = put_integer(out, labels.source);
   if (source_.has_groups) {
     out = put_integer(out, labels.chain);
     out = put_integer(out, labels.residue);
@@ -304,7 +304,7 @@ void MeshText::append_vertex(TextBuffer& text, const FileVertex& vertex) const {
       return text.advance_to(end_line(put_coordinates(out, vertex)));
     case MeshFormat::msms:
       return text.advance_to(put_msms_vertex(out, vertex.position, vertex.normal,
-                                             vertex.labels.patch, FileIndex{vertex.labels.atom}));
+                                             vertex.labels.patch, FileIndex{vertex.labels.source}));
     case MeshFormat::glb:
       return text.advance_to(put_glb_vertex(out, vertex));
     case MeshFormat::vtp:

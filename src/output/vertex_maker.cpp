@@ -4,14 +4,10 @@ namespace eses::detail::mesh {
 
 FileVertex VertexMaker::operator()(const GridIndex& lower, const BlockCrossing& crossing) const {
   const Vertex vertex = make_vertex(source_.grid, lower, crossing, source_.clearance);
-  FileVertex result{vertex.position, vertex.normal, {}};
+  FileVertex result = file_vertex(vertex);
   VertexLabels& labels = result.labels;
-  for (std::size_t axis = 0; axis < 3; ++axis)
-    labels.lower[axis] = static_cast<std::int32_t>(lower[axis]);
-  labels.axis = vertex.axis;
-  labels.patch = vertex.patch;
-  labels.atom = as_number(source_.file_indices[source_.names_closest_atom ? closest_atom(vertex)
-                                                                          : vertex.first_atom()]);
+  labels.source = as_number(source_.file_indices[source_.names_closest_atom ? closest_atom(vertex)
+                                                                            : vertex.first_atom()]);
   if (!source_.groups.empty()) {
     const auto [chain, residue] = source_.groups[vertex.first_atom()];
     labels.chain = chain;
