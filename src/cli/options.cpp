@@ -36,7 +36,7 @@ constexpr double min_positive = std::numeric_limits<double>::denorm_min();
 constexpr double max_finite = std::numeric_limits<double>::max();
 constexpr std::int64_t max_whole = std::numeric_limits<std::int64_t>::max();
 
-constexpr char independent_flag[] = "--independent";
+constexpr char independent_flag[] = "--independent", part_option[] = "--part";
 
 constexpr char surface_footer[] = R"(Output files:
   bounding_box.txt            corners and number of points of the grid
@@ -74,7 +74,8 @@ Exit codes:
   128 + N  ended by signal N, such as 130 (SIGINT) or 143 (SIGTERM)
 
 MPI ranks (mpirun -n 4 eses-blocks ..., if built with MPI) share one run and write the same files.
-Without MPI, or with --independent, each process performs its own run.
+Without MPI, or with --independent, each process performs its own run. Jobs of an array can share
+a run with --part.
 
 Environment:
   OMP_NUM_THREADS             maximum number of threads if --threads is not given
@@ -189,6 +190,12 @@ bool is_dx_grid(const std::string& text) { return grid_file_format(text) == Grid
 bool is_prefix(const std::string& text) {
   const std::string name = std::filesystem::path(text).filename();
   return !name.empty() && !name.starts_with('.');
+}
+
+std::optional<Part> part_in(const std::string& text) {
+  const auto numbers = numbers_in<2>(text, '/', 1, std::numeric_limits<int>::max());
+  if (!numbers || (*numbers)[0] > (*numbers)[1]) return std::nullopt;
+  return Part{(*numbers)[0], (*numbers)[1]};
 }
 
 std::optional<std::uint32_t> component_in(const std::string& text) {
@@ -366,6 +373,16 @@ void add_file_options(CLI::App& app, Options& options) {
            "keep finished parts if the run is interrupted, and\n"
            "continue an interrupted run",
            options.resume);
+  CLI::Option* const part =
+      add_value(app, part_option, "K/N",
+                "compute only part K of N, and keep it in the output\n"
+                "directory; the last part of all writes the files",
+                options.part, Format{part_in, "K/N, two whole numbers, 1 <= K <= N"});
+  add_flag(app, "--join",
+           "compute nothing; write the files of parts that are\n"
+           "complete",
+           options.is_join)
+      ->excludes(part);
   add_flag(app, independent_flag,
            "do not share the run with other processes of srun or\n"
            "mpirun; each needs its own --output-dir",
@@ -527,6 +544,9 @@ void choose_values(const CLI::App& app, const Lengths& lengths, Options& options
   options.parameters.grid = grid;
   check_grid_choice(app, options.grid, lengths.margin);
   options.grid.has_spacing = lengths.spacing.is_given();
+  if (options.is_join) options.join = Join::required;
+  if (options.part && options.parameters.exact)
+    throw UsageError("--exact cannot be combined with --part; it needs all atoms in one process");
   if (options.outputs.residues) refuse_xyzr(options.input(), "--write residues", "residues");
   choose_maps(app, options.output_directory, options.outputs);
   choose_mesh(app, options.input(), options.outputs);
@@ -568,7 +588,9 @@ bool is_same_file(const std::filesystem::path& input, const std::filesystem::pat
 
 bool asks_to_be_independent(std::span<const std::string> arguments) {
   const auto end = std::find(arguments.begin(), arguments.end(), "--");
-  return std::find(arguments.begin(), end, independent_flag) != end;
+  return std::any_of(arguments.begin(), end, [](const std::string& argument) {
+    return argument == independent_flag || argument.substr(0, argument.find('=')) == part_option;
+  });
 }
 
 std::optional<Grid> chosen_grid(const Options& options) {

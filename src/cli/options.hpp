@@ -23,6 +23,7 @@ struct GridChoice {
 /// The values of all options: the request of a run, the choice of its grid, and what is printed.
 struct Options : RunTask {
   GridChoice grid;
+  bool is_join = false;      ///< whether to compute nothing; see RunTask::join
   bool independent = false;  ///< whether not to share the run with other processes
   bool quiet = false;
   bool json = false;
@@ -39,8 +40,8 @@ bool is_same_directory(const std::filesystem::path& a, const std::filesystem::pa
 /// Returns whether an input file, or standard input for `-`, is also the file `output`.
 bool is_same_file(const std::filesystem::path& input, const std::filesystem::path& output);
 
-/// Returns whether --independent is among the arguments. Used before MPI is initialized, which may
-/// remove its own arguments from the command line.
+/// Returns whether --independent or --part is among the arguments. Used before MPI is initialized,
+/// which may remove its own arguments from the command line.
 bool asks_to_be_independent(std::span<const std::string> arguments);
 
 /// Returns the custom grid, or nothing for the default grid. Reads the file of --grid-like. Throws

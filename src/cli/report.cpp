@@ -134,6 +134,16 @@ std::string written_text(const Report& report) {
                    fmt::join(targets, " and "));
 }
 
+/// Returns the planes of a part. Thin parts build many patches twice.
+std::string planes_text(const Report& report) {
+  constexpr double min_height = 50;  // angstrom
+  const auto& [index, count] = *report.options.part;
+  const double height = report.plan.grid.spacing * static_cast<double>(report.planes.count());
+  return formatted("part: {} of {}, {} planes, {:.4g} angstrom high{}\n", index, count,
+                   report.planes.count(), height,
+                   height < min_height ? "; fewer parts would be more efficient" : "");
+}
+
 std::string mesh_text(const Report& report) {
   const std::optional<MeshCounts>& counts = report.summary.mesh;
   if (!counts) return "";
@@ -388,6 +398,7 @@ std::string plan_text(const Report& report) {
   text += region_text(plan);
   text += formatted("blocks: {} of {} points; {}\n", fmt::join(plan.tiling.blocks, " x "),
                     fmt::join(plan.tiling.block_size, " x "), workers_text(report));
+  if (report.options.part) text += planes_text(report);
   text += formatted("expected: {} of memory{}, {} of files\n", bytes_text(plan.memory_bytes),
                     report.process_count > 1 ? " per process at most" : "",
                     bytes_text(plan.files.output()));
@@ -402,6 +413,13 @@ std::string plan_text(const Report& report) {
       text +=
           formatted("disk: {} free in {}\n", bytes_text(disk.available), path_text(disk.directory));
   return text;
+}
+
+std::string part_text(const Report& report, bool is_locked) {
+  const auto& [index, count] = *report.options.part;
+  return formatted(
+      "part {} of {} is complete: {} planes\n{}", index, count, report.planes.count(),
+      is_locked ? "" : "note: when all parts are complete, write the files with --join\n");
 }
 
 std::string summary_text(const Report& report) {
@@ -447,7 +465,11 @@ std::string json_text(const Report& report) {
                 {"instruction_set", name_of(instruction_set())},
                 {"plan", plan_json(plan, report.disk)},
                 {"dry_run", report.options.dry_run}};
-  if (!report.options.dry_run)
+  if (const auto& part = report.options.part)
+    document.update({{"part", {{"index", part->index}, {"count", part->count}}},
+                     {"peak_memory_bytes", report.peak_memory_bytes},
+                     {"processes", report.processes}});
+  else if (!report.options.dry_run)
     document.update({{"area", summary.area},
                      {"volume", summary.volume},
                      {"divergence_volume", summary.divergence_volume},

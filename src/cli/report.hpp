@@ -22,6 +22,7 @@ struct Report {
   std::vector<DiagnosticText> diagnostics;
   std::optional<StructureReport> structure;  ///< only for PDB and mmCIF files
   Plan plan;
+  PlaneRange planes;  ///< of this process
   std::vector<DiskSpace> disk = {};
   Summary summary = {};                 ///< empty before the run
   std::optional<Measures> exact = {};   ///< only with --exact
@@ -45,7 +46,11 @@ std::string plan_text(const Report& report);
 /// Returns all results as text, except area and volume.
 std::string summary_text(const Report& report);
 
-/// Returns plan and results as one JSON object; for a dry run, only the plan.
+/// Returns the line of a part that is complete. `is_locked` tells whether the last part writes the
+/// files.
+std::string part_text(const Report& report, bool is_locked);
+
+/// Returns plan and results as one JSON object; for a dry run and for a part, without the surface.
 std::string json_text(const Report& report);
 
 /// Returns the warnings, one line each: diagnostics of the input, a grid that cuts the surface (see

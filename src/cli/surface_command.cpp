@@ -33,6 +33,7 @@ namespace {
 void refuse_same_files(const Options& options, const Processes& processes) {
   const int launched = Processes::launched_count();
   if (launched == 1 || processes.count() > 1 || options.independent || options.dry_run) return;
+  if (options.part) return;
   const bool has_files = !output_paths(options.outputs, options.output_directory).final.empty();
   if (!options.resume && !has_files) return;
   throw Error(
@@ -106,6 +107,7 @@ Report report_of(const Options& options, const RunPlan& plan, const Processes& p
           .diagnostics = describe(plan.diagnostics, options.input().path),
           .structure = plan.structure,
           .plan = plan,
+          .planes = plan.slab.planes,
           .process_count = processes.count()};
 }
 
@@ -166,18 +168,19 @@ void present_result(const Report& report) {
   for (const std::string& fault : fault_lines(report.summary)) print_message("error", fault);
 }
 
-void add_result(RunResult result, std::vector<ProcessFigures> processes, Report& report) {
+void add_result(RunResult result, std::vector<ProcessFigures> processes, bool is_in_place,
+                Report& report) {
   report.summary = std::move(result.summary);
   report.exact = result.exact;
   for (const ProcessFigures& figures : processes)
     report.peak_memory_bytes = std::max(report.peak_memory_bytes, figures.peak_memory_bytes);
-  if (report.process_count > 1 || report.options.resume) report.processes = std::move(processes);
+  if (!is_in_place) report.processes = std::move(processes);
 }
 
 // Computes the surface and adds the results to the report.
 void run_with_progress(const Options& options, const RunPlan& plan, const Processes& processes,
                        Report& report) {
-  const OutputPaths paths = paths_of(options, processes);
+  const OutputPaths paths = options.part ? OutputPaths() : paths_of(options, processes);
   InterruptibleRun interruptible(paths);
   ProgressBar bar(!options.quiet && processes.is_first());
   const auto show_blocks = [&](std::int64_t done, std::int64_t total) {
@@ -187,20 +190,26 @@ void run_with_progress(const Options& options, const RunPlan& plan, const Proces
   const auto show_checks = [&](std::int64_t done, std::int64_t total) {
     bar.show_checks(done, total);
   };
+  const auto remove_files = [&] {
+    interruptible.remove_leftovers();
+    plan.checkpoint->remove_temporary();
+  };
   try {
     RunResult result =
         execute(options, plan, {.progress = show_blocks, .verification = show_checks}, processes);
-    add_result(std::move(result), gather_figures(plan, processes), report);
+    add_result(std::move(result), gather_figures(plan, processes), plan.is_in_place, report);
     interruptible.check();
   } catch (const SharedError&) {
     throw;
+  } catch (const Interrupted&) {
+    // The launcher soon kills the process that made the files.
+    if (processes.count() > 1) remove_files();
+    throw;
   } catch (...) {
-    // The process that made the files is ended before it can remove them. The other processes still
-    // write chunks, so one process has to become the reporter first.
+    // Other processes still write chunks. Their failures must not be reported.
     if (processes.count() > 1) {
       processes.become_reporter();
-      interruptible.remove_leftovers();
-      plan.checkpoint->remove_temporary();
+      remove_files();
     }
     throw;
   }
@@ -217,6 +226,54 @@ Options with_chosen_grid(Options options, const Processes& processes) {
   return options;
 }
 
+int perform_run(const Options& options, const Processes& processes) {
+  const RunPlan plan = plan_run(options, processes);
+  Report report = report_of(options, plan, processes);
+  on_rank_zero(processes, [&] { present_plan(report); });
+  if (options.dry_run) return exit_done;
+  run_with_progress(options, plan, processes, report);
+  on_rank_zero(processes, [&] { present_result(report); });
+  return has_faults(report.summary) ? exit_failure : exit_done;
+}
+
+// Joins the parts of a run. Returns false if parts are missing, or if another process joins them.
+bool join_parts(Options options, const Processes& processes) try {
+  options.part.reset();
+  options.join = Join::if_complete;
+  // The plan and its warnings were printed for the part.
+  if (!options.json) options.quiet = true;
+  options.strict = false;
+  perform_run(options, processes);
+  return true;
+} catch (const NotJoined&) {
+  return false;
+}
+
+// Computes a part of a run. The last part joins all of them.
+int perform_part(const Options& options, const Processes& processes) {
+  Report report;
+  bool is_locked = false, is_last = false;
+  {
+    const RunPlan plan = plan_run(options, processes);
+    report = report_of(options, plan, processes);
+    present_plan(report);
+    if (options.dry_run) return exit_done;
+    run_with_progress(options, plan, processes, report);
+    is_locked = plan.checkpoint->is_locked();
+    is_last = remaining(region_planes(plan), plan.checkpoint->complete()).empty();
+  }
+  if (has_faults(report.summary)) {
+    for (const std::string& fault : fault_lines(report.summary)) print_message("error", fault);
+    return exit_failure;
+  }
+  if (is_locked && is_last && join_parts(options, processes)) return exit_done;
+  if (options.json)
+    print(json_text(report));
+  else if (!options.quiet)
+    print(part_text(report, is_locked));
+  return exit_done;
+}
+
 }  // namespace
 
 int perform_surface(const Arguments& arguments, const Processes& processes) {
@@ -229,13 +286,7 @@ int perform_surface(const Arguments& arguments, const Processes& processes) {
         "volumes");
   on_rank_zero(processes, [&] { check_request(given); });
   const Options options = with_chosen_grid(given, processes);
-  const RunPlan plan = plan_run(options, processes);
-  Report report = report_of(options, plan, processes);
-  on_rank_zero(processes, [&] { present_plan(report); });
-  if (options.dry_run) return exit_done;
-  run_with_progress(options, plan, processes, report);
-  on_rank_zero(processes, [&] { present_result(report); });
-  return has_faults(report.summary) ? exit_failure : exit_done;
+  return options.part ? perform_part(options, processes) : perform_run(options, processes);
 }
 
 }  // namespace eses::detail::cli

@@ -95,24 +95,27 @@ void OutputPaths::add(const std::filesystem::path& directory, const std::string&
   temporaries.push_back(path_in(directory, temporary_name(name)));
 }
 
-OutputDirectory::OutputDirectory(std::filesystem::path path, std::string file)
+OutputDirectory::OutputDirectory(std::filesystem::path path, std::string file, Access access)
     : path_(std::move(path)),
       file_(std::move(file)),
       lock_name_(lock_name_of(file_)),
+      access_(access),
       directory_(open_directory(path_)) {
   while (!try_lock()) {
   }
 }
 
+// The file of a shared lock stays, as the other runs that hold the lock have it open.
 OutputDirectory::~OutputDirectory() {
-  if (is_locked_) unlinkat(descriptor(), lock_name_.c_str(), 0);
+  if (is_locked_ && access_ == Access::exclusive) unlinkat(descriptor(), lock_name_.c_str(), 0);
 }
 
 // Returns false if the lock's file was removed in the meantime.
 bool OutputDirectory::try_lock() {
   lock_ = open_lock(directory_, lock_name_);
   if (!lock_.is_open()) throw FileError(refusal(path_), errno);
-  if (flock(lock_.value(), LOCK_EX | LOCK_NB) == 0) {
+  const int operation = access_ == Access::exclusive ? LOCK_EX : LOCK_SH;
+  if (flock(lock_.value(), operation | LOCK_NB) == 0) {
     is_locked_ = is_still_there(directory_, lock_, lock_name_);
     return is_locked_;
   }

@@ -5,6 +5,7 @@
 #include <functional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "system/file_descriptor.hpp"
@@ -37,12 +38,19 @@ class OutputDirectory {
   /// Creates the directory if it is missing. If `file` is empty, locks the directory for all files
   /// that have no lock of their own; otherwise locks only the file `file` in it. Throws Error if
   /// the directory cannot be created or written to, and if another run holds the lock.
-  explicit OutputDirectory(std::filesystem::path path, std::string file = "");
+  explicit OutputDirectory(std::filesystem::path path, std::string file = "")
+      : OutputDirectory(std::move(path), std::move(file), Access::exclusive) {}
+  /// Other runs may hold shared locks of the same directory, but no exclusive lock.
+  enum class Access : bool { exclusive, shared };
+  OutputDirectory(std::filesystem::path path, std::string file, Access access);
   ~OutputDirectory();
   OutputDirectory(const OutputDirectory&) = delete;
   OutputDirectory& operator=(const OutputDirectory&) = delete;
 
   const std::filesystem::path& path() const { return path_; }
+
+  /// Whether the file system supports locks.
+  bool is_locked() const { return is_locked_; }
 
   /// Descriptor of the directory. It refers to the same directory even after a renaming.
   int descriptor() const { return directory_.value(); }
@@ -60,6 +68,7 @@ class OutputDirectory {
   std::filesystem::path path_;
   std::string file_;  // The locked file; empty if the whole directory is locked.
   std::string lock_name_;
+  Access access_;
   FileDescriptor directory_, lock_;
   bool is_locked_ = false;
 };

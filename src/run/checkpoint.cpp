@@ -21,7 +21,7 @@ namespace eses::detail {
 namespace {
 
 // Both are written to disk.
-static_assert(sizeof(ChunkInfo) == 256);
+static_assert(sizeof(ChunkInfo) == 272);
 static_assert(sizeof(AtomSum) == 32);
 
 constexpr std::array<const char*, chunk_text_count> text_suffixes{
@@ -108,12 +108,28 @@ Checkpoint::Checkpoint(const std::filesystem::path& output_directory, std::strin
 Checkpoint::~Checkpoint() {
   if (!lock_) return;
   remove_temporary();
-  lock_.reset();
   std::error_code error;  // a directory with chunks cannot be removed
+  if (part_lock_) {
+    part_lock_.reset();
+    lock_.reset();
+    if (std::filesystem::exists(path_ / run_name, error)) return;
+    try {
+      lock();                 // removes the file of the shared lock afterwards
+    } catch (const Error&) {  // Other parts use the directory.
+      return;
+    }
+  }
+  lock_.reset();
   std::filesystem::remove(path_, error);
 }
 
 void Checkpoint::lock() { lock_.emplace(path_); }
+
+void Checkpoint::lock_part(const Part& part) {
+  lock_.emplace(path_, "", OutputDirectory::Access::shared);
+  part_lock_.emplace(path_, formatted("part-{}-of-{}", part.index, part.count));
+  if (std::error_code error; std::filesystem::exists(path_ / run_name, error)) require_same_run();
+}
 
 std::vector<PlaneRange> Checkpoint::complete() const {
   std::error_code error;
@@ -122,6 +138,21 @@ std::vector<PlaneRange> Checkpoint::complete() const {
     if (const auto planes = planes_of(entry.path().filename().string())) chunks.push_back(*planes);
   // Without complete chunks, the identity does not matter.
   if (chunks.empty()) return {};
+  require_same_run();
+  std::erase_if(chunks, [this](const PlaneRange& planes) { return !is_complete(planes); });
+  std::sort(chunks.begin(), chunks.end(),
+            [](const PlaneRange& a, const PlaneRange& b) { return a.begin < b.begin; });
+  const auto overlapping =
+      std::adjacent_find(chunks.begin(), chunks.end(),
+                         [](const PlaneRange& a, const PlaneRange& b) { return b.begin < a.end; });
+  if (overlapping != chunks.end())
+    throw Error(
+        formatted("cannot resume: chunks in {} overlap; remove it to start again", path_.string()));
+  return chunks;
+}
+
+void Checkpoint::require_same_run() const {
+  std::error_code error;
   if (!std::filesystem::exists(path_ / run_name, error))
     throw Error(
         formatted("cannot resume: {} does not identify its run; remove it", path_.string()));
@@ -134,16 +165,6 @@ std::vector<PlaneRange> Checkpoint::complete() const {
         "cannot resume: {} belongs to a run with different input, options or version; remove it to "
         "start again",
         path_.string()));
-  std::erase_if(chunks, [this](const PlaneRange& planes) { return !is_complete(planes); });
-  std::sort(chunks.begin(), chunks.end(),
-            [](const PlaneRange& a, const PlaneRange& b) { return a.begin < b.begin; });
-  const auto overlapping =
-      std::adjacent_find(chunks.begin(), chunks.end(),
-                         [](const PlaneRange& a, const PlaneRange& b) { return b.begin < a.end; });
-  if (overlapping != chunks.end())
-    throw Error(
-        formatted("cannot resume: chunks in {} overlap; remove it to start again", path_.string()));
-  return chunks;
 }
 
 bool Checkpoint::is_complete(const PlaneRange& planes) const {
@@ -181,9 +202,22 @@ void Checkpoint::drop(const PlaneRange& planes) const {
 void Checkpoint::prepare() const {
   const std::string run = with_checksum(identity_);
   if (read_all(path_ / run_name) == run) return;
-  ScratchFile file(path_, run_name, ScratchFile::Kept::fresh);
-  file.append(run);
-  file.sync();
+  write_complete(run_name, {std::span<const char>(run)});
+}
+
+// Writes a file that gets its name when it is on disk, so that it is complete if it exists.
+void Checkpoint::write_complete(const std::string& name,
+                                std::initializer_list<std::span<const char>> parts) const {
+  const std::string temporary = temporary_name(name);
+  {
+    ScratchFile file(path_, temporary, ScratchFile::Kept::fresh);
+    for (const auto bytes : parts) file.append(bytes);
+    file.sync();
+  }
+  std::error_code error;
+  std::filesystem::rename(path_ / temporary, path_ / name, error);
+  if (error)
+    throw Error(formatted("cannot write {}: {}", (path_ / name).string(), error.message()));
 }
 
 // Existing sums belong to an old text and are removed first.
@@ -202,24 +236,15 @@ std::string Checkpoint::sums_path(const PlaneRange& planes) const {
   return path_in(path_, name_of(planes, sums_suffix));
 }
 
-// The file of the sums is written last and gets its name when it is on disk, so that its existence
-// implies that the chunk is complete.
+// The file of the sums is written last, so that its existence implies that the chunk is complete.
 void Checkpoint::finish(const PlaneChunk& chunk) const {
   for (const auto& text : chunk.texts)
     if (text) text->sync();
-  const std::string name = name_of(chunk.info.planes, sums_suffix), temporary = name + ".part";
-  {
-    ScratchFile file(path_, temporary, ScratchFile::Kept::fresh);
-    const auto sums = as_chars(std::span(chunk.sums));
-    const SumsHeader header{chunk.info, chunk.sums.size(), checksum(sums)};
-    const std::uint64_t header_checksum = checksum(bytes_of(header));
-    for (const auto bytes : {bytes_of(header_checksum), bytes_of(header), sums}) file.append(bytes);
-    file.sync();
-  }
-  std::error_code error;
-  std::filesystem::rename(path_ / temporary, path_ / name, error);
-  if (error)
-    throw Error(formatted("cannot write {}: {}", (path_ / name).string(), error.message()));
+  const auto sums = as_chars(std::span(chunk.sums));
+  const SumsHeader header{chunk.info, chunk.sums.size(), checksum(sums)};
+  const std::uint64_t header_checksum = checksum(bytes_of(header));
+  write_complete(name_of(chunk.info.planes, sums_suffix),
+                 {bytes_of(header_checksum), bytes_of(header), sums});
 }
 
 PlaneChunk Checkpoint::read(const PlaneRange& planes) const {

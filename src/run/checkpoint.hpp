@@ -6,6 +6,7 @@
 #include <array>
 #include <cstdint>
 #include <filesystem>
+#include <initializer_list>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -19,6 +20,7 @@
 #include "output/file.hpp"
 #include "output/map_writer.hpp"
 #include "output/output_directory.hpp"
+#include "run/task.hpp"
 #include "solve/region_totals.hpp"
 
 namespace eses::detail {
@@ -47,6 +49,7 @@ struct ChunkInfo {
   PlaneRange planes;
   std::array<std::uint64_t, chunk_text_count> bytes{};      ///< length of each text
   std::array<std::uint32_t, chunk_text_count> checksums{};  ///< crc32; only in a checkpoint
+  std::int64_t verified_points = 0, verified_edges = 0;
   MeshCounts mesh;
   RegionTotals totals;
 
@@ -103,6 +106,11 @@ class Checkpoint {
 
   /// Creates the directory if necessary, and locks it against other runs while this object exists.
   void lock();
+  /// Does the same, but lets runs of other parts use the directory at the same time. Throws Error
+  /// if it belongs to another run, even if that run has no complete chunk.
+  void lock_part(const Part& part);
+  /// Whether the file system supports locks.
+  bool is_locked() const { return lock_ && lock_->is_locked(); }
   /// Returns the planes of the complete chunks, ascending and disjoint. A chunk with damaged sums
   /// or with texts of the wrong length is not complete. Throws Error if there are chunks of a run
   /// with another identity, or if the file with the identity is damaged.
@@ -129,12 +137,15 @@ class Checkpoint {
 
  private:
   bool is_complete(const PlaneRange& planes) const;
+  void require_same_run() const;
   std::string sums_path(const PlaneRange& planes) const;
+  void write_complete(const std::string& name,
+                      std::initializer_list<std::span<const char>> parts) const;
 
   std::filesystem::path path_;
   std::string identity_;
   Chunks chunks_;
-  std::optional<OutputDirectory> lock_;
+  std::optional<OutputDirectory> lock_, part_lock_;
 };
 
 }  // namespace eses::detail

@@ -32,15 +32,16 @@
 namespace eses::detail {
 namespace {
 
-// Opens the output files in the first process. Returns null in the others, and if there are neither
-// files nor a checkpoint.
+// Opens the output files in the first process. Returns null in the others, if a part is computed,
+// and if there are neither files nor a checkpoint.
 std::unique_ptr<OutputFiles> open_files(const RunTask& task, const RunPlan& plan,
                                         const Processes& processes) {
   std::unique_ptr<OutputFiles> files;
   processes.all_or_throw([&] {
     if (!processes.is_first()) return;
     if (!plan.checkpoint && !task.outputs.mesh && file_names(task.outputs).empty()) return;
-    files = std::make_unique<OutputFiles>(task.outputs, task.output_directory, plan.files);
+    if (!task.part)
+      files = std::make_unique<OutputFiles>(task.outputs, task.output_directory, plan.files);
     if (plan.checkpoint) plan.checkpoint->prepare();
   });
   return files;
@@ -186,7 +187,13 @@ void finish(const RunTask& task, const RunPlan& plan, SweepResult swept,
   // The heap memory of patches and blocks is too fragmented for the long lists of areas.
   if (plan.memory_bytes > small_memory_bytes) release_free_memory();
   std::vector<AreaShare> shares(plan.atoms);
-  Merge merge(task, plan, take_chunks(plan, std::move(swept), shares), check);
+  std::vector<PlaneChunk> chunks = take_chunks(plan, std::move(swept), shares);
+  if (task.join != Join::none && summary.verification)
+    for (const PlaneChunk& chunk : chunks) {
+      summary.verification->points += chunk.info.verified_points;
+      summary.verification->edges += chunk.info.verified_edges;
+    }
+  Merge merge(task, plan, std::move(chunks), check);
   const bool is_void = task.outputs.mesh && task.outputs.mesh->component.value_or(0) > 0;
   fill_totals(
       is_void ? complement(merge.totals(), plan.tiling.region.point_count()) : merge.totals(),
@@ -250,12 +257,12 @@ RunResult execute(const RunTask& task, const RunPlan& plan, const Callbacks& cal
       maps.emplace_back(choice, plan.grid, plan.tiling.region);
   // The sweep takes the patches that are kept.
   if (task.parameters.exact) result.exact = measure_surface(task, plan, check);
-  SlabSweep sweep(task, plan, ranges, files.get(), mesh ? &*mesh : nullptr, maps, callbacks, report,
-                  processes);
+  SlabSweep sweep(task, plan, ranges, files.get(), mesh ? &*mesh : nullptr, maps, callbacks,
+                  report);
   SweepResult swept = sweep.run(summary);
   processes.wait_for_all();  // until all chunks are complete
   if (summary.verification) combine_verifications(*summary.verification, processes);
-  if (!plan.checkpoint || !has_faults(summary))
+  if (!task.part && (!plan.checkpoint || !has_faults(summary)))
     processes.all_or_throw([&] {
       if (processes.is_first())
         finish(task, plan, std::move(swept), mesh, maps, files.get(), check, result);

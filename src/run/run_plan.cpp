@@ -21,6 +21,7 @@
 #include "input/read_input.hpp"
 #include "output/grid_map.hpp"
 #include "output/mesh_writer.hpp"
+#include "output/output_files.hpp"
 #include "surface/find_cavities.hpp"
 #include "system/bytes_text.hpp"
 #include "system/formatted.hpp"
@@ -33,7 +34,7 @@ namespace eses::detail {
 namespace {
 
 // Version of checkpoints. Must increase with each change of the results or of the format of chunks.
-constexpr int checkpoint_format = 4;
+constexpr int checkpoint_format = 6;
 
 // Memory of the patches of an atom, and of all patches that are kept for the sweep (bytes).
 constexpr double kept_patch_bytes = 400;
@@ -183,8 +184,29 @@ std::uint64_t held_bytes(const RunPlan& run) {
   return bytes;
 }
 
-// Opens the checkpoint of a run with several processes or that can be resumed, and finds its
-// complete chunks.
+void lock_checkpoint(const RunTask& task, Checkpoint& checkpoint) {
+  if (task.part) return checkpoint.lock_part(*task.part);
+  try {
+    checkpoint.lock();
+  } catch (const Error&) {
+    if (task.join == Join::if_complete) throw NotJoined();
+    throw;
+  }
+}
+
+// Throws an exception if chunks are missing.
+void require_complete(const RunTask& task, const Plan& plan, std::span<const PlaneRange> finished) {
+  const std::vector<PlaneRange> missing = remaining(region_planes(plan), finished);
+  if (missing.empty()) return;
+  if (task.join == Join::if_complete) throw NotJoined();
+  std::vector<std::string> ranges;
+  for (const auto& [begin, end] : missing) ranges.push_back(formatted("{} to {}", begin, end - 1));
+  throw Error(formatted("cannot join: the planes {} of {} are missing in {}; compute their parts",
+                        fmt::join(ranges, ", "), plan.grid.size[2],
+                        path_in(task.output_directory, checkpoint_name)));
+}
+
+// Opens the checkpoint of a run that is not in place, and finds its complete chunks.
 void open_checkpoint(const RunTask& task, std::span<const Atom> atoms,
                      std::span<const mesh::GroupNumbers> groups, const Processes& processes,
                      RunPlan& run) {
@@ -195,11 +217,13 @@ void open_checkpoint(const RunTask& task, std::span<const Atom> atoms,
   processes.all_or_throw([&] {
     run.checkpoint = std::make_unique<Checkpoint>(
         task.output_directory, identity_of(task, run, hash),
-        task.resume ? Checkpoint::Chunks::kept : Checkpoint::Chunks::temporary);
+        task.keeps_chunks() ? Checkpoint::Chunks::kept : Checkpoint::Chunks::temporary);
     if (!processes.is_first()) return;
-    if (!task.dry_run) run.checkpoint->lock();
-    if (task.resume) finished = run.checkpoint->complete();
-    if (!task.dry_run) run.checkpoint->remove_others(finished);
+    if (!task.dry_run) lock_checkpoint(task, *run.checkpoint);
+    if (task.keeps_chunks()) finished = run.checkpoint->complete();
+    if (task.join != Join::none) require_complete(task, run, finished);
+    // Other parts may be writing their chunks.
+    if (!task.dry_run && !task.part) run.checkpoint->remove_others(finished);
   });
   run.finished_planes = processes.gather<PlaneRange>(finished);
 }
@@ -209,6 +233,11 @@ std::vector<double> radii_of(std::span<const Atom> atoms) {
   radii.reserve(atoms.size());
   for (const Atom& atom : atoms) radii.push_back(atom.radius);
   return radii;
+}
+
+Share share_of(const RunTask& task, const Processes& processes) {
+  if (task.part) return {task.part->index - 1, task.part->count};
+  return {processes.rank(), processes.count()};
 }
 
 // Returns the number of threads of this process. Several processes on a machine share its
@@ -226,7 +255,10 @@ void plan_schedules(const RunTask& task, const LabelTotals& labels,
   slab.tiling.region = with_planes(run.tiling.region, run.slab.planes);
   slab.parameters.threads = threads_of(task, machine, processes);
   processes.all_or_throw([&] {
-    if (run.slab.planes.is_empty()) return;
+    if (run.slab.planes.is_empty()) {
+      if (slab.parameters.threads == 0) slab.threads = available_threads();
+      return;
+    }
     const auto sharing = static_cast<std::uint64_t>(machine.processes);
     plan_schedule({.available = [sharing] { return available_memory() / sharing; },
                    .held = processes.mpi_memory() + held_bytes(run),
@@ -333,22 +365,24 @@ void take_labels(AtomFile& atoms, AtomFormat format, bool with_names, AtomNames&
   atoms.charges.clear();
 }
 
-// Throws Error if several processes cannot read the same atoms from this file.
-void require_readable_by_all(const std::filesystem::path& path, const Processes& processes) {
+// Throws Error if several processes cannot read the same atoms from this file. Reading refuses
+// other special files.
+void require_readable_by_all(const std::filesystem::path& path, int processes) {
   std::error_code error;
-  if (processes.count() == 1 || (path != "-" && !std::filesystem::exists(path, error))) return;
-  if (path == "-" || !std::filesystem::is_regular_file(path, error))
+  const bool is_pipe = path == "-" || std::filesystem::is_fifo(path, error) ||
+                       std::filesystem::is_character_file(path, error);
+  if (processes > 1 && is_pipe)
     throw Error(formatted("cannot read {} in several processes: it is not a regular file",
                           path == "-" ? "standard input" : path.string()));
 }
 
 // Reads the atoms and their names. Each process reads the whole file.
 AtomFile read_file(const InputFile& file, const RunTask& task, const Processes& processes,
-                   AtomNames& names) {
+                   RunPlan& run) {
   const Outputs& outputs = task.outputs;
   AtomFile atoms;
   processes.all_or_throw([&] {
-    require_readable_by_all(file.path, processes);
+    require_readable_by_all(file.path, run.share.count);
     const AtomFormat format = format_of(file.path, file.format);
     const bool is_named = is_structure(format);
     atoms = read_input(
@@ -357,7 +391,7 @@ AtomFile read_file(const InputFile& file, const RunTask& task, const Processes& 
          .with_labels = is_named || outputs.residues || outputs.atoms || needs_groups(outputs),
          .max_memory = task.parameters.max_memory,
          .structure = file.structure},
-        [&](AtomFile& part) { take_labels(part, format, is_named || outputs.atoms, names); });
+        [&](AtomFile& part) { take_labels(part, format, is_named || outputs.atoms, run.names); });
     require_memory_for(atoms.atoms.size(), file, task.parameters.max_memory);
   });
   return atoms;
@@ -393,18 +427,25 @@ void keep_written_names(const Outputs& outputs, std::span<const Atom> atoms,
 // needed. `whole` has all atoms in a single process, and if the cavities are searched.
 void take_slab(const Molecule& whole, std::span<const Atom> atoms,
                std::vector<mesh::GroupNumbers> groups, const RunTask& task, int threads,
-               const Processes& processes, RunPlan& run) {
-  if (processes.count() == 1) {
+               RunPlan& run) {
+  const auto [index, count] = run.share;
+  if (count == 1) {
     run.slab.planes = range_around(remaining(region_planes(run), run.finished_planes));
     run.slab.molecule = whole;
     run.slab.groups = std::move(groups);
     prepare_patches(whole, task, threads, run);
     return;
   }
-  const std::vector<PlaneRange> slabs =
-      cut_into_slabs(atoms, run, task.outputs, run.finished_planes, processes.count());
+  if (task.part && count > region_planes(run).count())
+    throw Error(formatted("{} parts are too many for {} grid planes along z; use fewer parts",
+                          count, region_planes(run).count()));
+  // The parts do not depend on the chunks that happen to be complete.
+  const std::span<const PlaneRange> free =
+      task.part ? std::span<const PlaneRange>() : run.finished_planes;
+  const std::vector<PlaneRange> slabs = cut_into_slabs(atoms, run, task.outputs, free, count);
+  const PlaneRange planes = slabs[static_cast<std::size_t>(index)];
   run.slab = make_slab(atoms, groups, run, task.outputs,
-                       slabs[static_cast<std::size_t>(processes.rank())], threads);
+                       range_around(remaining(planes, run.finished_planes)), threads);
   if (searches_cavities(task))
     run.cavities = with_slab_indices(find_cavities_of(whole, task, threads, false).map, run.slab);
 }
@@ -413,7 +454,7 @@ void take_slab(const Molecule& whole, std::span<const Atom> atoms,
 // labels.
 LabelTotals take_file(const InputFile& file, const RunTask& task, const Processes::Machine& machine,
                       const Processes& processes, RunPlan& run) {
-  AtomFile atoms = read_file(file, task, processes, run.names);
+  AtomFile atoms = read_file(file, task, processes, run);
   run.structure = std::move(atoms.structure);
   run.atoms = atoms.atoms.size();
   std::vector<mesh::GroupNumbers> groups;
@@ -432,7 +473,7 @@ LabelTotals take_file(const InputFile& file, const RunTask& task, const Processe
     const std::span<const Atom> all =
         needs_whole ? whole.atoms() : std::span(std::as_const(atoms.atoms));
     if (processes.is_first()) take_diagnostics(atoms, whole, has_names, run);
-    take_slab(whole, all, std::move(groups), task, threads, processes, run);
+    take_slab(whole, all, std::move(groups), task, threads, run);
     keep_written_names(task.outputs, all, processes, run);
   });
   release_free_memory();
@@ -458,7 +499,8 @@ LabelTotals take_molecule(const Molecule& molecule, const RunTask& task, RunPlan
 
 RunPlan plan_run(const RunTask& task, const Processes& processes) {
   RunPlan run;
-  run.is_in_place = processes.count() == 1 && !task.resume;
+  run.share = share_of(task, processes);
+  run.is_in_place = processes.count() == 1 && !task.keeps_chunks();
   const Processes::Machine machine = processes.machine(available_threads());
   const auto* const molecule = std::get_if<Molecule>(&task.atoms);
   if (molecule != nullptr) {

@@ -22,11 +22,17 @@
 
 namespace eses::detail {
 
+/// The share of a run that a process computes: number `index` of `count`, from 0.
+struct Share {
+  int index = 0, count = 1;
+};
+
 /// The plan of a whole run, and the part of the run that belongs to this process. In the plan of
 /// the whole run, `threads`, `blocks_ahead`, `memory_bytes` and the block size are maxima over the
 /// processes. A process uses `process_schedule`.
 struct RunPlan : Plan {
   Schedule process_schedule;  ///< for the slab
+  Share share;                ///< of the parts of a run, or of its MPI ranks
   Slab slab;
   /// Whether texts are written directly to the output files: a single process sweeps the whole
   /// region as one range. Otherwise each range becomes a chunk of the checkpoint.

@@ -59,7 +59,7 @@ std::vector<PlaneRange> ranges_to_sweep(const RunTask& task, const RunPlan& plan
   std::vector<PlaneRange> ranges;
   for (const PlaneRange& range : remaining(plan.slab.planes, plan.finished_planes)) {
     std::int64_t planes = range.count();
-    if (task.resume) {
+    if (task.keeps_chunks()) {
       const std::int64_t layer = plan.process_schedule.tiling.block_size[2] - 1;
       const std::int64_t layers = (plan.slab.planes.count() + layer - 1) / layer;
       planes = layer * ((layers + max_ranges - 1) / max_ranges);
@@ -78,7 +78,7 @@ std::int64_t count_blocks(const RunPlan& plan, std::span<const PlaneRange> range
 
 SlabSweep::SlabSweep(const RunTask& task, const RunPlan& plan, std::span<const PlaneRange> ranges,
                      OutputFiles* files, RunMesh* mesh, std::deque<GridMap>& maps,
-                     const Callbacks& callbacks, ProgressReport& report, const Processes& processes)
+                     const Callbacks& callbacks, ProgressReport& report)
     : task_(task),
       plan_(plan),
       ranges_(ranges),
@@ -87,9 +87,9 @@ SlabSweep::SlabSweep(const RunTask& task, const RunPlan& plan, std::span<const P
       maps_(maps),
       callbacks_(callbacks),
       report_(report) {
-  const std::int64_t rank = processes.rank(), count = processes.count();
-  const auto checks_before = [&](std::int64_t r) { return task.parameters.verify * r / count; };
-  check_count_ = static_cast<double>(checks_before(rank + 1) - checks_before(rank));
+  const auto [index, count] = plan.share;
+  const auto checks_before = [&](std::int64_t i) { return task.parameters.verify * i / count; };
+  check_count_ = static_cast<double>(checks_before(index + 1) - checks_before(index));
 }
 
 SweepResult SlabSweep::run(Summary& summary) {
@@ -162,7 +162,7 @@ std::vector<MapSink> SlabSweep::map_sinks(PlaneChunk& chunk, const GridRegion& r
 }
 
 // Returns false if there are faults.
-bool SlabSweep::verify(Verifier& verifier, Summary& summary) {
+bool SlabSweep::verify(Verifier& verifier, ChunkInfo& info, Summary& summary) {
   const Stopwatch watch;
   const Verification found = verifier.check([this](std::int64_t finished, std::int64_t all) {
     report_.check();
@@ -170,8 +170,8 @@ bool SlabSweep::verify(Verifier& verifier, Summary& summary) {
   });
   summary.seconds.verify += watch.seconds();
   Verification& sum = *summary.verification;
-  sum.points += found.points;
-  sum.edges += found.edges;
+  sum.points += info.verified_points = found.points;
+  sum.edges += info.verified_edges = found.edges;
   sum.faults.insert(sum.faults.end(), found.faults.begin(), found.faults.end());
   return found.faults.empty();
 }
@@ -236,7 +236,7 @@ void SlabSweep::sweep(PatchSchedule& patches, const Plan& plan, SweepResult& res
     set_bytes(ChunkText::mesh, mesh_sink->chunk_bytes());
     chunk.info.mesh = {mesh->vertex_count(), pipeline.triangle_count()};
   }
-  const bool has_faults = verifier && !verify(*verifier, summary);
+  const bool has_faults = verifier && !verify(*verifier, chunk.info, summary);
   if (!plan_.checkpoint)
     result = {std::move(chunk), pipeline.take_atom_shares()};
   else if (!has_faults)

@@ -9,7 +9,6 @@
 #include <span>
 #include <vector>
 
-#include "distributed/processes.hpp"
 #include "output/output_files.hpp"
 #include "run/checkpoint.hpp"
 #include "run/mesh_output.hpp"
@@ -41,10 +40,10 @@ class SlabSweep {
  public:
   /// `files` are the output files, and null in processes that write chunks. `mesh` is null without
   /// a mesh. `maps` are the chosen maps if their rows are not written to chunks. Keeps references
-  /// to all arguments except `processes`.
+  /// to all arguments.
   SlabSweep(const RunTask& task, const RunPlan& plan, std::span<const PlaneRange> ranges,
             OutputFiles* files, RunMesh* mesh, std::deque<GridMap>& maps,
-            const Callbacks& callbacks, ProgressReport& report, const Processes& processes);
+            const Callbacks& callbacks, ProgressReport& report);
 
   /// Sweeps all ranges. Adds their times and the results of the verification to the summary. A
   /// chunk with faults is not completed.
@@ -56,7 +55,7 @@ class SlabSweep {
   OrderedOutput::WriteAt open_text(ChunkText text, PlaneChunk& chunk);
   std::vector<MapSink> map_sinks(PlaneChunk& chunk, const GridRegion& region);
   void sweep(PatchSchedule& patches, const Plan& plan, SweepResult& result, Summary& summary);
-  bool verify(Verifier& verifier, Summary& summary);
+  bool verify(Verifier& verifier, ChunkInfo& info, Summary& summary);
   void save_chunk(PlaneChunk& chunk, std::span<const AreaShare> shares) const;
 
   const RunTask& task_;

@@ -116,7 +116,10 @@ std::vector<PlaneRange> cut_into_slabs(std::span<const Atom> atoms, const Plan& 
     costs[b] *= static_cast<double>(plane_count(remaining(planes, finished))) /
                 static_cast<double>(planes.count());
   }
-  const std::vector<std::size_t> begins = cut_evenly(costs, count);
+  std::vector<std::size_t> begins = cut_evenly(costs, count);
+  const auto all = static_cast<std::size_t>(count);
+  for (std::size_t i = 1; i < all && all <= costs.size(); ++i)
+    begins[i] = std::clamp(begins[i], begins[i - 1] + 1, costs.size() - (all - i));
   std::vector<PlaneRange> slabs;
   for (std::size_t slab = 0; slab + 1 < begins.size(); ++slab)
     slabs.push_back(range_around(remaining(bins.planes(begins[slab], begins[slab + 1]), finished)));

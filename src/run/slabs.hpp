@@ -42,7 +42,8 @@ struct Slab {
 std::vector<std::size_t> cut_evenly(std::span<const double> costs, int parts);
 
 /// Returns the slabs of `count` processes in the region of `plan`. The planes in `finished`
-/// (ascending, disjoint) cost nothing and are at no end of a slab. Slabs may be empty.
+/// (ascending, disjoint) cost nothing and are at no end of a slab. Slabs without unfinished planes
+/// are empty.
 std::vector<PlaneRange> cut_into_slabs(std::span<const Atom> atoms, const Plan& plan,
                                        const Outputs& outputs, std::span<const PlaneRange> finished,
                                        int count);

@@ -82,6 +82,21 @@ struct CallerMemory {
   double per_point = 0, per_crossing = 0;  ///< bytes
 };
 
+/// A part of a run that a process performs alone: number `index` of `count`, from 1.
+struct Part {
+  int index = 1, count = 1;
+};
+
+/// When the chunks that other runs have left are joined.
+enum class Join : std::uint8_t {
+  none,         ///< The run computes missing chunks.
+  required,     ///< The run computes nothing. Missing chunks are an error.
+  if_complete,  ///< Throws NotJoined if chunks are missing, or if another run uses the chunks.
+};
+
+/// Thrown for Join::if_complete.
+struct NotJoined {};
+
 /// A request: the choices of the user for a run.
 struct RunTask {
   /// The atoms. A molecule in memory is computed by a single process.
@@ -91,9 +106,15 @@ struct RunTask {
   std::filesystem::path output_directory = {};
   /// Whether to keep finished chunks on disk, and to continue from the chunks of an earlier run.
   bool resume = false;
+  /// The part to compute. Its chunks are kept on disk; no output file is written.
+  std::optional<Part> part = {};
+  Join join = Join::none;
   bool dry_run = false;  ///< whether to create no files
   MapsInMemory maps_in_memory = {};
   CallerMemory caller_memory = {};
+
+  /// Whether finished chunks are kept if the run ends before the output files are complete.
+  bool keeps_chunks() const { return resume || part || join != Join::none; }
 };
 
 /// Receives each block once, in unspecified order. See `Callbacks` for the calling threads. An

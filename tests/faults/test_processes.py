@@ -408,7 +408,7 @@ class Failure(Processes):
         path = self.folder / "many.xyzr"
         path.write_text("1 2 3 1.5\n" * 2_600_000)
         done = self.run_together(2, path, "--max-memory", "100M")
-        self.assertEnded(done, "2600000 atoms need more than ")
+        self.assertEnded(done, "exceeds the memory limit of 100 MiB")
         self.assertNothing()
 
     def test_usage_errors_are_printed_once(self):
