@@ -21,13 +21,21 @@ enum class DiagnosticKind : std::uint8_t {
   /// The atom is the only one of its residue, as in most residues of the polymers of a PDB or mmCIF
   /// file. Atoms are missing, as in models of C-alpha atoms.
   one_atom_residue,
-  zero_radius,   ///< The radius is 0, as for hydrogens of some force fields; usual.
-  nested_usual,  ///< A hydrogen, of radius up to 1.4 angstrom, lies inside another atom; usual.
-  water,         ///< The atom belongs to a water molecule of a PQR file; usual.
+  /// The atom is the first one of a residue with the name of an amino acid or nucleotide, but with
+  /// atoms that it cannot have or without its backbone, as in coarse-grained models. Elements and
+  /// radii are guesses.
+  foreign_residue,
+  /// Most atoms are within 0.3 angstrom of their nearest neighbour, and their radii are not those
+  /// of small_radii: the coordinates are probably in nanometres. It replaces close and nested.
+  nanometre_coordinates,
+  unread_record,  ///< A line with coordinates has neither the name ATOM nor HETATM; see `line`.
+  zero_radius,    ///< The radius is 0, as for hydrogens of some force fields; usual.
+  nested_usual,   ///< A hydrogen, of radius up to 1.4 angstrom, lies inside another atom; usual.
+  water,          ///< The atom belongs to a water molecule of a PQR file; usual.
 };
 
 /// Number of kinds of diagnostics.
-inline constexpr std::size_t diagnostic_kinds = 9;
+inline constexpr std::size_t diagnostic_kinds = 12;
 
 /// Returns whether such atoms also occur in correct files.
 constexpr bool is_usual(DiagnosticKind kind) { return kind >= DiagnosticKind::zero_radius; }
@@ -40,6 +48,8 @@ struct Diagnostic {
     AtomIndex atom = 0;  ///< The atom.
     /// The atom that it repeats, is close to or lies in; `atom` itself if there is none.
     AtomIndex other = 0;
+    /// Line of the file, from 1, if it is not an atom that is suspicious; 0 otherwise.
+    std::uint64_t line = 0;
   };
   /// The largest number of examples.
   static constexpr std::size_t max_examples = 5;

@@ -115,6 +115,12 @@ struct StructureReport {
   std::vector<RadiusSource> by_element;
   /// Atoms with StructureOptions::unknown_radius. The counts include the images of an assembly.
   std::vector<RadiusSource> unknown;
+  /// Atoms, other than those of amino acids, nucleotides and water, whose element follows from
+  /// their names, because the file has none or another one for an ion.
+  std::vector<RadiusSource> guessed_elements;
+  /// The chains that are segments of a PDB file (columns 73 to 76), because the names of its chains
+  /// are blank or the same for different segments.
+  std::vector<std::string> segment_chains;
   /// The assemblies with several operators or without some of the atoms; empty if an assembly was
   /// built, or if the file is an assembly file of the PDB.
   std::vector<OtherAssembly> other_assemblies;

@@ -267,6 +267,12 @@ const char* name_of(DiagnosticKind kind) {
       return "small_radii";
     case DiagnosticKind::one_atom_residue:
       return "one_atom_residue";
+    case DiagnosticKind::foreign_residue:
+      return "foreign_residue";
+    case DiagnosticKind::nanometre_coordinates:
+      return "nanometre_coordinates";
+    case DiagnosticKind::unread_record:
+      return "unread_record";
     case DiagnosticKind::zero_radius:
       return "zero_radius";
     case DiagnosticKind::nested_usual:
@@ -296,6 +302,13 @@ void bind_diagnostic(py::module_& module) {
           "angstrom. "
           "``small_radii``: every radius is below 0.4 angstrom, as if in nanometres. "
           "``one_atom_residue``: it is alone in its residue, as in most residues of the file. "
+          "``foreign_residue``: its residue has atoms that an amino acid or nucleotide of this "
+          "name "
+          "cannot have, or no backbone. ``nanometre_coordinates``: most atoms are within 0.3 "
+          "angstrom "
+          "of their neighbours, as if in nanometres. ``unread_record``: a line with coordinates "
+          "has "
+          "an unknown record name. "
           "``zero_radius``: its radius is 0. ``nested_usual``: a hydrogen lies inside another "
           "atom. ``water``: it belongs to a water molecule of a PQR file.")
       .def_property_readonly(

@@ -34,6 +34,21 @@ constexpr std::array<Wording, diagnostic_kinds> wordings{{
      "residues have a single atom, as in models of C-alpha atoms; area and volume are not those of "
      "the whole molecule",
      ""},
+    {"foreign_residue",
+     "residue is no amino acid or nucleotide of its name: it has other atoms or no backbone, as in "
+     "coarse-grained models; its elements and radii are guesses",
+     "residues are no amino acids or nucleotides of their names: they have other atoms or no "
+     "backbone, as in coarse-grained models; their elements and radii are guesses",
+     ""},
+    {"nanometre_coordinates", "atom is within 0.3 angstrom of its nearest neighbour",
+     "atoms are within 0.3 angstrom of their nearest neighbours, but their radii are in angstrom; "
+     "coordinates look like nanometres; multiply them by 10",
+     ""},
+    {"unread_record",
+     "line has coordinates, but its record name is neither ATOM nor HETATM; it is not read",
+     "lines have coordinates, but their record names are neither ATOM nor HETATM; they are not "
+     "read",
+     ""},
     {"zero_radius", "of radius 0", "of radius 0", ""},
     {"nested_usual", "of at most 1.4 angstrom inside another atom",
      "of at most 1.4 angstrom inside another atom", "in"},
@@ -83,7 +98,11 @@ std::vector<DiagnosticText> describe(const FileDiagnostics& diagnostics,
     text.is_usual = is_usual(kind);
     text.count = count;
     text.short_text = count == 1 ? wording.one : wording.several;
-    for (const auto& [atom, other] : examples) {
+    for (const auto& [atom, other, of_record] : examples) {
+      if (of_record > 0) {
+        text.examples.push_back({.line = of_record});
+        continue;
+      }
       auto& example = text.examples.emplace_back(
           DiagnosticText::Example{atom, lines.at(atom), label_text(labels, atom)});
       if (other == atom) continue;

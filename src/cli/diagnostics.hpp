@@ -15,7 +15,7 @@ namespace eses::detail::cli {
 /// One kind of diagnostic.
 struct DiagnosticText {
   struct Example {
-    AtomIndex atom = 0;
+    std::optional<AtomIndex> atom = {};  ///< null for a line that is no atom
     std::uint64_t line = 0;
     std::optional<std::string> label = {};  ///< such as A/LYS 33/CE
     // The other atom of a pair, if the diagnostic has one.

@@ -5,9 +5,11 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <set>
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <system_error>
 #include <utility>
 #include <vector>
 
@@ -19,6 +21,7 @@
 #include "cli/messages.hpp"
 #include "cli/options.hpp"
 #include "eses/error.hpp"
+#include "output/file_path.hpp"
 #include "output/output_directory.hpp"
 #include "output/output_file.hpp"
 #include "system/formatted.hpp"
@@ -41,10 +44,6 @@ bool is_table(std::string_view name) {
   });
 }
 
-std::filesystem::path csv_directory(const MeasureCommandOptions& options) {
-  return options.csv.has_parent_path() ? options.csv.parent_path() : ".";
-}
-
 OutputPaths paths_of(const MeasureCommandOptions& options) {
   OutputPaths paths;
   for (const Table& table : tables)
@@ -53,25 +52,36 @@ OutputPaths paths_of(const MeasureCommandOptions& options) {
         paths.add(options.output_directory, table_name(input, table));
   if (options.tables.any()) paths.locks.push_back(lock_path(options.output_directory));
   if (options.csv.empty()) return paths;
-  const std::string name = options.csv.filename();
-  paths.add(csv_directory(options), name);
+  const auto [parent, name] = require_end_of_links(options.csv);
+  paths.add(parent, name);
   paths.final.back() = options.csv;  // for messages
-  paths.locks.push_back(lock_path(csv_directory(options), name));
+  paths.locks.push_back(lock_path(parent, name));
   return paths;
 }
 
-/// Throws Error if an output file would replace an input file, another output file, or something
-/// else than a regular file.
+/// Returns a path that is the same for all paths of a file that need not exist, by the links of its
+/// directory.
+std::filesystem::path plain_path(const std::filesystem::path& output) {
+  const FilePath end = end_of_links(output);
+  std::error_code error;
+  const std::filesystem::path parent =
+      weakly_canonical(std::filesystem::path(end_of_links(end.directory).text()), error);
+  return (error ? std::filesystem::path(end.directory) : parent) / end.name;
+}
+
+/// Throws Error if an output file would replace a file that is read, another output file, or
+/// something else than a regular file.
 void check_outputs(const MeasureCommandOptions& options, const std::vector<std::string>& outputs) {
-  std::map<std::filesystem::path, std::string> seen;
+  std::vector<ReadFile> read{{options.structure.radii, "the file of --radii"}};
+  for (const std::filesystem::path& input : options.inputs)
+    read.push_back({input, "an input file"});
+  const ReadFiles files(read);
+  std::set<std::filesystem::path> seen;
   for (const std::string& output : outputs) {
     require_replaceable(output);
-    const auto path = std::filesystem::absolute(output).lexically_normal();
-    if (!seen.emplace(path, output).second)
+    if (!seen.insert(plain_path(output)).second)
       throw Error(formatted("{} would be written twice; use separate output directories", output));
-    for (const std::filesystem::path& input : options.inputs)
-      if (is_same_file(input, output))
-        throw Error(formatted("{} is an input file, and would be overwritten", output));
+    files.refuse(output);
   }
 }
 
@@ -186,9 +196,10 @@ int perform_measure(const Arguments& arguments, const Processes& /*processes*/) 
     directory->remove_abandoned(is_table);
   }
   if (!options.csv.empty()) {
-    const std::string name = options.csv.filename();
-    directory_of_csv.emplace(csv_directory(options), name);
-    directory_of_csv->remove_abandoned([&](std::string_view file) { return file == name; });
+    const auto [parent, name] = end_of_links(options.csv);
+    directory_of_csv.emplace(parent, name);
+    directory_of_csv->remove_abandoned(
+        [&csv_name = name](std::string_view file) { return file == csv_name; });
     csv.emplace(*directory_of_csv, name);
   }
   const CheckCallback check = [&] { interruptible.check(); };

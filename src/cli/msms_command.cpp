@@ -4,10 +4,14 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <filesystem>
 #include <memory>
 #include <numeric>
+#include <optional>
 #include <string>
 #include <string_view>
+#include <system_error>
+#include <utility>
 #include <vector>
 
 #include "cli/command.hpp"
@@ -19,6 +23,7 @@
 #include "eses/version.hpp"
 #include "input/read_spheres.hpp"
 #include "output/buffered_text.hpp"
+#include "output/file_path.hpp"
 #include "output/msms_text.hpp"
 #include "output/output_directory.hpp"
 #include "output/output_file.hpp"
@@ -167,47 +172,139 @@ void warn_about_others(const MsmsOptions& options, const MsmsSurface& surface) {
 
 // ------------------------------------------------------------------------------------- the files
 
-OutputPaths paths_in(const std::filesystem::path& directory,
-                     const std::vector<std::string>& names) {
-  OutputPaths paths{.final = {}, .temporaries = {}, .locks = {lock_path(directory, names.front())}};
-  for (const std::string& name : names) paths.add(directory, name);
-  return paths;
+std::filesystem::path directory_of(const std::filesystem::path& path) {
+  return path.has_parent_path() ? path.parent_path() : ".";
 }
 
-/// Files that appear together, in the directory of the first one.
+/// Returns the path of the triangles of a component without suffix: NAME, NAME_1, NAME_2 and so on.
+std::filesystem::path component_path(const MsmsOptions& options, std::size_t component) {
+  std::filesystem::path path = options.surface;
+  if (component > 0) path += formatted("_{}", component);
+  return path;
+}
+
+/// Returns whether a name is that of the triangles of a component, of this or another run.
+bool is_of_component(const MsmsOptions& options, std::string_view name) {
+  const std::string start = options.surface.filename().string();
+  if (!name.starts_with(start) || !(name.ends_with(".vert") || name.ends_with(".face")))
+    return false;
+  name.remove_prefix(start.size());
+  name.remove_suffix(std::string_view(".vert").size());
+  return name.empty() || (name.size() > 1 && name.starts_with('_') && name[1] != '0' &&
+                          name.find_first_not_of("0123456789", 1) == name.npos);
+}
+
+/// The files of a run, which appear together or not at all. Symbolic links are followed, as by the
+/// other commands.
 class Files {
  public:
-  Files(const std::filesystem::path& directory, const std::vector<std::string>& names)
-      : interruptible_(paths_in(directory, names)), directory_(directory, names.front()) {
-    directory_.remove_abandoned([&](std::string_view name) {
-      return std::find(names.begin(), names.end(), name) != names.end();
-    });
-    for (const std::string& name : names)
-      files_.push_back(std::make_unique<OutputFile>(directory_, name));
+  /// Checks and locks the files that every run with these options writes, and those of further
+  /// components that an earlier run has left, which will be removed.
+  explicit Files(const MsmsOptions& options) : options_(options) {
+    if (has_triangles()) add_component(0);
+    if (!options.areas.empty()) {
+      std::filesystem::path path = options.areas;
+      if (path.extension() != ".area") path += ".area";
+      add(path);
+    }
+    if (has_triangles()) find_stale();
+    const std::array read{ReadFile{options.input, "the input"}};
+    const ReadFiles input(read);
+    for (const FilePath& path : paths_) input.refuse(path.text());
+    for (const FilePath& path : stale_) input.refuse(path.text(), "removed; choose another name");
+    lock();
   }
 
-  /// Returns a sink that appends to file `index`.
-  TextSink sink(std::size_t index) {
-    return [this, index](std::string_view text) {
-      interruptible_.check();
-      files_[index]->append(text);
-    };
+  bool has_triangles() const { return !options_.surface.empty() && options_.has_triangles; }
+
+  /// Throws Interrupted after a signal.
+  void check() {
+    if (interruptible_) interruptible_->check();
   }
+
+  /// Creates the files, with those of this number of components.
+  void create(std::size_t components) {
+    if (has_triangles())
+      for (std::size_t i = 1; i < components; ++i) add_component(i);
+    lock();
+    for (std::size_t i = 0; i < paths_.size(); ++i)
+      files_.push_back(std::make_unique<OutputFile>(*directories_[i], paths_[i].name));
+  }
+
+  TextSink vertices(std::size_t component) { return sink(index_of(component)); }
+  TextSink triangles(std::size_t component) { return sink(index_of(component) + 1); }
+  TextSink areas() { return sink(has_triangles() ? 2 : 0); }
 
   void commit() {
     for (const auto& file : files_) file->close();
+    for (const auto& file : files_) file->remove_older();
+    for (const auto& [directory, name] : stale_)
+      if (std::find(paths_.begin(), paths_.end(), FilePath{directory, name}) == paths_.end())
+        directories_.front()->remove(name);
     commit_all(files_);
   }
 
  private:
-  InterruptibleRun interruptible_;
-  OutputDirectory directory_;
+  /// The areas come behind the first component, which is known before.
+  std::size_t index_of(std::size_t component) const {
+    return 2 * component + (component > 0 && !options_.areas.empty() ? 1U : 0U);
+  }
+
+  TextSink sink(std::size_t index) {
+    return [this, index](std::string_view text) {
+      check();
+      files_[index]->append(text);
+    };
+  }
+
+  void add(const std::filesystem::path& file) {
+    FilePath path = require_end_of_links(file);
+    require_free_name(path);
+    if (std::find(paths_.begin(), paths_.end(), path) != paths_.end())
+      throw Error(formatted("two of the files would be the same one: {}; choose another name",
+                            path.text()));
+    paths_.push_back(std::move(path));
+  }
+
+  void add_component(std::size_t component) {
+    for (const char* const suffix : {".vert", ".face"}) {
+      std::filesystem::path path = component_path(options_, component);
+      add(path += suffix);
+    }
+  }
+
+  void find_stale() {
+    std::error_code error;  // if the directory does not exist yet
+    const std::filesystem::path directory = directory_of(options_.surface);
+    for (const auto& entry : std::filesystem::directory_iterator(directory, error))
+      if (const std::string name = entry.path().filename(); is_of_component(options_, name))
+        stale_.push_back({directory.native(), name});
+  }
+
+  /// Locks the files that are not locked yet. A signal removes all of them.
+  void lock() {
+    OutputPaths paths;
+    for (const auto& [directory, name] : paths_) {
+      paths.add(directory, name);
+      paths.locks.push_back(lock_path(directory, name));
+    }
+    interruptible_.reset();
+    interruptible_.emplace(std::move(paths));
+    for (std::size_t i = directories_.size(); i < paths_.size(); ++i) {
+      directories_.push_back(
+          std::make_unique<OutputDirectory>(paths_[i].directory, paths_[i].name));
+      directories_[i]->remove_abandoned([&](std::string_view name) {
+        return name == paths_[i].name || (i == 0 && is_of_component(options_, name));
+      });
+    }
+  }
+
+  const MsmsOptions& options_;
+  std::vector<FilePath> paths_, stale_;
+  std::optional<InterruptibleRun> interruptible_;
+  std::vector<std::unique_ptr<OutputDirectory>> directories_;  // by file
   std::vector<std::unique_ptr<OutputFile>> files_;
 };
-
-std::filesystem::path directory_of(const std::filesystem::path& path) {
-  return path.has_parent_path() ? path.parent_path() : ".";
-}
 
 /// A component, and the header of its files.
 struct ComponentWriter {
@@ -265,27 +362,17 @@ struct ComponentWriter {
 };
 
 void write_triangles(const MsmsOptions& options, const Input& input, const MsmsSurface& surface,
-                     const std::vector<std::uint32_t>& components) {
-  std::vector<std::string> names;
-  for (std::size_t i = 0; i < components.size(); ++i)
-    for (const char* const suffix : {".vert", ".face"})
-      names.push_back(options.surface.filename().string() +
-                      (i == 0 ? std::string() : formatted("_{}", i)) + suffix);
-  Files files(directory_of(options.surface), names);
+                     const std::vector<std::uint32_t>& components, Files& files) {
   for (std::size_t i = 0; i < components.size(); ++i) {
     const ComponentWriter writer{options, input, surface, components[i]};
-    writer.write_triangles(writer.write_vertices(files.sink(2 * i)), files.sink(2 * i + 1));
+    writer.write_triangles(writer.write_vertices(files.vertices(i)), files.triangles(i));
   }
-  files.commit();
 }
 
 /// Writes a line for each sphere of the file; the areas of ignored spheres are 0.
-void write_areas(const MsmsOptions& options, const Input& input, const MsmsSurface& surface,
-                 const std::vector<std::uint32_t>& components) {
-  std::string name = options.areas.filename();
-  if (!name.ends_with(".area")) name += ".area";
-  Files files(directory_of(options.areas), {name});
-  BufferedText text(files.sink(0));
+void write_areas(const Input& input, const MsmsSurface& surface,
+                 const std::vector<std::uint32_t>& components, const TextSink& sink) {
+  BufferedText text(sink);
   text.append("Atom#");
   for (std::size_t i = 0; i < components.size(); ++i)
     text.append(" {:>11} {:>11}", formatted("ses_{}", i), formatted("sas_{}", i));
@@ -306,7 +393,6 @@ void write_areas(const MsmsOptions& options, const Input& input, const MsmsSurfa
     next += static_cast<AtomIndex>(is_used);
   }
   text.flush();
-  files.commit();
 }
 
 }  // namespace
@@ -315,13 +401,15 @@ int perform_msms(const Arguments& arguments, const Processes& /*processes*/) {
   end_on_signals();
   const MsmsOptions options = parse_msms_arguments(arguments);
   require_standard_output();
+  Files files(options);
   const Input input = read_input(options);
   print(input_text(options, input));
-  const MsmsSurface surface = make_msms_surface(input.used, options);
+  const MsmsSurface surface = make_msms_surface(input.used, options, [&] { files.check(); });
   const std::vector<std::uint32_t> components = chosen_components(options, input, surface);
-  if (!options.surface.empty() && options.has_triangles)
-    write_triangles(options, input, surface, components);
-  if (!options.areas.empty()) write_areas(options, input, surface, components);
+  files.create(components.size());
+  if (files.has_triangles()) write_triangles(options, input, surface, components, files);
+  if (!options.areas.empty()) write_areas(input, surface, components, files.areas());
+  files.commit();
   warn_about_others(options, surface);
   print(surface_text(options, surface, components));
   return exit_done;

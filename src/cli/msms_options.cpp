@@ -1,11 +1,13 @@
 #include "cli/msms_options.hpp"
 
 #include <algorithm>
+#include <filesystem>
 #include <iterator>
 #include <limits>
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "cli/arguments.hpp"
 #include "eses/surface.hpp"
@@ -173,6 +175,12 @@ MsmsOptions parse_msms_arguments(const Arguments& arguments) {
     rest = values.rest;
   }
   if (options.input.empty()) throw UsageError("no input file; give it with -if");
+  for (const auto& [name, path] :
+       {std::pair("-of", options.surface), std::pair("-af", options.areas)})
+    if (const std::filesystem::path file = path.filename();
+        !path.empty() && (file.empty() || file == "." || file == ".."))
+      throw UsageError(formatted("{} needs the name of a file, and '{}' is a directory; use {}",
+                                 name, path.string(), (path / "NAME").lexically_normal().string()));
   if (options.has_all_components && !options.cavity_atoms.empty())
     throw UsageError("-all_components and -one_cavity exclude each other; use only one of them");
   if (!options.areas.empty() && !options.has_areas)

@@ -96,6 +96,29 @@ void divide_areas(const AtomAreas& areas, std::span<const Atom> spheres,
   }
 }
 
+/// A mesh and the points and crossings from which it was made.
+struct ComputedMesh {
+  Result computed;
+  Mesh mesh;
+};
+
+/// Makes the mesh on a grid whose spacing follows from the density. If no triangles result, as the
+/// spheres lie between the points of the grid, makes it on finer grids.
+ComputedMesh make_mesh(const Surface& surface, const MsmsOptions& options,
+                       const CheckCallback& check) {
+  constexpr std::int64_t max_points = 1 << 24;  // of a finer grid
+  double spacing = std::sqrt(mesh::quality_vertices_per_area / options.density);
+  for (;; spacing /= 2) {
+    // The grid may lack up to one spacing of its upper margin.
+    const Grid grid = make_grid(surface, {.spacing = spacing, .margin = 2 * spacing});
+    Result computed = compute(surface, grid, {.inside = true, .crossings = true, .check = check});
+    Mesh mesh = make_quality_mesh(computed);
+    const Grid finer = make_grid(surface, {.spacing = spacing / 2, .margin = spacing});
+    if (!mesh.vertices.empty() || finer.point_count() > max_points)
+      return {std::move(computed), std::move(mesh)};
+  }
+}
+
 }  // namespace
 
 std::uint32_t MsmsSurface::component_at(std::span<const AtomIndex> atoms) const {
@@ -121,16 +144,16 @@ std::uint32_t MsmsSurface::component_at(std::span<const AtomIndex> atoms) const 
   return found;
 }
 
-MsmsSurface make_msms_surface(std::vector<Atom> spheres, const MsmsOptions& options) {
+MsmsSurface make_msms_surface(std::vector<Atom> spheres, const MsmsOptions& options,
+                              const CheckCallback& check) {
   MsmsSurface result;
-  const double spacing = std::sqrt(mesh::quality_vertices_per_area / options.density);
-  const Surface surface(std::move(spheres), {.probe_radius = options.probe_radius});
-  // The grid may lack up to one spacing of its upper margin.
-  const Grid grid = make_grid(surface, {.spacing = spacing, .margin = 2 * spacing});
-  const Result computed = compute(surface, grid, {.inside = true, .crossings = true});
-  const Mesh mesh = make_quality_mesh(computed);
-  if (mesh.vertices.empty())
-    throw Error(formatted("no triangles at -density {}; use a higher density", options.density));
+  const Surface surface(std::move(spheres), {.probe_radius = options.probe_radius, .check = check});
+  const auto [computed, mesh] = make_mesh(surface, options, check);
+  if (mesh.vertices.empty() && options.has_triangles)
+    throw Error(
+        formatted("no triangles at -density {}, as the spheres are too small; use a higher "
+                  "density, or -surface ases",
+                  options.density));
   result.triangles = mesh.faces;
   for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
     const mesh::Vertex& vertex =
@@ -141,8 +164,9 @@ MsmsSurface make_msms_surface(std::vector<Atom> spheres, const MsmsOptions& opti
     }));
   }
   result.components = mesh::find_shells(mesh.vertices, mesh.faces);
+  if (result.components.all.empty()) result.components.all.emplace_back();
   if (!options.has_areas) return result;
-  const Measures measures = measure(surface, {.by_atom = true});
+  const Measures measures = measure(surface, {.by_atom = true, .check = check});
   divide_areas(measures.by_atom, surface.atoms(), mesh.vertices, result);
   return result;
 }

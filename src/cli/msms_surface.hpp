@@ -38,7 +38,9 @@ struct MsmsSurface {
 };
 
 /// Computes the surface of spheres on a grid for which the triangles of quality have about the
-/// chosen density of vertices. Throws Error if there are none.
-MsmsSurface make_msms_surface(std::vector<Atom> spheres, const MsmsOptions& options);
+/// chosen density of vertices, or a higher one if the spheres are too small for any triangle. Calls
+/// `check` repeatedly. Throws Error if there are no triangles but the options need them.
+MsmsSurface make_msms_surface(std::vector<Atom> spheres, const MsmsOptions& options,
+                              const CheckCallback& check);
 
 }  // namespace eses::detail::cli

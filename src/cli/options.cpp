@@ -581,11 +581,6 @@ bool is_same_directory(const std::filesystem::path& a, const std::filesystem::pa
   return plain(a) == plain(b);
 }
 
-bool is_same_file(const std::filesystem::path& input, const std::filesystem::path& output) {
-  std::error_code error;  // set if a file does not exist
-  return std::filesystem::equivalent(input == "-" ? "/dev/stdin" : input, output, error) && !error;
-}
-
 bool asks_to_be_independent(std::span<const std::string> arguments) {
   const auto end = std::find(arguments.begin(), arguments.end(), "--");
   return std::any_of(arguments.begin(), end, [](const std::string& argument) {

@@ -37,9 +37,6 @@ struct Options : RunTask {
 /// Returns whether two paths name the same directory, without following symbolic links.
 bool is_same_directory(const std::filesystem::path& a, const std::filesystem::path& b);
 
-/// Returns whether an input file, or standard input for `-`, is also the file `output`.
-bool is_same_file(const std::filesystem::path& input, const std::filesystem::path& output);
-
 /// Returns whether --independent or --part is among the arguments. Used before MPI is initialized,
 /// which may remove its own arguments from the command line.
 bool asks_to_be_independent(std::span<const std::string> arguments);

@@ -94,6 +94,31 @@ std::string sources_text(const std::vector<RadiusSource>& sources, std::string_v
                    fmt::join(names, ", "));
 }
 
+/// Returns the line of the atoms whose elements were derived from names.
+std::string guessed_text(const std::vector<RadiusSource>& sources) {
+  if (sources.empty()) return "";
+  constexpr std::size_t max_names = 8;
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < std::min(max_names, sources.size()); ++i)
+    names.push_back(printable(
+        formatted("{} {}: {}", sources[i].residue, sources[i].atom_name, sources[i].element)));
+  if (sources.size() > max_names) names.emplace_back("...");
+  return formatted("elements: {} by name, not by the file ({})\n",
+                   counted(count_atoms(sources), "atom"), fmt::join(names, ", "));
+}
+
+/// Returns the note on chains that are segments.
+std::string segments_text(const std::vector<std::string>& chains) {
+  if (chains.empty()) return "";
+  constexpr std::size_t max_names = 8;
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < std::min(max_names, chains.size()); ++i)
+    names.push_back(printable(chains[i]));
+  if (chains.size() > max_names) names.emplace_back("...");
+  return formatted("note: chains are named by the segments in columns 73 to 76: {}\n",
+                   fmt::join(names, ", "));
+}
+
 std::string model_text(const StructureReport& report) {
   return report.models < 2
              ? ""
@@ -132,11 +157,12 @@ std::string other_assemblies_text(const StructureReport& report) {
 
 std::string structure_text(const StructureReport& report) {
   const std::string dropped = atom_counts_text(report, dropped_counts);
-  return formatted("read: {}{}{}\n{}radii: {}{}{}\n{}", atom_counts_text(report, kept_counts),
+  return formatted("read: {}{}{}\n{}radii: {}{}{}\n{}{}{}", atom_counts_text(report, kept_counts),
                    model_text(report), assembly_text(report),
                    dropped.empty() ? "" : formatted("left out: {}\n", dropped),
                    printable(report.radii), sources_text(report.by_element, "by element"),
                    sources_text(report.unknown, "of unknown radius"),
+                   guessed_text(report.guessed_elements), segments_text(report.segment_chains),
                    other_assemblies_text(report));
 }
 
@@ -159,5 +185,7 @@ void eses::to_json(detail::Json& json, const StructureReport& report) {
           {"left_out", counts_json(report, dropped_counts)},
           {"radii", report.radii},
           {"radii_by_element", report.by_element},
-          {"unknown_radii", report.unknown}};
+          {"unknown_radii", report.unknown},
+          {"elements_by_name", report.guessed_elements},
+          {"segment_chains", report.segment_chains}};
 }

@@ -21,6 +21,7 @@
 #include "distributed/processes.hpp"
 #include "eses/error.hpp"
 #include "grid/make_grid.hpp"
+#include "output/file_path.hpp"
 #include "output/output_files.hpp"
 #include "run/engine.hpp"
 #include "system/formatted.hpp"
@@ -57,12 +58,6 @@ void on_rank_zero(const Processes& processes, const std::function<void()>& actio
   if (processes.sum(errors.size()) > 0) throw StrictError{errors};
 }
 
-// A file that a run reads.
-struct ReadFile {
-  std::filesystem::path path;
-  std::string_view role;  // for messages
-};
-
 // Returns the files that a run reads. The name of a set of radii counts as a file, too, because no
 // output has such a name.
 std::vector<ReadFile> files_to_read(const Options& options) {
@@ -77,19 +72,16 @@ std::vector<ReadFile> files_to_read(const Options& options) {
 // Throws Error if the run would overwrite or remove a file that it reads.
 void refuse_to_lose_input(const Options& options) {
   const std::vector<ReadFile> read = files_to_read(options);
-  const auto refuse_if_read = [&](const std::string& file, std::string_view fate) {
-    for (const auto& [path, role] : read)
-      if (is_same_file(path, file))
-        throw Error(formatted("{} is {}, and would be {}", file, role, fate));
-  };
+  const ReadFiles files(read);
   for (const std::string& file : output_paths(options.outputs, options.output_directory).final)
-    refuse_if_read(file, "overwritten");
+    files.refuse(file);
   for (const std::string& file : stale_paths(options.outputs, options.output_directory))
-    refuse_if_read(file, options.outputs.gzip ? "removed, as a gzipped file takes its place"
-                                              : "removed, as a plain file takes its place");
+    files.refuse(file, options.outputs.gzip ? "removed, as a gzipped file takes its place"
+                                            : "removed, as a plain file takes its place");
   const std::filesystem::path checkpoint = options.output_directory / checkpoint_name;
+  std::error_code missing;  // if there is no checkpoint
   for (const auto& [path, role] : read)
-    if (path.has_parent_path() && is_same_file(path.parent_path(), checkpoint))
+    if (path.has_parent_path() && equivalent(path.parent_path(), checkpoint, missing))
       throw Error(formatted("{} is {}, and would be removed with the chunks of --resume",
                             path.string(), role));
 }

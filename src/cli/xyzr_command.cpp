@@ -17,7 +17,8 @@ namespace eses::detail::cli {
 namespace {
 
 constexpr char xyzr_footer[] =
-    R"(The radii are those of MSMS for united atoms; hydrogens have 1.2 angstrom. Waters and
+    R"(The radii are those of MSMS for united atoms; hydrogens have 1.2 angstrom. PQR files keep
+their radii. Waters and
 hydrogens are included; eses-msms -noh ignores the hydrogens. Of several models or alternate
 locations, only one is read, as by the other commands.
 
@@ -39,26 +40,26 @@ InputFile parse_xyzr_arguments(bool has_names, const Arguments& arguments) {
   input.structure.radii = "msms";
   input.structure.with_waters = true;
   input.structure.hydrogens = HydrogenChoice::keep;
-  CLI::App app(formatted("Prints the atoms of a PDB or mmCIF file as spheres for MSMS{}.",
+  CLI::App app(formatted("Prints the atoms of a PDB, mmCIF or PQR file as spheres for MSMS{}.",
                          has_names ? ", with names" : ""),
                "eses-blocks " + name);
   set_up(app, formatted("eses-blocks {} [OPTIONS] [FILE]", name), xyzr_footer);
   begin_group(app, "Options");
-  add_value(app, "FILE", "", "PDB or mmCIF file; - for standard input [-]", input.path,
+  add_value(app, "FILE", "", "PDB, mmCIF or PQR file; - for standard input [-]", input.path,
             any_text("a file"));
-  add_value(app, "--format", "NAME", "auto (by suffix, otherwise pdb), pdb or mmcif [auto]",
+  add_value(app, "--format", "NAME", "auto (by suffix, otherwise pdb), pdb, mmcif or pqr [auto]",
             input.format,
             one_of<AtomFormat>({{"auto", AtomFormat::automatic},
                                 {"pdb", AtomFormat::pdb},
-                                {"mmcif", AtomFormat::mmcif}}));
+                                {"mmcif", AtomFormat::mmcif},
+                                {"pqr", AtomFormat::pqr}}));
   add_value(app, "--unknown-radius", "R",
             "radius of atoms without a known radius, in angstrom\n[such atoms are an error]",
             input.structure.unknown_radius,
             number_between(0, max_set_radius, "a number from 0 to 1000, in angstrom"));
   add_notices(app);
   parse(app, arguments, "FILE");
-  input.format = format_of(input.path, input.format);
-  if (!is_structure(input.format)) input.format = AtomFormat::pdb;
+  if (format_of(input.path, input.format) == AtomFormat::xyzr) input.format = AtomFormat::pdb;
   return input;
 }
 
@@ -68,7 +69,7 @@ std::string radius_text(double radius) {
   return shortest.size() > fixed.size() ? shortest : fixed;
 }
 
-/// Prints the spheres of a PDB or mmCIF file.
+/// Prints the spheres of a PDB, mmCIF or PQR file.
 int print_spheres(bool has_names, const Arguments& arguments) {
   const InputFile input = parse_xyzr_arguments(has_names, arguments);
   require_standard_output();

@@ -71,12 +71,20 @@ std::string describe_xyzr(const Problem& problem, std::string_view line, std::st
 constexpr std::array<std::string_view, 10> water_residues{"HOH",  "WAT",  "H2O",  "DOD",  "SOL",
                                                           "TIP2", "TIP3", "TIP4", "TIP5", "SPCE"};
 
+/// Returns the diagnostic of a kind, which may be new. Diagnostics are in the order of their kinds.
+Diagnostic& diagnostic_of(DiagnosticKind kind, AtomFile& file) {
+  auto at = std::find_if(file.diagnostics.begin(), file.diagnostics.end(),
+                         [kind](const Diagnostic& other) { return other.kind >= kind; });
+  if (at == file.diagnostics.end() || at->kind != kind)
+    at = file.diagnostics.insert(at, {kind, 0, {}});
+  return *at;
+}
+
 /// Adds the last atom of a PQR file to the diagnostics if it belongs to water.
 void inspect_residue(std::string_view residue, AtomFile& file) {
   if (std::find(water_residues.begin(), water_residues.end(), residue) == water_residues.end())
     return;
-  if (file.diagnostics.empty()) file.diagnostics.push_back({DiagnosticKind::water, 0, {}});
-  Diagnostic& water = file.diagnostics.front();
+  Diagnostic& water = diagnostic_of(DiagnosticKind::water, file);
   const auto atom = static_cast<AtomIndex>(file.atoms.size() - 1);
   if (++water.count <= Diagnostic::max_examples) water.examples.push_back({atom, atom});
 }
@@ -131,11 +139,23 @@ void check_line(std::string_view line, std::string_view name, std::size_t number
   }
 }
 
+/// Reads a line of a PQR file that is not a record of an atom. Throws Error if remarks name columns
+/// in another order than that of PQR files.
+void inspect_other_line(std::string_view line, const AtomLines& lines, std::uint64_t number,
+                        LinesRead& read, AtomFile& result) {
+  read.columns.add(line);
+  if (read.columns.are_swapped())
+    fail_at_line(lines.name, number,
+                 "the remarks name the column of the radius before that of the charge; PQR files "
+                 "have x y z charge radius; swap the columns");
+  if (is_unread_atom(line)) add_unread_record(number, result);
+}
+
 /// Parses whole lines, which follow the lines of `read`.
 void parse_lines(std::string_view text, const AtomLines& lines, LinesRead& read, AtomFile& result) {
   const std::string_view name = lines.name;
   const std::uint64_t first_line = lines.first_line + read.lines;
-  if (first_line == 1) text = checked_text(text, name, lines.options.format);
+  if (first_line == 1) text = checked_text(text, name, lines.options.format, lines.is_chosen);
   check_is_text(text, name, first_line);
   const bool is_pqr = lines.options.format == AtomFormat::pqr;
   const int model = lines.options.structure.model;
@@ -149,6 +169,7 @@ void parse_lines(std::string_view text, const AtomLines& lines, LinesRead& read,
       ++read.models;
       read.last_model = model_number(line, name, number);
     }
+    if (is_pqr && !is_record(line)) inspect_other_line(line, lines, number, read, result);
     if (!is_record(line) || (is_pqr && model != 0 && read.last_model != model)) continue;
     Record record;
     if (const Problem problem = parse_line(line, record)) {
@@ -241,7 +262,8 @@ void require_atoms(const AtomLines& lines, std::uint64_t atoms, const LinesRead&
     throw Error(
         formatted("{}: {} models, whose atoms lie on top of each other; choose one with --model N",
                   lines.name, read.models));
-  refuse_pdb_records(lines.name, atoms, read.likeness);
+  if (!lines.is_chosen && !read.columns.are_known())
+    refuse_pdb_records(lines.name, atoms, read.likeness);
 }
 
 AtomFile read_all_atoms(const ReadText& read, const AtomLines& lines,
@@ -262,6 +284,11 @@ ReadText text_in_memory(std::string_view text) {
     text.remove_prefix(count);
     return count;
   };
+}
+
+void add_unread_record(std::uint64_t line, AtomFile& file) {
+  Diagnostic& unread = diagnostic_of(DiagnosticKind::unread_record, file);
+  if (++unread.count <= Diagnostic::max_examples) unread.examples.push_back({0, 0, line});
 }
 
 std::string no_atoms_message(std::string_view name, AtomFormat format, std::uint64_t lines,

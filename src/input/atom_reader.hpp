@@ -18,6 +18,8 @@ struct AtomLines {
   const ReadOptions& options;
   std::string_view name;         ///< name of the file, for messages
   std::uint64_t first_line = 1;  ///< number of the first line in the file, from 1
+  /// Whether the user has chosen the format, so that the text is not taken for another one.
+  bool is_chosen = false;
 };
 
 /// Counts of a text that was read.
@@ -27,6 +29,7 @@ struct LinesRead {
   std::uint64_t models = 0;  ///< number of MODEL records
   /// Number of the model at the end of the text. Atoms outside of all models belong to model 1.
   int last_model = 1;
+  NamedColumns columns = {};  ///< the columns of charge and radius, if remarks name them
 };
 
 /// Fills a part of a buffer and returns the number of characters; 0 at the end of the text.
@@ -46,6 +49,9 @@ void require_atoms(const AtomLines& lines, std::uint64_t atoms, const LinesRead&
 /// `after_part` after each part.
 AtomFile read_all_atoms(const ReadText& read, const AtomLines& lines,
                         const std::function<void(AtomFile& atoms)>& after_part = {});
+
+/// Adds a line with coordinates whose record name is unknown to the diagnostics.
+void add_unread_record(std::uint64_t line, AtomFile& file);
 
 /// Reads a text in memory, which must outlive the result.
 ReadText text_in_memory(std::string_view text);

@@ -5,6 +5,8 @@
 #include <cstddef>
 
 #include "eses/error.hpp"
+#include "input/advice.hpp"
+#include "input/pqr_records.hpp"
 #include "input/text_fields.hpp"
 #include "system/formatted.hpp"
 #include "system/gzip.hpp"
@@ -23,8 +25,11 @@ constexpr std::string_view open_babel = "convert it with `obabel FILE -O FILE.pd
 constexpr std::string_view gromacs = "convert it with `gmx editconf -f FILE -o FILE.pdb`";
 constexpr std::string_view gromacs_trajectory =
     "write one frame with `gmx trjconv -f FILE -s TOPOLOGY.tpr -dump 0 -o FILE.pdb`";
-constexpr std::string_view amber =
-    "make a PQR file of topology and coordinates with `ambpdb -p FILE.prmtop -c FILE.inpcrd -pqr > "
+constexpr std::string_view amber_topology =
+    "make a PQR file of topology and coordinates with `ambpdb -p FILE -c FILE.inpcrd -pqr > "
+    "FILE.pqr`";
+constexpr std::string_view amber_coordinates =
+    "make a PQR file of topology and coordinates with `ambpdb -p FILE.prmtop -c FILE -pqr > "
     "FILE.pqr`";
 constexpr std::string_view cpptraj =
     "write the first frame with `cpptraj -p TOPOLOGY.prmtop -y FILE -ya '1 1' -x FILE.pdb`";
@@ -35,8 +40,8 @@ constexpr std::string_view trajectory =
 constexpr std::array other_formats{
     OtherFormat{"Tripos MOL2", ".mol2", open_babel},
     OtherFormat{"MDL molfile or SDF", ".sdf .mol .sd", open_babel},
-    OtherFormat{"Amber topology", ".prmtop .parm7", amber},
-    OtherFormat{"Amber restart", ".inpcrd .rst7 .rst", amber},
+    OtherFormat{"Amber topology", ".prmtop .parm7", amber_topology},
+    OtherFormat{"Amber restart", ".inpcrd .rst7 .rst", amber_coordinates},
     OtherFormat{"Amber NetCDF", ".nc .ncrst .ncdf", cpptraj},
     OtherFormat{"HDF5", ".h5 .h5md",
                 "write one frame as PDB; for files of MDTraj use `mdconvert FILE -i 0 -o "
@@ -50,7 +55,7 @@ constexpr std::array other_formats{
     OtherFormat{"GROMACS coordinate", ".gro .g96 .tpr", gromacs},
     OtherFormat{"GROMACS or Amber topology", ".top",
                 "it has no coordinates; with GROMACS use `gmx editconf -f FILE.gro -o FILE.pdb`, "
-                "with Amber `ambpdb -p FILE.top -c FILE.inpcrd -pqr > FILE.pqr`"},
+                "with Amber `ambpdb -p FILE -c FILE.inpcrd -pqr > FILE.pqr`"},
     OtherFormat{"mmJSON", ".json", "convert it with `gemmi convert FILE FILE.cif`"},
     OtherFormat{"MMTF", ".mmtf",
                 "convert it with `pymol -cq FILE -d 'save FILE.cif'`, or get the entry as .cif"},
@@ -62,16 +67,6 @@ constexpr std::array other_formats{
     OtherFormat{"XYZ", ".xyz", open_babel},
     OtherFormat{"Maestro", ".mae .maegz", pymol},
 };
-
-/// Throws Error if a suffix belongs to one of these formats.
-void refuse_suffix(std::string_view name, std::string_view suffix) {
-  for (const OtherFormat& format : other_formats) {
-    std::string_view suffixes = format.suffixes;
-    while (!suffixes.empty())
-      if (take_first(suffixes) == suffix)
-        throw Error(formatted("{}: {} files are not read; {}", name, format.name, format.advice));
-  }
-}
 
 /// Returns the first line that is neither blank nor a comment.
 std::string_view first_line(std::string_view text) {
@@ -155,15 +150,27 @@ std::string input_suffix(const std::filesystem::path& path) {
   return suffix == gzip_suffix ? input_suffix(path.stem()) : suffix;
 }
 
-void refuse_other_suffix(const std::filesystem::path& path) {
-  refuse_suffix(path.string(), input_suffix(path));
+void refuse_other_suffix(std::string_view name, std::string_view suffix) {
+  for (const OtherFormat& format : other_formats) {
+    std::string_view suffixes = format.suffixes;
+    while (!suffixes.empty())
+      if (take_first(suffixes) == suffix)
+        throw Error(formatted("{}: {} files are not read; {}", name, format.name,
+                              advice_for(name, format.advice)));
+  }
 }
 
-std::string_view checked_text(std::string_view text, std::string_view name, AtomFormat format) {
+void refuse_other_suffix(const std::filesystem::path& path) {
+  refuse_other_suffix(path.string(), input_suffix(path));
+}
+
+std::string_view checked_text(std::string_view text, std::string_view name, AtomFormat format,
+                              bool is_chosen) {
   constexpr std::string_view byte_order_mark = "\xef\xbb\xbf";
   refuse_wide_characters(text, name);
   if (text.starts_with(byte_order_mark)) text.remove_prefix(byte_order_mark.size());
-  refuse_suffix(name, suffix_by_content(text));
+  refuse_other_suffix(name, suffix_by_content(text));
+  if (is_chosen) return text;
   const AtomFormat found = structure_format_of(text);
   const bool is_kept_header = found == AtomFormat::pdb && format == AtomFormat::pqr;
   if (is_structure(found) && found != format && !is_kept_header)
@@ -171,6 +178,12 @@ std::string_view checked_text(std::string_view text, std::string_view name, Atom
                           found == AtomFormat::pdb ? "a PDB" : "an mmCIF",
                           found == AtomFormat::pdb ? "pdb" : "mmcif"));
   return text;
+}
+
+AtomFormat format_by_content(std::string_view text) {
+  const AtomFormat by_records = format_of_records(text), by_start = structure_format_of(text);
+  return by_start == AtomFormat::mmcif || by_records == AtomFormat::automatic ? by_start
+                                                                              : by_records;
 }
 
 bool is_assembly_file(const std::filesystem::path& path) {

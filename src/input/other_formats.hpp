@@ -23,9 +23,17 @@ bool is_assembly_file(const std::filesystem::path& path);
 /// a command for its conversion.
 void refuse_other_suffix(const std::filesystem::path& path);
 
+/// Throws Error if a suffix, such as .mol2, belongs to an unsupported format. `name` is the file.
+void refuse_other_suffix(std::string_view name, std::string_view suffix);
+
+/// Returns the format of a text by its start and its records: PQR, PDB or mmCIF; otherwise
+/// AtomFormat::automatic.
+AtomFormat format_by_content(std::string_view text);
+
 /// Returns the text without the byte order mark of UTF-8. Throws Error, with `name`, if its start
-/// has another encoding or another format than `format`. PQR files may keep the header of the PDB
-/// file from which they were made.
-std::string_view checked_text(std::string_view text, std::string_view name, AtomFormat format);
+/// has another encoding, an unsupported format or, unless the user has chosen the format, another
+/// format than `format`. PQR files may keep the header of the PDB file from which they were made.
+std::string_view checked_text(std::string_view text, std::string_view name, AtomFormat format,
+                              bool is_chosen);
 
 }  // namespace eses::detail

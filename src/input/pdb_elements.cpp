@@ -39,20 +39,21 @@ constexpr std::array<std::pair<std::string_view, std::string_view>, 9> charmm_io
 
 // Elements of two letters that are usually meant by these names in ligands, although the first
 // letter is an element, too. Iron is one in all columns.
-constexpr std::array<std::string_view, 10> ligand_elements{"CL", "BR", "CU", "NI", "SI",
-                                                           "SE", "PT", "PD", "IR", "OS"};
+constexpr std::array<std::string_view, 10> left_aligned_elements{"CL", "BR", "CU", "NI", "SI",
+                                                                 "SE", "PT", "PD", "IR", "OS"};
+
+// Some of them are also meant where the name begins in the second column, as GROMACS and others
+// write it, if the symbol is the whole name or a digit follows.
+constexpr std::array<std::string_view, 4> shifted_elements{"CL", "BR", "SI", "SE"};
+
+// Residue names of four letters in GROMACS and CHARMM that begin with the name of an amino acid,
+// and names of water.
+constexpr std::array<std::string_view, 23> long_residues{
+    "ARGN", "ASPH", "ASPP", "CYS2", "CYSD", "CYSH", "GLUH", "GLUP", "HIS1", "HIS2", "HISA", "HISB",
+    "HISD", "HISE", "HISH", "LYSH", "LYSN", "TYRH", "TIP3", "TIP4", "TIP5", "SPCE", "TIP2"};
 
 bool contains(const auto& list, std::string_view text) {
   return std::find(list.begin(), list.end(), text) != list.end();
-}
-
-/// Returns the element symbol at the start of a text in its usual spelling, such as Cl for CL-;
-/// empty if there is none.
-std::string usual_spelling(std::string_view text) {
-  const bool has_two = text.size() > 1 && (is_letter(text[1]) || is_digit(text[1]));
-  std::string symbol = lower_case(std::string(text.substr(0, has_two ? 2 : 1)));
-  if (!symbol.empty() && is_letter(symbol[0])) symbol[0] = static_cast<char>(symbol[0] - 'a' + 'A');
-  return freesasa_element_radius(symbol) ? symbol : std::string();
 }
 
 bool is_element(std::string_view symbol) { return !usual_spelling(symbol).empty(); }
@@ -98,17 +99,14 @@ std::string ligand_element(std::string_view name, bool is_left_aligned) {
   const std::string_view stem = stem_of(name);
   if (stem == "FE") return "FE";  // CHARMM writes it in the second column
   if (std::string element = mixed_case_element(name); !element.empty()) return element;
-  if (!is_left_aligned) return {};
   const std::string_view start = name.substr(0, 2);
-  if (start == "CL" || start == "BR" || contains(ligand_elements, stem)) return std::string(start);
+  if (contains(shifted_elements, start) && (name.size() == 2 || is_digit(name[2])))
+    return std::string(start);
+  if (!is_left_aligned) return {};
+  if (start == "CL" || start == "BR" || contains(left_aligned_elements, stem))
+    return std::string(start);
   constexpr std::string_view elements = "CNOSPFIB";
   return std::string(elements.find(name.front()) == elements.npos ? "" : name.substr(0, 1));
-}
-
-/// Returns the element symbol of an atom whose name is not in columns; empty if it is unknown.
-std::string symbol_by_name(std::string_view name, std::string_view residue) {
-  const std::string symbol = element_by_name(name, residue, is_named_polymer(residue), true);
-  return usual_spelling(symbol.empty() ? stem_of(name) : symbol);
 }
 
 }  // namespace
@@ -117,15 +115,46 @@ bool is_named_polymer(std::string_view residue) {
   return contains(polymer_residues, without_end_letter(residue));
 }
 
-bool is_ion(std::string_view name, std::string_view residue, bool is_polymer) {
-  if (is_polymer) return name == residue;
-  return !stem_of(name).empty() && stem_of(name) == stem_of(residue);
+bool is_known_long_residue(std::string_view name) {
+  return name.size() == 4 && (is_named_polymer(name) || contains(long_residues, name));
 }
 
-std::string element_by_name(std::string_view name_columns, std::string_view residue,
-                            bool is_polymer, bool is_left_aligned) {
+bool is_long_residue(std::string_view name) {
+  if (name.size() != 4) return false;
+  const std::string_view start = trimmed(name.substr(0, 3));
+  return is_known_long_residue(name) || !(is_named_polymer(start) || start == "HOH");
+}
+
+ResidueColumns split_residue(std::string_view record, bool may_be_long,
+                             bool (*is_long_name)(std::string_view name)) {
+  const std::string_view columns = record.substr(17, 5);
+  const auto is_filled = [](std::string_view text) {
+    return text.size() == 4 && std::none_of(text.begin(), text.end(), is_blank);
+  };
+  if (const std::string_view name = columns.substr(0, 4);
+      may_be_long && is_filled(name) && is_long_name(name))
+    return {name, trimmed(columns.substr(4)), true};
+  if (const std::string_view name = columns.substr(1);
+      may_be_long && is_blank(columns.front()) && is_filled(name) && is_known_long_residue(name))
+    return {name, {}, true};
+  return {trimmed(columns.substr(0, 3)), trimmed(columns.substr(3)), false};
+}
+
+bool is_ion(const NamedAtom& atom) {
+  const std::string_view name = trimmed(atom.name_columns), residue = atom.residue;
+  if (atom.is_polymer) return name == residue;
+  if (!stem_of(name).empty() && stem_of(name) == stem_of(residue)) return true;
+  const std::string element = ion_element(name);
+  if (element.empty()) return false;
+  if (residue == "ION" || residue == "IONS") return true;
+  return atom.is_alone &&
+         (name.ends_with('+') || name.ends_with('-') || element == ion_element(residue));
+}
+
+std::string element_by_name(const NamedAtom& atom) {
+  const auto& [name_columns, residue, is_polymer, is_alone, is_left_aligned] = atom;
   std::string_view name = trimmed(name_columns);
-  if (is_ion(name, residue, is_polymer)) return ion_element(name);
+  if (is_ion(atom)) return ion_element(name);
   while (!name.empty() && is_digit(name.front())) name.remove_prefix(1);
   if (name.empty()) return {};
   if (name.front() == 'H' || name.front() == 'D')
@@ -136,6 +165,18 @@ std::string element_by_name(std::string_view name_columns, std::string_view resi
     if (stem_of(name) == element) return std::string(element);
   constexpr std::string_view elements = "CNOSP";
   return std::string(elements.find(name.front()) == elements.npos ? "" : name.substr(0, 1));
+}
+
+std::string usual_spelling(std::string_view text) {
+  const bool has_two = text.size() > 1 && (is_letter(text[1]) || is_digit(text[1]));
+  std::string symbol = lower_case(std::string(text.substr(0, has_two ? 2 : 1)));
+  if (!symbol.empty() && is_letter(symbol[0])) symbol[0] = static_cast<char>(symbol[0] - 'a' + 'A');
+  return freesasa_element_radius(symbol) ? symbol : std::string();
+}
+
+std::string symbol_by_name(std::string_view name, std::string_view residue) {
+  const std::string symbol = element_by_name({name, residue, is_named_polymer(residue)});
+  return usual_spelling(symbol.empty() ? stem_of(name) : symbol);
 }
 
 void complete_elements(std::span<AtomLabel> labels) {

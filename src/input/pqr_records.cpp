@@ -7,6 +7,8 @@
 #include <utility>
 
 #include "eses/error.hpp"
+#include "input/other_formats.hpp"
+#include "input/pdb_elements.hpp"
 #include "input/text_fields.hpp"
 #include "system/formatted.hpp"
 
@@ -25,6 +27,8 @@ constexpr std::string_view too_few_fields =
     "expected at least {} fields, the last five being x y z charge radius, found {}";
 constexpr std::string_view extra_number =
     "more than five numbers, expected x y z charge radius; remove the fields after the radius";
+constexpr std::string_view trailing_text =
+    "text {} after the radius, expected x y z charge radius at the end; remove the text";
 constexpr std::string_view likely_residue_number =
     "{} seems to be the residue number; expected x y z charge radius at the end";
 
@@ -70,13 +74,26 @@ AtomLabel label_of_fields(std::string_view leading) {
 /// Returns the label of a record in the columns of PDB files. The record must have at least 27
 /// characters.
 AtomLabel label_of_columns(std::string_view line) {
-  // Column 20 is blank in the PDB format, but may hold the fourth character of a residue name.
+  const ResidueColumns columns = split_residue(line);
   AtomLabel label;
   label.atom_name = column_text(line, 12, 4);
-  label.residue = column_text(line, 17, 4);
-  label.chain = column_text(line, 21, 1);
+  label.residue = columns.residue;
+  label.chain = columns.chain;
   label.residue_number = column_text(line, 22, 5);
   return label;
+}
+
+/// Returns whether serial number and residue number fill their columns, and blanks separate the
+/// other ones. The record must have the columns of coordinates.
+bool has_label_columns(std::string_view line) {
+  std::string_view number = column_text(line, 22, 4), serial = column_text(line, 6, 5);
+  if (number.starts_with('-')) number.remove_prefix(1);
+  const auto is_number = [](std::string_view text) {
+    return !text.empty() && std::all_of(text.begin(), text.end(), is_digit);
+  };
+  return is_number(serial) && is_number(number) && is_blank(line[11]) &&
+         column_text(line, 27, 3).empty() && !column_text(line, 12, 4).empty() &&
+         !column_text(line, 17, 4).empty();
 }
 
 // ---------------------------------------------------------------------------------------- values
@@ -205,6 +222,37 @@ std::string_view take_element(std::string_view& line) {
   return field;
 }
 
+// ------------------------------------------------------------------ names of records and columns
+
+// https://www.wwpdb.org/documentation/file-format-content/format33/sect1.html, and records of older
+// versions and of AutoDock.
+constexpr std::string_view known_records =
+    "header obslte title split caveat compnd source keywds expdta nummdl mdltyp author revdat "
+    "sprsde jrnl remark dbref dbref1 dbref2 seqadv seqres modres het hetnam hetsyn formul helix "
+    "sheet turn ssbond link linkr cispep site cryst1 origx1 origx2 origx3 scale1 scale2 scale3 "
+    "mtrix1 mtrix2 mtrix3 model atom anisou sigatm siguij ter hetatm endmdl conect master end "
+    "tvect hydbnd sltbrg ftnote user root endroot branch endbranch torsdof";
+
+bool is_known_record(std::string_view line) {
+  const std::string name = lower_case(std::string(take_first(line).substr(0, 6)));
+  std::string_view names = known_records;
+  for (std::string_view known = take_first(names); !known.empty(); known = take_first(names))
+    if (name == known) return true;
+  return false;
+}
+
+/// Returns the first number behind the word `column` in a text in lower case; 0 if there is none.
+int column_in(std::string_view text) {
+  const std::size_t word = text.find("column");
+  if (word == text.npos) return 0;
+  text.remove_prefix(word);
+  const std::size_t start = std::min(text.find_first_of("0123456789"), text.size());
+  const std::size_t end = std::min(text.find_first_not_of("0123456789", start), text.size());
+  int column = 0;
+  parse_integer(text.substr(start, end - start), column);
+  return column;
+}
+
 // ---------------------------------------------------------------- PDB files that are named .pqr
 //
 // PDB files have the occupancy in columns 55 to 60 and the B-factor in columns 61 to 66, both in
@@ -214,6 +262,7 @@ constexpr std::size_t occupancy_width = 6, b_factor_width = 6;
 constexpr std::size_t b_factor_column = end_of_coordinates + occupancy_width;
 constexpr std::size_t end_of_b_factor = b_factor_column + b_factor_width;
 constexpr double max_radius_of_pqr = 4;  // angstrom; most B-factors are larger
+constexpr std::size_t pdbqt_charge_column = end_of_b_factor + 4, pdbqt_charge_width = 6;
 
 /// Reads a number that fills a column of `width` characters and has this number of decimals.
 bool read_fixed(std::string_view line, std::size_t column, std::size_t width, std::size_t decimals,
@@ -285,10 +334,51 @@ bool is_pqr_record(std::string_view line) {
 
 Problem parse_pqr(std::string_view line, Record& record) {
   const std::string_view element = take_element(line);
+  const bool has_columns = has_coordinate_columns(line);
   Problem problem = parse_pqr_fields(line, record);
-  if (problem && has_coordinate_columns(line)) problem = parse_pqr_columns(line, record);
+  if (problem && has_columns) problem = parse_pqr_columns(line, record);
+  if (!problem && has_columns && has_label_columns(line)) record.label = label_of_columns(line);
+  if (problem) {
+    std::string_view rest = line;
+    const std::string_view text = take_last(rest);
+    double value = 0;
+    if (parse_number(text, value) != std::errc{} && !parse_pqr_fields(rest, record))
+      return {trailing_text, {}, text};
+  }
   record.label.element = element;
   return problem;
+}
+
+bool is_unread_atom(std::string_view line) {
+  line = without_leading_blanks(line);
+  if (line.empty() || !is_letter(line.front()) || is_pqr_record(line) || is_known_record(line))
+    return false;
+  Record record;
+  return has_coordinate_columns(line) || !parse_pqr(line, record);
+}
+
+bool is_pdbqt_record(std::string_view line) {
+  constexpr std::size_t end = pdbqt_charge_column + pdbqt_charge_width;
+  double charge = 0;
+  return line.size() > end + 1 && is_blank(line[end]) && is_letter(line[end + 1]) &&
+         read_fixed(line, pdbqt_charge_column, pdbqt_charge_width, 3, charge);
+}
+
+void NamedColumns::add(std::string_view line) {
+  const std::string_view start = without_leading_blanks(line);
+  if (!start.starts_with('#') && !starts_with_ignoring_case(start, "remark")) return;
+  const std::string text = lower_case(std::string(start));
+  const auto has = [&](std::string_view word) { return text.find(word) != text.npos; };
+  if (has("z radius charge") || has("z r q")) {
+    radius = 1;
+    charge = 2;
+  }
+  if (has("charge") == has("radi")) return;
+  int column = column_in(text);
+  // `gmx editconf -mead` names the columns so.
+  if (has("occupancy")) column = static_cast<int>(end_of_coordinates) + 1;
+  if (has("b-factor")) column = static_cast<int>(b_factor_column) + 1;
+  if (column > 0) (has("charge") ? charge : radius) = column;
 }
 
 std::string describe_pqr(const Problem& problem, std::string_view line) {
@@ -297,6 +387,14 @@ std::string describe_pqr(const Problem& problem, std::string_view line) {
           ? formatted(too_few_fields, min_leading_fields(line) + pqr_quantities.size(),
                       count_fields(line))
           : describe(problem, line);
+  if (problem.pattern == trailing_text) return text;
+  if (problem.quantity == quantity_radius.name && problem.text.starts_with('-')) {
+    std::string_view rest =
+        line.substr(0, static_cast<std::size_t>(problem.text.data() - line.data()));
+    double charge = 0;
+    if (parse_number(take_last(rest), charge) == std::errc{} && charge > 0)
+      return text + "; charge and radius seem to be swapped; write the charge before the radius";
+  }
   PdbLikeness likeness;
   likeness.add(line);
   if (likeness.layout > 0)
@@ -318,29 +416,42 @@ void PdbLikeness::add(std::string_view line) {
     return;
   if (occupancy < 0 || occupancy > 1) return;
   ++layout;
-  // Some programs write 0 for both.
-  if (occupancy == 1 || b_factor > max_radius_of_pqr || (occupancy == 0 && b_factor == 0)) ++values;
+  // Some programs write 0 for both, or 0 for the B-factor. Charges of 1 with a radius are those of
+  // ions.
+  const bool has_no_radius = b_factor == 0 && (occupancy == 0 || occupancy == 1);
+  if (b_factor > max_radius_of_pqr || has_no_radius) ++values;
 }
 
 AtomFormat format_of_records(std::string_view text) {
   constexpr std::uint64_t max_records = 1000;
   RecordCounts counts;
-  while (!text.empty() && counts.all < max_records)
-    if (const std::string_view line = take_line(text); is_pqr_record(line)) counts.add(line);
-  return counts.format();
+  NamedColumns columns;
+  while (!text.empty() && counts.all < max_records) {
+    const std::string_view line = take_line(text);
+    if (is_pqr_record(line))
+      counts.add(line);
+    else
+      columns.add(line);
+  }
+  return counts.all > 0 && columns.are_known() ? AtomFormat::pqr : counts.format();
 }
 
 void refuse_pdb_records(std::string_view name, std::uint64_t atoms, const PdbLikeness& likeness) {
   // Most records of PDB files have these formats. PQR files with charges of two decimals do as
   // well, but half of their charges are negative, and PdbLikeness::add does not count those.
   if (10 * likeness.layout < 9 * atoms || 2 * likeness.values < atoms) return;
-  throw Error(
-      formatted("{}: this is a PDB file: its columns 55 to 66 hold occupancy and B-factor, which "
-                "are not charge and radius; read it with --format pdb",
-                name));
+  throw Error(formatted(
+      "{}: this is a PDB file: its columns 55 to 66 hold occupancy and B-factor, which "
+      "are not charge and radius; read it with --format pdb, or with --format pqr if they are",
+      name));
 }
 
 void refuse_pqr_records(std::string_view text, std::string_view name) {
+  for (std::string_view rest = text; !rest.empty();)
+    if (const std::string_view line = take_line(rest); is_pqr_record(line)) {
+      if (is_pdbqt_record(line)) refuse_other_suffix(name, ".pdbqt");
+      break;
+    }
   if (format_of_records(text) != AtomFormat::pqr) return;
   throw Error(
       formatted("{}: this is a PQR file: its records end with charge and radius instead of "

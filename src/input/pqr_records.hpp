@@ -20,6 +20,24 @@ Problem parse_pqr(std::string_view line, Record& record);
 /// Returns what is wrong with a record that parse_pqr refuses.
 std::string describe_pqr(const Problem& problem, std::string_view line);
 
+/// Returns whether a line has the coordinates of an atom, but the name of no record of PDB and PQR
+/// files, such as ATAM.
+bool is_unread_atom(std::string_view line);
+
+/// Returns whether a record has the columns of PDBQT files of AutoDock, which have a charge and the
+/// type of the atom behind those of PDB files.
+bool is_pdbqt_record(std::string_view line);
+
+/// The columns of charge and radius that the remarks of a PQR file name, from 1; 0 if unknown.
+struct NamedColumns {
+  int charge = 0, radius = 0;
+
+  /// Reads a line that is not a record of an atom.
+  void add(std::string_view line);
+  bool are_known() const { return charge > 0 && radius > 0; }
+  bool are_swapped() const { return are_known() && radius < charge; }
+};
+
 /// Counts of PQR records that look like records of a PDB file.
 struct PdbLikeness {
   /// Number of records that have numbers in the columns and format of occupancy and B-factor.
@@ -38,7 +56,8 @@ AtomFormat format_of_records(std::string_view text);
 /// Throws Error if most of the `atoms` records of a PQR file look like records of a PDB file.
 void refuse_pdb_records(std::string_view name, std::uint64_t atoms, const PdbLikeness& likeness);
 
-/// Throws Error if the records of a text, which should be a PDB file, are records of a PQR file.
+/// Throws Error if the records of a text, which should be a PDB file, are records of a PQR file or
+/// of a PDBQT file.
 void refuse_pqr_records(std::string_view text, std::string_view name);
 
 }  // namespace eses::detail

@@ -60,7 +60,7 @@ class ConfigurationReader {
     return {
         name_, !names_hydrogens_,
         [radii = std::move(radii_)](const AtomIdentity& atom) { return find_named(radii, atom); },
-        freesasa_element_radius};
+        freesasa_element_radius, true};
   }
 
  private:

@@ -31,6 +31,7 @@ struct RadiiSet {
   std::function<std::optional<double>(const AtomIdentity& atom)> find_named;
   /// Returns the radius of the other atoms of an element.
   std::optional<double> (*find_by_element)(std::string_view element);
+  bool is_from_file = false;  ///< whether it is not built in
 
   /// Returns the radius of an atom, or nothing if there is none.
   std::optional<FoundRadius> find(const AtomIdentity& atom) const;

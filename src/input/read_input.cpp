@@ -27,18 +27,20 @@ namespace {
 
 AtomFile read_input(const std::filesystem::path& path, ReadOptions options,
                     const std::function<void(AtomFile& atoms)>& after_part) {
-  if (options.format == AtomFormat::automatic) refuse_other_suffix(path);
+  const bool is_chosen = options.format != AtomFormat::automatic;
+  if (!is_chosen) refuse_other_suffix(path);
   options.format = format_of(path, options.format);
   TextSource source = TextSource::open_input(path);
   const std::string& name = source.name();
   try {
     if (!is_structure(options.format))
       return read_all_atoms([&](std::span<char> buffer) { return source.read(buffer); },
-                            {options, name}, after_part);
+                            {options, name, 1, is_chosen}, after_part);
     const ReadingLimit limit(options.max_memory);
     const std::string text = read_text(source, limit, options.check);
-    return read_structure({text, name, options.format, is_assembly_file(path), options, limit},
-                          after_part);
+    return read_structure(
+        {text, name, options.format, is_assembly_file(path), is_chosen, options, limit},
+        after_part);
   } catch (const std::bad_alloc&) {
     fail_for_memory(name);
   } catch (const std::length_error&) {
@@ -77,7 +79,7 @@ AtomFile parse_atoms(std::string_view text, AtomFormat format, std::string_view 
   const ReadOptions options{.format = format, .structure = structure};
   if (is_structure(format))
     return detail::read_structure(
-        {text, name, format, false, options, detail::ReadingLimit(options.max_memory)}, {});
+        {text, name, format, false, false, options, detail::ReadingLimit(options.max_memory)}, {});
   return detail::read_all_atoms(detail::text_in_memory(text), {options, name});
 }
 

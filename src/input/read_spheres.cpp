@@ -7,8 +7,11 @@
 #include <system_error>
 #include <utility>
 
+#include "eses/error.hpp"
 #include "eses/read_atoms.hpp"
+#include "input/advice.hpp"
 #include "input/atom_reader.hpp"
+#include "input/other_formats.hpp"
 #include "input/text_fields.hpp"
 #include "input/text_source.hpp"
 #include "system/formatted.hpp"
@@ -44,18 +47,25 @@ std::vector<std::string> names_on(std::string_view text, std::span<const std::ui
   return names;
 }
 
+/// Throws Error if a text is a file of atoms in another format.
+void refuse_other_format(std::string_view text, std::string_view name) {
+  const AtomFormat format = format_by_content(text);
+  if (format == AtomFormat::automatic) return;
+  const std::string_view kind = format == AtomFormat::pqr     ? "a PQR"
+                                : format == AtomFormat::mmcif ? "an mmCIF"
+                                                              : "a PDB";
+  throw Error(formatted("{}: this is {} file; make spheres of it with `{}`", name, kind,
+                        advice_for(name, "eses-pdb_to_xyzrn FILE > FILE.xyzrn")));
+}
+
 }  // namespace
 
 SphereFile read_spheres(const std::filesystem::path& path) {
   TextSource source = TextSource::open_input(path);
-  std::string text;
-  const auto read_and_keep = [&](std::span<char> buffer) {
-    const std::size_t count = source.read(buffer);
-    text.append(buffer.data(), count);
-    return count;
-  };
+  const std::string text = read_text(source, ReadingLimit(0), {});
+  refuse_other_format(text, source.name());
   const ReadOptions options{.format = AtomFormat::xyzr};
-  AtomFile atoms = read_all_atoms(read_and_keep, {options, source.name()});
+  AtomFile atoms = read_all_atoms(text_in_memory(text), {options, source.name(), 1, true});
   std::vector<std::string> names = names_on(text, atoms.lines, source.name());
   return {std::move(atoms.atoms), std::move(names)};
 }

@@ -17,6 +17,7 @@ struct StructureText {
   AtomFormat format = AtomFormat::pdb;
   /// Whether the name has the suffix of an assembly file of the PDB, such as .pdb1.
   bool is_assembly_file = false;
+  bool is_chosen = false;  ///< whether the user has chosen the format
   const ReadOptions& options;
   const ReadingLimit& limit;
 

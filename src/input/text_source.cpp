@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "eses/error.hpp"
+#include "input/advice.hpp"
 #include "system/bytes_text.hpp"
 #include "system/formatted.hpp"
 #include "system/gzip.hpp"
@@ -55,7 +56,7 @@ void refuse_other_compression(std::string_view bytes, std::string_view name) {
     if (compression.magic == bzip2_magic && (bytes.size() < 4 || bytes[3] < '1' || bytes[3] > '9'))
       continue;
     throw Error(formatted("{}: {} files are not read; decompress the file, for example with `{}`",
-                          name, compression.name, compression.command));
+                          name, compression.name, advice_for(name, compression.command)));
   }
 }
 

@@ -1,13 +1,11 @@
 #include "output/output_files.hpp"
 
-#include <fcntl.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <array>
 #include <cerrno>
-#include <climits>
 #include <new>
 #include <span>
 #include <string_view>
@@ -16,6 +14,7 @@
 
 #include "eses/error.hpp"
 #include "input/eses_reader.hpp"
+#include "output/file_path.hpp"
 #include "output/mesh_format.hpp"
 #include "system/bytes_text.hpp"
 #include "system/formatted.hpp"
@@ -77,51 +76,6 @@ bool is_ours(std::string_view name) {
   return std::find(eses_file_names.begin(), eses_file_names.end(), name) != eses_file_names.end();
 }
 
-// The directory itself, or the nearest one above it that exists.
-std::filesystem::path existing_part(std::filesystem::path directory) {
-  std::error_code error;
-  directory = std::filesystem::absolute(directory, error);
-  while (!std::filesystem::exists(directory, error) && directory.has_relative_path())
-    directory = directory.parent_path();
-  return directory;
-}
-
-// A path divided into directory and name. std::filesystem::path is avoided for the reason given at
-// path_in.
-struct FilePath {
-  std::string directory, name;
-
-  std::string text() const { return path_in(directory, name); }
-};
-
-FilePath divided(const std::string& path) {
-  const std::size_t slash = path.rfind('/');
-  if (slash == std::string::npos) return {".", path};
-  return {slash == 0 ? "/" : path.substr(0, slash), path.substr(slash + 1)};
-}
-
-// Returns the target of a symbolic link, or nothing if `path` is not a symbolic link.
-std::optional<std::string> target_of(const FilePath& path) {
-  std::array<char, PATH_MAX> target{};
-  const ssize_t length = readlink(path.text().c_str(), target.data(), target.size());
-  if (length <= 0) return std::nullopt;
-  std::string text(target.data(), static_cast<std::size_t>(length));
-  return text.front() == '/' ? text : path_in(path.directory, text);
-}
-
-// Follows symbolic links from `file` to the path where a file is to be written, so that the links
-// themselves are kept.
-FilePath end_of_links(const std::filesystem::path& file) {
-  constexpr int max_links = 40;  // the limit of Linux
-  FilePath path = divided(file.native());
-  for (int i = 0; i < max_links; ++i) {
-    const std::optional<std::string> target = target_of(path);
-    if (!target) return path;
-    path = divided(*target);
-  }
-  throw FileError(formatted("cannot write {}", file.string()), ELOOP);
-}
-
 // Returns the paths of all files of a mesh, after following symbolic links.
 std::vector<FilePath> mesh_paths(const MeshOptions& mesh) {
   std::vector<FilePath> paths;
@@ -156,35 +110,8 @@ std::vector<DiskSpace> disk_demands(const FileSizes& sizes, const Outputs& outpu
   return demands;
 }
 
-// Uses faccessat with AT_EACCESS and not access(2), which checks the rights of the user who started
-// the program instead of the rights of the process.
-void require_writable(const std::filesystem::path& directory) {
-  const std::filesystem::path existing = existing_part(directory);
-  struct stat status {};
-  int error = stat(existing.c_str(), &status) == 0 ? 0 : errno;
-  if (error == 0 && !S_ISDIR(status.st_mode)) error = ENOTDIR;
-  if (error == 0 && faccessat(AT_FDCWD, existing.c_str(), W_OK | X_OK, AT_EACCESS) != 0)
-    error = errno;
-  if (error != 0) throw FileError(formatted("cannot write into {}", directory.string()), error);
-}
-
-// Throws Error if `file` is a symbolic link into a directory that does not exist. Other missing
-// directories are created, but this one may have been moved, or be on a disk that is not mounted.
-void require_end_of_link(const std::filesystem::path& file) {
-  const FilePath end = end_of_links(file);
-  const bool is_link = target_of(divided(file.native())).has_value();
-  struct stat status {};
-  if (!is_link || stat(end.directory.c_str(), &status) == 0 || errno != ENOENT) return;
-  throw Error(
-      formatted("cannot write {}: it is a symbolic link into {}, which does not exist; create that "
-                "directory, or remove the link",
-                file.string(), end.directory));
-}
-
 void require_mesh_path(const std::filesystem::path& file) {
-  require_end_of_link(file);
-  const std::string directory = end_of_links(file).directory;
-  require_writable(directory);
+  const std::string directory = require_end_of_links(file).directory;
   if (std::filesystem::path(directory).filename() == checkpoint_name)
     throw Error(formatted("{} would go where runs keep what can be resumed, and be removed",
                           file.string()));
@@ -206,16 +133,6 @@ void require_different(std::span<const FilePath> paths) {
           is_same_directory(paths[i].directory, paths[j].directory))
         throw Error(formatted("two of the files would be the same one: {}; choose another name",
                               paths[i].text()));
-}
-
-// Throws Error if the file or its temporary file cannot have its name.
-void require_free_name(const FilePath& path) {
-  require_replaceable(path.text());
-  struct stat status {};
-  const FilePath temporary{path.directory, temporary_name(path.name)};
-  if (lstat(temporary.text().c_str(), &status) != 0 && errno == ENAMETOOLONG)
-    throw Error(formatted("cannot create {}: {}", path.text(),
-                          std::generic_category().message(ENAMETOOLONG)));
 }
 
 // The disk space does not suffice for the files of known size.

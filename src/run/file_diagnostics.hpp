@@ -25,9 +25,9 @@ struct FileDiagnostics {
     std::sort(diagnostics.begin(), diagnostics.end(),
               [](const Diagnostic& a, const Diagnostic& b) { return a.kind < b.kind; });
     for (const Diagnostic& diagnostic : others)
-      for (const auto& [atom, other] : diagnostic.examples)
+      for (const auto& [atom, other, of_record] : diagnostic.examples)
         for (const AtomIndex index : {atom, other})
-          if (index < lines_of_atoms.size()) lines[index] = lines_of_atoms[index];
+          if (of_record == 0 && index < lines_of_atoms.size()) lines[index] = lines_of_atoms[index];
   }
 };
 

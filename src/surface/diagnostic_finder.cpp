@@ -13,6 +13,8 @@ namespace {
 constexpr double max_usual_radius = 4;       // angstrom
 constexpr double nanometre_radius = 0.4;     // radius of a large atom in nanometres
 constexpr double max_hydrogen_radius = 1.4;  // angstrom
+constexpr double nanometre_distance = 0.3;   // angstrom; the length of a bond is 0.1 to 0.2 nm
+constexpr std::uint64_t min_nanometre_atoms = 3;
 constexpr AtomIndex no_partner = std::numeric_limits<AtomIndex>::max();
 
 bool is_close(const Atom& a, const Atom& b) {
@@ -76,7 +78,10 @@ void DiagnosticFinder::inspect_duplicate(AtomIndex i, AtomIndex first,
 void DiagnosticFinder::inspect(AtomIndex i, std::span<const AtomIndex> near,
                                DiagnosticTally& tally) {
   AtomIndex close = no_partner;
+  bool has_neighbour = false;
   for (const AtomIndex j : near) {
+    has_neighbour = has_neighbour || squared_norm(atoms_[i].center - atoms_[j].center) <
+                                         nanometre_distance * nanometre_distance;
     if (is_close(atoms_[i], atoms_[j])) {
       if (j < i) close = std::min(close, j);
     } else if (lies_inside(atoms_[j], atoms_[i])) {
@@ -84,6 +89,7 @@ void DiagnosticFinder::inspect(AtomIndex i, std::span<const AtomIndex> near,
     }
   }
   if (close != no_partner) add(DiagnosticKind::close, i, close, tally);
+  if (has_neighbour && !are_small_) add(DiagnosticKind::nanometre_coordinates, i, i, tally);
   inspect_radius(i, tally);
 }
 
@@ -108,7 +114,25 @@ DiagnosticTally DiagnosticFinder::find_nested() const {
 std::vector<Diagnostic> DiagnosticFinder::found(std::span<const DiagnosticTally> tallies) const {
   DiagnosticTally all = find_nested();
   for (const DiagnosticTally& tally : tallies) all.append(tally);
-  return std::move(all).found();
+  std::vector<Diagnostic> diagnostics = std::move(all).found();
+  if (!is_own_) keep_valid(atoms_.size(), diagnostics);
+  return diagnostics;
+}
+
+void keep_valid(std::uint64_t atoms, std::vector<Diagnostic>& diagnostics) {
+  using enum DiagnosticKind;
+  bool are_nanometres = false;
+  std::erase_if(diagnostics, [&](const Diagnostic& diagnostic) {
+    const bool is_wrong_unit = diagnostic.kind == nanometre_coordinates;
+    const bool is_for_most = atoms >= min_nanometre_atoms && 2 * diagnostic.count > atoms;
+    are_nanometres = are_nanometres || (is_wrong_unit && is_for_most);
+    return (is_wrong_unit && !is_for_most) ||
+           (diagnostic.kind == small_radii && diagnostic.count < atoms);
+  });
+  if (!are_nanometres) return;
+  std::erase_if(diagnostics, [](const Diagnostic& diagnostic) {
+    return diagnostic.kind == close || diagnostic.kind == nested || diagnostic.kind == nested_usual;
+  });
 }
 
 }  // namespace eses::detail

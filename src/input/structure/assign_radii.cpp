@@ -8,8 +8,10 @@
 #include <string>
 #include <string_view>
 #include <unordered_map>
+#include <utility>
 
 #include "eses/error.hpp"
+#include "input/residue_atoms.hpp"
 #include "input/text_fields.hpp"
 #include "system/formatted.hpp"
 
@@ -20,17 +22,21 @@ namespace {
 struct AtomKind {
   RadiusSource source;
   bool is_known, is_by_element;
+  bool is_foreign;  ///< is no atom of its amino acid or nucleotide
+  bool is_named;    ///< is an atom that the user's set of radii names
   std::uint64_t first_line;
+  std::uint64_t guessed = 0;  ///< number of atoms whose element follows from their names
 };
 
 /// The kinds of atoms in the order of their first atoms.
 class AtomKinds {
  public:
-  AtomKinds(const RadiiSet& radii, double unknown_radius)
-      : radii_(radii), unknown_radius_(unknown_radius) {}
+  /// `guessed` has the lines of the atoms whose elements follow from their names, ascending.
+  AtomKinds(const RadiiSet& radii, double unknown_radius, const std::vector<std::uint64_t>& guessed)
+      : radii_(radii), unknown_radius_(unknown_radius), guessed_(guessed) {}
 
-  /// Counts an atom and returns its radius.
-  double add(const StructureAtom& atom) {
+  /// Counts an atom and returns its kind.
+  const AtomKind& add(const StructureAtom& atom) {
     const std::string &residue = atom.residue->name, &name = atom.atom->name;
     const std::string_view element = symbol_of(atom.atom->element);
     key_.assign(residue).append(1, '\0').append(name).append(1, '\0').append(element);
@@ -38,14 +44,20 @@ class AtomKinds {
     if (is_new) {
       const auto found = radii_.find({residue, name, element, atom.atom->is_hydrogen()});
       const double radius = found ? found->radius : unknown_radius_;
+      const bool is_named = radii_.is_from_file && found && !found->by_element;
+      const bool is_foreign = !is_named && !atom.atom->is_hydrogen() &&
+                              is_polymer_residue(residue) && !may_have_atom(residue, name);
       kinds_.push_back({{residue, name, std::string(element), radius},
                         found.has_value(),
                         found && found->by_element,
+                        is_foreign,
+                        is_named,
                         atom.line()});
     }
-    RadiusSource& source = kinds_[at->second].source;
-    ++source.count;
-    return source.radius;
+    AtomKind& kind = kinds_[at->second];
+    ++kind.source.count;
+    if (std::binary_search(guessed_.begin(), guessed_.end(), atom.line())) ++kind.guessed;
+    return kind;
   }
 
   const std::vector<AtomKind>& all() const { return kinds_; }
@@ -53,6 +65,7 @@ class AtomKinds {
  private:
   const RadiiSet& radii_;
   double unknown_radius_;
+  const std::vector<std::uint64_t>& guessed_;
   std::string key_;
   std::unordered_map<std::string, std::size_t> indices_;
   std::vector<AtomKind> kinds_;
@@ -77,6 +90,47 @@ class AtomKinds {
                 fmt::join(names, ", "), others > 0 ? formatted(" and {} more names", others) : ""));
 }
 
+/// Finds residues with atoms that their amino acids or nucleotides cannot have, or without their
+/// backbone. A single atom is another diagnostic.
+class ForeignResidues {
+ public:
+  void add(const StructureAtom& atom, const AtomKind& kind, AtomIndex index) {
+    if (atom.residue == last_) return;
+    const bool lacks_backbone = has_no_backbone(*atom.residue) && !kind.is_named;
+    if (!kind.is_foreign && !lacks_backbone) return;
+    last_ = atom.residue;
+    if (++found_.count <= Diagnostic::max_examples) found_.examples.push_back({index, index});
+  }
+
+  /// Appends the diagnostic if there are such residues.
+  void append_to(std::vector<Diagnostic>& diagnostics) && {
+    if (found_.count > 0) diagnostics.push_back(std::move(found_));
+  }
+
+ private:
+  const gemmi::Residue* last_ = nullptr;
+  Diagnostic found_{DiagnosticKind::foreign_residue, 0, {}};
+};
+
+/// Adds the sources of radii and elements to the report. Returns the line of the first atom without
+/// a radius. Elements of polymers and water follow from their names without doubt.
+std::uint64_t report_kinds(const std::vector<AtomKind>& kinds, StructureReport& report) {
+  std::uint64_t unknown_line = 0;
+  for (const AtomKind& kind : kinds) {
+    const std::string& residue = kind.source.residue;
+    if (kind.is_by_element) report.by_element.push_back(kind.source);
+    if (kind.guessed > 0 && !is_polymer_residue(residue) &&
+        !gemmi::find_tabulated_residue(residue).is_water()) {
+      report.guessed_elements.push_back(kind.source);
+      report.guessed_elements.back().count = kind.guessed;
+    }
+    if (kind.is_known) continue;
+    if (report.unknown.empty()) unknown_line = kind.first_line;
+    report.unknown.push_back(kind.source);
+  }
+  return unknown_line;
+}
+
 AtomLabel label_of(const StructureAtom& atom) {
   const gemmi::Element element = atom.atom->element;
   return {*atom.chain, atom.residue->name, atom.residue->seqid.str(), atom.atom->name,
@@ -86,8 +140,8 @@ AtomLabel label_of(const StructureAtom& atom) {
 }  // namespace
 
 void assign_radii(const std::vector<StructureAtom>& atoms, const RadiiSet& radii,
-                  const StructureText& text, AtomFile& result,
-                  const std::function<void(AtomFile& atoms)>& after_part) {
+                  const std::vector<std::uint64_t>& guessed, const StructureText& text,
+                  AtomFile& result, const std::function<void(AtomFile& atoms)>& after_part) {
   constexpr std::size_t part_atoms = std::size_t{1} << 14;
   const std::optional<double> unknown_radius = text.options.structure.unknown_radius;
   result.atoms.reserve(atoms.size());
@@ -97,24 +151,22 @@ void assign_radii(const std::vector<StructureAtom>& atoms, const RadiiSet& radii
     text.check();
     if (after_part) after_part(result);
   };
-  AtomKinds kinds(radii, unknown_radius.value_or(0));
+  AtomKinds kinds(radii, unknown_radius.value_or(0), guessed);
+  ForeignResidues foreign;
   for (const StructureAtom& atom : atoms) {
-    result.atoms.push_back({atom.center, kinds.add(atom)});
+    const AtomKind& kind = kinds.add(atom);
+    foreign.add(atom, kind, static_cast<AtomIndex>(result.atoms.size()));
+    result.atoms.push_back({atom.center, kind.source.radius});
     result.lines.push_back(atom.line());
     if (text.options.with_labels) result.labels.push_back(label_of(atom));
     if (result.atoms.size() % part_atoms == 0) end_part();
   }
-  StructureReport& report = *result.structure;
-  report.radii = radii.name;
-  std::uint64_t unknown_line = 0;
-  for (const AtomKind& kind : kinds.all()) {
-    if (kind.is_by_element) report.by_element.push_back(kind.source);
-    if (kind.is_known) continue;
-    if (report.unknown.empty()) unknown_line = kind.first_line;
-    report.unknown.push_back(kind.source);
-  }
-  if (!report.unknown.empty() && !unknown_radius)
-    fail_for_unknown(report.unknown, unknown_line, radii.name, text.name);
+  std::move(foreign).append_to(result.diagnostics);
+  result.structure->radii = radii.name;
+  const std::uint64_t unknown_line = report_kinds(kinds.all(), *result.structure);
+  const std::vector<RadiusSource>& unknown = result.structure->unknown;
+  if (!unknown.empty() && !unknown_radius)
+    fail_for_unknown(unknown, unknown_line, radii.name, text.name);
   end_part();
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 /// Assignment of radii to the atoms of a structure.
 
+#include <cstdint>
 #include <functional>
 #include <vector>
 
@@ -11,10 +12,11 @@
 namespace eses::detail {
 
 /// Adds the atoms with their radii, their lines and, if the options request them, their labels to
-/// `result`, and completes its report. Calls the check and `after_part` after each part. Throws
+/// `result`, and completes its report and its diagnostics. `guessed` has the lines of the atoms
+/// whose elements follow from their names. Calls the check and `after_part` after each part. Throws
 /// Error with the names of atoms without a radius.
 void assign_radii(const std::vector<StructureAtom>& atoms, const RadiiSet& radii,
-                  const StructureText& text, AtomFile& result,
-                  const std::function<void(AtomFile& atoms)>& after_part);
+                  const std::vector<std::uint64_t>& guessed, const StructureText& text,
+                  AtomFile& result, const std::function<void(AtomFile& atoms)>& after_part);
 
 }  // namespace eses::detail

@@ -8,11 +8,14 @@
 #include <gemmi/resinfo.hpp>
 #include <initializer_list>
 #include <iterator>
+#include <map>
+#include <set>
 #include <stdexcept>
 #include <string>
 #include <utility>
 
 #include "input/check_at.hpp"
+#include "input/element_symbols.hpp"
 #include "input/structure/mmcif_tables.hpp"
 #include "input/text_fields.hpp"
 
@@ -116,9 +119,11 @@ class TableBuilder {
     for (std::size_t i = 0; i < lines.size(); ++i) {
       check_at(i, check);
       const Row row{static_cast<int>(i), lines[i]};
-      const ResidueKey residue = residue_of(row);
+      ResidueKey residue = residue_of(row);
       std::array<std::string, 17> values = values_of(row, residue);
       if (!is_in_chosen_model(row)) continue;
+      if (residue.number.empty()) number_residue(row, lines, residue, values);
+      if (element_.text(row).empty()) table.guessed_elements.push_back(row.line);
       if (table.chains.empty() || !(residue == last_residue_)) {
         table.chains.push_back(residue.chain);
         last_residue_ = residue;
@@ -157,15 +162,39 @@ class TableBuilder {
     return key;
   }
 
+  // Gives a residue without a number, such as a water or an ion, a number behind all numbers of the
+  // file. A new residue begins with another name or chain, or with an atom that repeats.
+  void number_residue(const Row& row, const std::vector<std::uint64_t>& lines, ResidueKey& residue,
+                      std::array<std::string, 17>& values) {
+    if (last_number_ == 0)
+      for (std::size_t i = 0; i < lines.size(); ++i)
+        if (const auto other = residue_of({static_cast<int>(i), lines[i]}); !other.number.empty())
+          last_number_ = std::max(last_number_, std::stoi(other.number));
+    const std::string name = atom_name_.text(row), altloc = altloc_.text(row);
+    std::set<std::string>& known = unnumbered_altlocs_[name];
+    const bool is_other = residue.chain != unnumbered_.chain || residue.name != unnumbered_.name;
+    // An atom has one location without a letter, or several with letters.
+    if (is_other || known.count(altloc) > 0 ||
+        (!known.empty() && (altloc.empty() || known.count(std::string()) > 0))) {
+      ++last_number_;
+      unnumbered_altlocs_.clear();
+    }
+    unnumbered_ = residue;
+    unnumbered_altlocs_[name].insert(altloc);
+    residue.number = values[auth_number_index] = std::to_string(last_number_);
+  }
+
   std::array<std::string, 17> values_of(const Row& row, const ResidueKey& residue) const {
     const auto quoted = [](const std::string& text) {
       return text.empty() ? std::string("?") : gemmi::cif::quote(text);
     };
     const std::string label_number = label_number_.text(row);
+    std::string element = element_.text(row);
+    if (element.empty()) element = symbol_by_name(atom_name_.text(row), residue.name);
     if (!label_number.empty()) label_number_.check_residue_number(row, label_number);
     return {std::to_string(row.line),
             is_hetatm(row, residue.name) ? "HETATM" : "ATOM",
-            quoted(element_.text(row)),
+            quoted(element),
             quoted(atom_name_.text(row)),
             quoted(altloc_.character(row, "the alternate location")),
             quoted(residue.name),
@@ -207,6 +236,10 @@ class TableBuilder {
   Column occupancy_{block_, {"occupancy"}};
   Column b_factor_{block_, {"B_iso_or_equiv"}};
   Column model_number_{block_, {"pdbx_PDB_model_num"}};
+  static constexpr std::size_t auth_number_index = 15;
+  int last_number_ = 0;                                              // of residues without a number
+  ResidueKey unnumbered_;                                            // the last of these
+  std::map<std::string, std::set<std::string>> unnumbered_altlocs_;  // by names of its atoms
   std::string last_model_;
   bool is_chosen_ = false;
   ResidueKey last_residue_;  // of the last row that was added

@@ -29,6 +29,7 @@ void check_tables(const gemmi::cif::Block& block, bool (*is_used)(const std::str
 struct AtomTable {
   gemmi::cif::Block block;
   std::vector<std::string> chains;  ///< name of the chain of each run of rows with one residue
+  std::vector<std::uint64_t> guessed_elements;  ///< lines of atoms with elements by name
 };
 
 /// Checks the table of atoms and returns the rows of the chosen model. Their columns `id` have the

@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "input/advice.hpp"
 #include "input/check_at.hpp"
 #include "input/structure/mmcif_tables.hpp"
 #include "input/structure/parse_structure.hpp"
@@ -125,7 +126,7 @@ void parse_document(std::string_view text, StructureDocument& document) {
 std::uint64_t line_of(const Item& item) { return static_cast<std::uint64_t>(item.line_number); }
 
 /// Returns the message for a text without a table of atoms.
-std::string message_without_atoms(const StructureDocument& document) {
+std::string message_without_atoms(const StructureDocument& document, std::string_view name) {
   const auto has_tag = [&](const char* tag) {
     return std::any_of(document.blocks.begin(), document.blocks.end(),
                        [tag](const Block& block) { return block.has_tag(tag); });
@@ -135,17 +136,17 @@ std::string message_without_atoms(const StructureDocument& document) {
   if (has_tag("_atom_site_fract_x"))
     return start +
            "the coordinates are fractional (_atom_site_fract_x), as in CIF files of small "
-           "molecules; convert it with `obabel FILE -O FILE.pdb`";
+           "molecules; " +
+           advice_for(name, "convert it with `obabel FILE -O FILE.pdb`");
   if (has_tag("_chem_comp_atom.atom_id"))
-    return start +
-           "this is the definition of a chemical component (_chem_comp_atom); convert it with "
-           "`gemmi convert FILE FILE.pdb`";
+    return start + "this is the definition of a chemical component (_chem_comp_atom); " +
+           advice_for(name, "convert it with `gemmi convert FILE FILE.pdb`");
   return start + "the file has no _atom_site table";
 }
 
 /// Returns the data block that has the atoms. Throws MmcifError if there is none, if another block
 /// has atoms, or if another block has the same name, ignoring case.
-Block& find_atom_block(StructureDocument& document) {
+Block& find_atom_block(StructureDocument& document, std::string_view name) {
   Block* found = nullptr;
   for (Block& block : document.blocks) {
     const auto table = std::find_if(block.items.begin(), block.items.end(), is_atom_table);
@@ -156,7 +157,7 @@ Block& find_atom_block(StructureDocument& document) {
                                             " both have atoms; keep one of them"};
     found = &block;
   }
-  if (found == nullptr) throw MmcifError{0, message_without_atoms(document)};
+  if (found == nullptr) throw MmcifError{0, message_without_atoms(document, name)};
   for (const Block& block : document.blocks)
     if (&block != found && gemmi::iequal(block.name, gemmi::to_lower(found->name)))
       throw MmcifError{0, "there are two data blocks " + detail::quoted(block.name) +
@@ -237,6 +238,7 @@ ParsedStructure convert(Block& block, const StructureDocument& document,
   block.items.clear();
   result.structure = gemmi::make_structure_from_block(atoms.block);
   result.structure.assemblies = std::move(assemblies);
+  result.guessed_elements = std::move(atoms.guessed_elements);
   if (result.structure.models.empty()) return result;
   join_runs(result.structure.models.front(), atoms.chains);
   set_entity_types(result.structure, lists_subchains);
@@ -269,7 +271,7 @@ ParsedStructure parse_mmcif_text(std::string_view text, std::string_view name,
   try {
     StructureDocument document(options.check);
     parse_document(text, document);
-    Block& block = find_atom_block(document);
+    Block& block = find_atom_block(document, name);
     check_tables(block, is_needed_tag);
     return convert(block, document, options);
   } catch (const MmcifError& error) {

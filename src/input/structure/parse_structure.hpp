@@ -4,6 +4,7 @@
 /// reason given in mmcif_text.cpp.
 
 #include <cstddef>
+#include <cstdint>
 #include <gemmi/model.hpp>
 #include <string>
 #include <string_view>
@@ -43,6 +44,11 @@ struct ModelList {
 struct ParsedStructure {
   gemmi::Structure structure;
   ModelList models;
+  // All lines are ascending.
+  std::vector<std::uint64_t> guessed_elements = {};  ///< lines of atoms with elements by name
+  std::vector<std::uint64_t> unread_records = {};    ///< lines with coordinates but unknown names
+  /// Names of the chains that are segments of the file; empty if there are none.
+  std::vector<std::string> segment_chains = {};
 };
 
 /// What to read of a text.

@@ -18,6 +18,7 @@
 #include "input/pdb_elements.hpp"
 #include "input/pqr_records.hpp"
 #include "input/structure/parse_structure.hpp"
+#include "input/structure/segment_chains.hpp"
 #include "input/structure/structure_atoms.hpp"
 #include "input/text_fields.hpp"
 #include "system/formatted.hpp"
@@ -72,32 +73,68 @@ bool is_model_type(std::string_view type) {
   return type.starts_with("model") && (type.size() == 5 || is_digit(type[5]));
 }
 
-bool has_element(std::string_view record) {
+bool is_known_long(std::string_view name) {
+  return is_known_long_residue(name) || (name.size() == 4 && is_polymer_residue(name));
+}
+
+/// Returns whether four columns are a residue name, if some names of the file may have four
+/// letters.
+bool is_long(std::string_view name) {
+  const std::string start(name.substr(0, residue_columns.width));
+  return is_known_long(name) ||
+         !(is_polymer_residue(start) || gemmi::find_tabulated_residue(start).found());
+}
+
+/// Returns whether the element, which has no columns of its own, agrees with the name of the atom.
+bool agrees_with_name(std::string_view symbol, std::string_view record) {
+  std::string_view name = field_of(record, name_columns);
+  while (!name.empty() && !is_letter(name.front())) name.remove_prefix(1);
+  return name.size() >= symbol.size() &&
+         starts_with_ignoring_case(name, lower_case(std::string(symbol)));
+}
+
+/// Returns the symbol in the columns of the element or, if these have none, one or two columns
+/// beside them, as some programs write it. Empty if the record has none.
+std::string_view element_of_columns(std::string_view record) {
+  if (is_pdbqt_record(record)) return {};
+  const auto text = [&](std::size_t first, std::size_t width) {
+    return first < record.size() ? record.substr(first, width) : std::string_view();
+  };
+  const auto is_shifted = [&](std::string_view symbol) {
+    return !usual_spelling(symbol).empty() && agrees_with_name(symbol, record);
+  };
+  const auto is_letter_at = [&](std::size_t i) {
+    return i < record.size() && is_letter(record[i]);
+  };
+  constexpr std::size_t first = element_columns.first;
+  const std::string_view left = text(first - 1, 2), right = text(first + 1, 2);
+  const bool has_left = is_letter_at(first - 1) && is_letter_at(first) && !is_letter_at(first + 1);
+  if (has_left && trimmed(text(segment_columns.first, 3)).empty() && is_shifted(left)) return left;
+  if (is_letter_at(first + 1) && is_letter_at(first + 2) && is_shifted(right)) return right;
   const std::string_view field = field_of(record, element_columns);
-  return record.size() > element_columns.first + 1 &&
-         std::any_of(field.begin(), field.end(), is_letter);
+  if (record.size() > first + 1 && std::any_of(field.begin(), field.end(), is_letter)) return field;
+  const std::string_view last = trimmed(text(first + 2, 2)).substr(0, 2);
+  const bool is_one = last.size() == 1 || (last.size() == 2 && !is_letter(last[1]));
+  if (field.empty() && is_shifted(last.substr(0, is_one ? 1 : 2)))
+    return last.substr(0, is_one ? 1 : 2);
+  return {};
 }
 
-// Residue names of four letters in GROMACS and CHARMM that begin with the name of an amino acid,
-// and names of water.
-constexpr std::array<std::string_view, 23> long_residues{
-    "ARGN", "ASPH", "ASPP", "CYS2", "CYSD", "CYSH", "GLUH", "GLUP", "HIS1", "HIS2", "HISA", "HISB",
-    "HISD", "HISE", "HISH", "LYSH", "LYSN", "TYRH", "TIP3", "TIP4", "TIP5", "SPCE", "TIP2"};
-
-/// Returns whether the four columns after the atom name are a residue name of four letters by
-/// itself, such as NALA or TIP3, whatever the names of chains.
-bool is_known_long_residue(std::string_view name) {
-  return name.size() == 4 &&
-         (is_polymer_residue(name) ||
-          std::find(long_residues.begin(), long_residues.end(), name) != long_residues.end());
+/// Returns the identifier of the segment; empty if there is none. Old files have the entry and the
+/// number of the line in the last eight columns.
+std::string_view segment_of(std::string_view record) {
+  const std::string_view last = column_text(record, segment_columns.first + 4, 4);
+  const bool has_line_number = !last.empty() && std::all_of(last.begin(), last.end(), is_digit);
+  const bool follows_blanks = column_text(record, 66, segment_columns.first - 66).empty();
+  return has_line_number || !follows_blanks || is_pdbqt_record(record)
+             ? std::string_view()
+             : field_of(record, segment_columns);
 }
 
-/// Returns the four columns after the atom name if all of them are filled.
-std::string_view long_residue_of(std::string_view record) {
-  const std::string_view name =
-      field_of(record, {residue_columns.first, residue_columns.width + 1});
-  return name.size() > residue_columns.width && name.find(' ') == name.npos ? name
-                                                                            : std::string_view();
+/// Returns whether two records belong to the same residue.
+bool is_same_residue(std::string_view a, std::string_view b) {
+  constexpr Columns names{17, 10};
+  return field_of(a, names) == field_of(b, names) && segment_of(a) == segment_of(b);
 }
 
 // ------------------------------------------------------------------------------------------ lines
@@ -158,11 +195,11 @@ PdbLayout layout_of(PdbLines lines) {
     const bool is_polymer = is_polymer_residue(residue), is_water = is_water_name(residue);
     const bool has_fourth_column = !field_of(*record, {chain_columns.first, 1}).empty();
     if ((is_polymer || is_water) && has_fourth_column &&
-        !is_known_long_residue(long_residue_of(*record)))
+        !is_known_long(field_of(*record, {residue_columns.first, residue_columns.width + 1})))
       layout.has_long_chain_names = true;
     const bool is_ligand =
-        !is_polymer && !is_water && !is_ion(field_of(*record, name_columns), residue, false);
-    if (is_ligand && !has_element(*record) && record->substr(0, 13).ends_with(' '))
+        !is_polymer && !is_water && !is_ion({field_of(*record, name_columns), residue});
+    if (is_ligand && element_of_columns(*record).empty() && record->substr(0, 13).ends_with(' '))
       layout.is_left_aligned = false;
   }
   return layout;
@@ -202,6 +239,10 @@ class PdbRecords {
     ParsedStructure result{gemmi::read_pdb_from_memory(records_.data(), records_.size(), ""),
                            std::move(models_)};
     restore_names(result.structure);
+    if (result.structure.assemblies.empty())
+      result.segment_chains = use_segments_as_chains(result.structure.models.front());
+    result.guessed_elements = std::move(guessed_);
+    result.unread_records = std::move(unread_);
     return result;
   }
 
@@ -219,8 +260,9 @@ class PdbRecords {
       is_in_model_ = false;
     } else if (type == "ter") {
       end_polymer();
-    } else if (!is_in_model_) {
-      refuse_other_format(line);
+    } else {
+      if (is_unread_atom(line)) unread_.push_back(lines_.number());
+      if (!is_in_model_) refuse_other_format(line);
     }
   }
 
@@ -281,6 +323,7 @@ class PdbRecords {
     has_atoms_ = true;
     if (lines_.number() > max_lines) lines_.fail("too many lines for a PDB file");
     if (is_chosen_) write_atom(line);
+    previous_ = line;
   }
 
   void write_atom(std::string_view line) {
@@ -290,22 +333,20 @@ class PdbRecords {
     write_number(&record_[serial_columns.first], 5,
                  is_decimal ? number : number - first_hybrid + 10 * letter_digits,
                  is_decimal ? 10 : 36);
-    std::string_view residue = long_residue_of(line);
-    const bool is_long = !residue.empty() && is_long_residue(residue);
-    if (is_long)
-      record_[chain_columns.first] = ' ';
-    else
-      residue = field_of(line, residue_columns);
+    // Columns of residue and chain do not overlap for gemmi.
+    const bool may_be_long = !is_blank(line[chain_columns.first]) && !layout().has_long_chain_names;
+    const auto [residue, chain, is_long_name] = split_residue(line, may_be_long, is_long);
+    if (is_long_name)
+      record_.replace(residue_columns.first, 5,
+                      formatted("{} {:1}", residue.substr(0, residue_columns.width), chain));
     chain_ = field_of(record_, chain_columns);
     // gemmi does not know the exponent letter of Fortran.
     for (std::size_t i = coordinate_columns[0].first; i < occupancy_columns.first; ++i)
       if (record_[i] == 'D' || record_[i] == 'd') record_[i] = 'E';
     if (field_of(record_, occupancy_columns).empty())
       record_.replace(occupancy_columns.first, occupancy_columns.width, "  1.00");
-    write_segment(field_of(line, segment_columns), is_long ? residue : std::string_view());
-    if (!has_element(line))
-      record_.replace(element_columns.first, element_columns.width,
-                      formatted("{:>2}", element_of(line, residue)));
+    write_segment(segment_of(line), is_long_name ? residue : std::string_view());
+    write_element(line, residue);
     records_.append(record_, 0, end_of_fields).append(1, '\n');
   }
 
@@ -328,17 +369,32 @@ class PdbRecords {
     record_.replace(segment_columns.first, segment_columns.width, field);
   }
 
-  bool is_long_residue(std::string_view name) {
-    const std::string_view start = name.substr(0, residue_columns.width);
-    const bool is_known =
-        is_polymer_residue(start) || gemmi::find_tabulated_residue(std::string(start)).found();
-    return (is_known_long_residue(name) || !is_known) && !layout().has_long_chain_names;
+  // Writes the element of the file or, if it has none, of the names, unless the columns of the name
+  // decide. An atom that is named as an ion and alone in its residue is an ion, because programs
+  // that derive elements from names write C for calcium, and P for potassium.
+  void write_element(std::string_view line, std::string_view residue) {
+    const std::string_view given = element_of_columns(line);
+    NamedAtom atom{line.substr(name_columns.first, name_columns.width), residue};
+    atom.is_alone = true;
+    atom.is_alone = !is_same_residue(previous_, line) && is_ion(atom) && is_last_of_residue(line);
+    std::string element(given);
+    if (given.empty() || atom.is_alone) {
+      atom.is_polymer = is_polymer_residue(residue);
+      atom.is_left_aligned = given.empty() && layout().is_left_aligned;
+      if (given.empty() || !atom.is_polymer) element = element_by_name(atom);
+      if (lower_case(element) != lower_case(std::string(given)) || given.empty())
+        guessed_.push_back(lines_.number());
+    }
+    if (element != field_of(record_, element_columns))
+      record_.replace(element_columns.first, element_columns.width, formatted("{:>2}", element));
   }
 
-  // Returns the element by the names of atom and residue; empty if the columns of the name decide.
-  std::string element_of(std::string_view line, std::string_view residue) {
-    return element_by_name(line.substr(name_columns.first, name_columns.width), residue,
-                           is_polymer_residue(residue), layout().is_left_aligned);
+  // Returns whether the next atom belongs to another residue.
+  bool is_last_of_residue(std::string_view line) const {
+    PdbLines following = lines_;
+    while (const std::optional<std::string_view> record = following.next())
+      if (is_atom_record(*record)) return !is_same_residue(line, *record);
+    return true;
   }
 
   const PdbLayout& layout() {
@@ -426,8 +482,10 @@ class PdbRecords {
   PdbLines lines_, all_lines_;
   bool needs_assemblies_;
   ModelList models_;
-  std::string record_;                // the current line with all columns
-  std::string records_;               // the text for gemmi
+  std::string record_;         // the current line with all columns
+  std::string records_;        // the text for gemmi
+  std::string_view previous_;  // the last record of an atom
+  std::vector<std::uint64_t> guessed_, unread_;
   std::optional<std::string> chain_;  // name of the chain of the last atom that was written
   std::set<std::string> ended_chains_;
   std::map<std::pair<std::string, std::string>, std::size_t> segment_indices_;

@@ -15,6 +15,7 @@
 
 #include "eses/error.hpp"
 #include "eses/surface.hpp"
+#include "input/atom_reader.hpp"
 #include "input/other_formats.hpp"
 #include "input/pqr_records.hpp"
 #include "input/radii_set.hpp"
@@ -109,6 +110,7 @@ ParsedStructure parse(const StructureText& text) {
   if (text.is_assembly_file && options.model == 0) refuse_copies(parsed.models, text.name);
   require_model(parsed, text.name);
   split_residues(parsed.structure.models.front());
+  mark_without_backbone(parsed.structure.models.front());
   text.require_memory(0);
   return parsed;
 }
@@ -184,8 +186,8 @@ std::string_view gemmi_version() { return GEMMI_VERSION; }
 
 AtomFile read_structure(StructureText text,
                         const std::function<void(AtomFile& atoms)>& after_part) {
-  text.text = checked_text(text.text, text.name, text.format);
-  if (text.format == AtomFormat::pdb) refuse_pqr_records(text.text, text.name);
+  text.text = checked_text(text.text, text.name, text.format, text.is_chosen);
+  if (text.format == AtomFormat::pdb && !text.is_chosen) refuse_pqr_records(text.text, text.name);
   const StructureOptions& options = text.options.structure;
   const RadiiSet radii = find_radii_set(options.radii);
   text.require_memory(expected_bytes(text.text, text.format));
@@ -213,7 +215,9 @@ AtomFile read_structure(StructureText text,
   text.require_memory(atoms.size() * (sizeof(Atom) + sizeof(std::uint64_t) +
                                       (keeps_labels ? sizeof(AtomLabel) : 0)));
   result.diagnostics = find_one_atom_residues(atoms);
-  assign_radii(atoms, radii, text, result, after_part);
+  report.segment_chains = std::move(parsed.segment_chains);
+  assign_radii(atoms, radii, parsed.guessed_elements, text, result, after_part);
+  for (const std::uint64_t line : parsed.unread_records) add_unread_record(line, result);
   return result;
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 /// Atoms and residues of PDB and mmCIF files.
 
+#include <algorithm>
 #include <cstdint>
 #include <gemmi/model.hpp>
 #include <gemmi/resinfo.hpp>
@@ -9,6 +10,7 @@
 
 #include "eses/vec3.hpp"
 #include "input/pdb_elements.hpp"
+#include "input/residue_atoms.hpp"
 
 namespace eses::detail {
 
@@ -41,6 +43,19 @@ inline std::uint64_t count_atoms(const gemmi::Model& model) {
     for (const gemmi::Residue& residue : chain.residues) count += residue.atoms.size();
   return count;
 }
+
+/// Marks residues of several atoms none of which is of a backbone, before atoms are left out.
+inline void mark_without_backbone(gemmi::Model& model) {
+  for (gemmi::Chain& chain : model.chains)
+    for (gemmi::Residue& residue : chain.residues)
+      if (residue.atoms.size() > 1 && is_polymer_residue(residue.name) &&
+          std::none_of(residue.atoms.begin(), residue.atoms.end(),
+                       [](const gemmi::Atom& atom) { return is_backbone_atom(atom.name); }))
+        residue.flag = 'S';
+}
+
+/// Returns whether mark_without_backbone has marked a residue.
+inline bool has_no_backbone(const gemmi::Residue& residue) { return residue.flag == 'S'; }
 
 inline bool is_hetatm(const gemmi::Residue& residue) { return residue.het_flag == 'H'; }
 

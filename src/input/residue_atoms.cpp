@@ -1,0 +1,77 @@
+#include "input/residue_atoms.hpp"
+
+#include <algorithm>
+#include <array>
+#include <string>
+#include <utility>
+
+#include "input/pdb_elements.hpp"
+#include "input/radii_tables.hpp"
+#include "input/text_fields.hpp"
+
+namespace eses::detail {
+namespace {
+
+// Forms of amino acids in force fields, and the standard residue with the same heavy atoms.
+constexpr std::array<std::pair<std::string_view, std::string_view>, 28> forms{{
+    {"HID", "HIS"},  {"HIE", "HIS"},  {"HIP", "HIS"},  {"HSD", "HIS"},  {"HSE", "HIS"},
+    {"HSP", "HIS"},  {"HIN", "HIS"},  {"HDP", "HIS"},  {"HISA", "HIS"}, {"HISB", "HIS"},
+    {"HISH", "HIS"}, {"HISD", "HIS"}, {"HISE", "HIS"}, {"CYX", "CYS"},  {"CYM", "CYS"},
+    {"CYN", "CYS"},  {"CYSH", "CYS"}, {"CYS2", "CYS"}, {"ASH", "ASP"},  {"ASPH", "ASP"},
+    {"GLH", "GLU"},  {"GLUH", "GLU"}, {"LYN", "LYS"},  {"LYSH", "LYS"}, {"ARN", "ARG"},
+    {"ARGN", "ARG"}, {"TYM", "TYR"},  {"TYRH", "TYR"},
+}};
+
+// Further names: ends of chains, isoleucine in CHARMM and GROMACS, atoms of uncertain element in
+// old files, lone pairs, selenium in the place of sulfur, and phosphates.
+constexpr std::string_view of_amino_acids =
+    "OT OT1 OT2 OTX OXT O1 O2 O' O'' OC1 OC2 CD AD1 AD2 AE1 AE2 LP1 LP2 SE P O1P O2P O3P OP1 OP2 "
+    "OP3";
+// The same for nucleotides, with the methyl group of thymine and the oxygen of ribose.
+constexpr std::string_view of_nucleotides = "O1P O2P O3P O5T O3T O2' C5M C7 CM5";
+
+bool has_word(std::string_view words, std::string_view wanted) {
+  for (std::string_view word = take_first(words); !word.empty(); word = take_first(words))
+    if (word == wanted) return true;
+  return false;
+}
+
+/// Returns the standard residue of a form, such as HIS for NHID, and DA for DA5.
+std::string_view standard_form(std::string_view residue) {
+  const auto find = [](std::string_view name) {
+    return std::find_if(forms.begin(), forms.end(),
+                        [name](const auto& f) { return f.first == name; });
+  };
+  if (const auto found = find(residue); found != forms.end()) return found->second;
+  if (is_named_polymer(residue)) residue = without_end_letter(residue);
+  if (const auto found = find(residue); found != forms.end()) return found->second;
+  constexpr std::string_view bases = "ACGIUT";
+  std::string_view base = residue;
+  if (base.size() > 1 && std::string_view("35N").find(base.back()) != base.npos)
+    base.remove_suffix(1);
+  if (base.size() == 2 && base.front() == 'R') base.remove_prefix(1);
+  const bool is_base = (base.size() == 1 || (base.size() == 2 && base.front() == 'D')) &&
+                       bases.find(base.back()) != bases.npos;
+  return is_base ? base : residue;
+}
+
+}  // namespace
+
+bool may_have_atom(std::string_view residue, std::string_view atom) {
+  residue = standard_form(residue);
+  const bool is_amino_acid = residue.size() == 3 && protor_radius(residue, "N");
+  const bool is_nucleotide = residue.size() < 3 && protor_radius(residue, "P");
+  if (!is_amino_acid && !is_nucleotide) return true;
+  std::string name(atom);
+  std::replace(name.begin(), name.end(), '*', '\'');
+  return protor_radius(residue, name) ||
+         has_word(is_amino_acid ? of_amino_acids : of_nucleotides, name);
+}
+
+bool is_backbone_atom(std::string_view atom) {
+  constexpr std::string_view backbone =
+      "N CA C O P O5' C5' C4' O4' C3' O3' C2' C1' O5* C5* C4* O4* C3* O3* C2* C1*";
+  return has_word(backbone, atom);
+}
+
+}  // namespace eses::detail
