@@ -421,7 +421,27 @@ TEST_CASE("measure: bad requests are refused") {
   fails({"measure", "two.xyzr", "sub/two.xyzr", "--write", "atoms"},
         "./two.atoms.csv would be written twice; use separate output directories");
   fails({"measure", "two.xyzr", "--csv", "two.xyzr"},
-        "two.xyzr is an input file, and would be overwritten");
+        "two.xyzr is an input file, and would be overwritten; choose another name");
+  write_file(box.directory() / "radii.cfg", "types:\nC 1 apolar\natoms:\nANY C C\n");
+  write_file(box.directory() / "one.pdb",
+             "ATOM      1  CA  ALA A   1       1.000   2.000   3.000  1.00 20.00           C\n");
+  fails({"measure", "one.pdb", "--radii", "radii.cfg", "--csv", "radii.cfg"},
+        "radii.cfg is the file of --radii, and would be overwritten; choose another name");
+  fs::create_hard_link(box.directory() / "two.xyzr", box.directory() / "hard.csv");
+  fails({"measure", "two.xyzr", "--csv", "hard.csv"},
+        "hard.csv is an input file, and would be overwritten; choose another name");
+  fs::create_directory(box.directory() / "tables");
+  fs::create_symlink("tables", box.directory() / "link");
+  fails({"measure", "two.xyzr", "--write", "atoms", "-o", "tables", "--csv", "link/two.atoms.csv"},
+        "link/two.atoms.csv would be written twice; use separate output directories");
+  fs::create_symlink("/dev/null", box.directory() / "device.csv");
+  fails({"measure", "two.xyzr", "--csv", "device.csv"},
+        "cannot write device.csv: it is a character device, not a regular file; choose another "
+        "name");
+  fs::create_symlink("tables/real.csv", box.directory() / "kept.csv");
+  CHECK(box.run({"measure", "two.xyzr", "--csv", "kept.csv"}).code == 0);
+  CHECK(fs::is_symlink(box.directory() / "kept.csv"));
+  CHECK(fs::exists(box.directory() / "tables" / "real.csv"));
   fails({"measure", "two.xyzr", "--csv", "sub"},
         "cannot write sub: it is a directory, not a regular file; choose another name");
   write_file(box.directory() / "twice.xyzr", "0 0 0 1\n0 0 0 1\n");

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "catch.hpp"
+#include "eses/surface.hpp"
 #include "support/structures.hpp"
 
 namespace eses::detail::test {
@@ -66,7 +67,7 @@ TEST_CASE("coarse-grained amino acids and nucleotides give a warning", "[structu
   CHECK(foreign({" CA  ALA A   1 ", " CA  GLY A   2 "}) == 0);
   // A selection of side chains has lost its backbone by the user's wish.
   StructureOptions select;
-  select.select = "CB,CG";
+  select.select = "CG[C]";
   const std::string whole = records_of({" N   LYS A   1 ", " CB  LYS A   1 ", " CG  LYS A   1 "});
   CHECK(read_pdb(whole, select).diagnostics.empty());
 
@@ -90,7 +91,7 @@ TEST_CASE("ions are alone in their residues", "[structure]") {
                                            " MG+ ION     4 "}))) == Names{"Na", "Cl", "Ca", "Mg"});
   CHECK(elements_of(read_bondi(records_of({" NA  SOD     1 ", " CL  CLA     2 ", " CA  CAL     3 ",
                                            " K   POT     4 "}))) == Names{"Na", "Cl", "Ca", "K"});
-  CHECK(elements_of(read_bondi(records_of({" CL- UNK     1 ", " NA+ UNK     2 "}))) ==
+  CHECK(elements_of(read_bondi(records_of({" CL- LIG     1 ", " NA+ LIG     2 "}))) ==
         Names{"Cl", "Na"});
   // Programs that derive elements from names write these ones.
   std::string text;
@@ -201,7 +202,7 @@ TEST_CASE("coordinates in nanometres give one warning", "[cli]") {
 TEST_CASE("PQR: residue names and chains run together as in PDB files", "[structure][pqr]") {
   const auto name = [](const std::string& columns) {
     return names_of(read_pqr("ATOM      1  N   " + columns +
-                             "    1.000   2.000   3.000  0.16  1.62           N\n"))
+                             "   1.000   2.000   3.000  0.16  1.62           N\n"))
         .at(0);
   };
   CHECK(name("MET A   1    ") == "A MET 1 N");
@@ -211,8 +212,14 @@ TEST_CASE("PQR: residue names and chains run together as in PDB files", "[struct
   CHECK(name("ALAAB   1    ") == "AB ALA 1 N");
   // A name of four letters may begin in column 19, where chains have no name.
   CHECK(name(" NALA 192    ") == " NALA 192 N");
+  // Numbers may run together in other columns than those of PDB files.
+  const AtomFile joined = read_pqr(
+      "ATOM      1  N    NALA   192     -51.730-160.850  81.990   0.141   1.550\n"
+      "ATOM      3  HB1  NALA  1192     -52.140-159.700  78.880   0.030   1.20\n");
+  CHECK(names_of(joined) == Names{" NALA 192 N", " NALA 1192 HB1"});
+  CHECK(joined.atoms.at(1).center == Vec3{-52.14, -159.7, 78.88});
   const std::string shifted =
-      "ATOM      1  N    NALA   192      1.000   2.000   3.000  1.00  0.00\n";
+      "ATOM      1  N    NALA 192       1.000   2.000   3.000  1.00  0.00\n";
   CHECK(names_of(read_pdb(shifted)) == Names{" NALA 192 N"});
 }
 
@@ -222,15 +229,15 @@ TEST_CASE("mmCIF: residues without numbers are residues each", "[structure]") {
       "_atom_site.label_alt_id\n_atom_site.label_comp_id\n_atom_site.label_asym_id\n"
       "_atom_site.label_seq_id\n_atom_site.Cartn_x\n_atom_site.Cartn_y\n_atom_site.Cartn_z\n"
       "_atom_site.occupancy\n";
-  const auto row = [x = 0](const std::string& names, double occupancy) mutable {
-    return fmt::format("{} {} 0 0 {}\n", names, x += 10, occupancy);
+  const auto row = [](int x, const std::string& names, double occupancy) {
+    return fmt::format("{} {} 0 0 {}\n", names, x, occupancy);
   };
   const AtomFile file =
-      read_mmcif(head + row("ATOM C CA . ALA A 7", 1) + row("HETATM ZN ZN . ZN B .", 1) +
-                 row("HETATM ZN ZN . ZN B .", 1) + row("HETATM C C1 A LIG C .", 0.4) +
-                 row("HETATM C C1 B LIG C .", 0.6) + row("HETATM C C1 A LIG C .", 0.6) +
-                 row("HETATM C C1 B LIG C .", 0.4) + row("HETATM C C1 . LIG C .", 1) +
-                 row("HETATM C C2 . LIG C .", 1));
+      read_mmcif(head + row(10, "ATOM C CA . ALA A 7", 1) + row(20, "HETATM ZN ZN . ZN B .", 1) +
+                 row(30, "HETATM ZN ZN . ZN B .", 1) + row(40, "HETATM C C1 A LIG C .", 0.4) +
+                 row(50, "HETATM C C1 B LIG C .", 0.6) + row(60, "HETATM C C1 A LIG C .", 0.6) +
+                 row(70, "HETATM C C1 B LIG C .", 0.4) + row(80, "HETATM C C1 . LIG C .", 1) +
+                 row(90, "HETATM C C2 . LIG C .", 1));
   CHECK(names_of(file) == Names{"A ALA 7 CA", "B ZN 8 ZN", "B ZN 9 ZN", "C LIG 10 C1",
                                 "C LIG 11 C1", "C LIG 12 C1", "C LIG 12 C2"});
   REQUIRE(file.atoms.size() == 7);
@@ -248,26 +255,28 @@ TEST_CASE("mmCIF: atoms without an element have that of their name", "[structure
 }
 
 TEST_CASE("PDB: segments are chains where chains are blank or the same", "[structure][cli]") {
-  const auto record = [x = 0.](const std::string& name, char chain, int number,
-                               const std::string& segment) mutable {
+  const auto record = [](double x, const std::string& name, char chain, int number,
+                         const std::string& segment) {
     std::string line = line_of({.name = name,
                                 .chain = std::string(1, chain),
                                 .number = fmt::format("{:4} ", number),
-                                .x = x += 10});
+                                .x = x});
     line.replace(72, 4, segment);
     return line;
   };
-  const std::string blank = record(" N  ", ' ', 1, "A   ") + record(" CA ", ' ', 1, "A   ") +
-                            record(" N  ", ' ', 1, "B   ") + record(" CA ", ' ', 1, "B   ");
+  const std::string blank = record(10, " N  ", ' ', 1, "A   ") +
+                            record(20, " CA ", ' ', 1, "A   ") +
+                            record(30, " N  ", ' ', 1, "B   ") + record(40, " CA ", ' ', 1, "B   ");
   CHECK(names_of(read_pdb(blank)) == Names{"A ALA 1 N", "A ALA 1 CA", "B ALA 1 N", "B ALA 1 CA"});
   StructureOptions chain_b;
   chain_b.chains = {"B"};
   CHECK(read_pdb(blank, chain_b).atoms.size() == 2);
-  CHECK(names_of(read_pdb(record(" N  ", 'P', 1, "PROA") + record(" N  ", 'P', 1, "PROB"))) ==
-        Names{"PROA ALA 1 N", "PROB ALA 1 N"});
+  CHECK(
+      names_of(read_pdb(record(50, " N  ", 'P', 1, "PROA") + record(60, " N  ", 'P', 1, "PROB"))) ==
+      Names{"PROA ALA 1 N", "PROB ALA 1 N"});
   // One segment in a chain adds nothing. Old files have entry and line number there.
-  CHECK(names_of(read_pdb(record(" N  ", 'A', 1, "PROA") + record(" N  ", 'B', 1, "PROB"))) ==
-        Names{"A ALA 1 N", "B ALA 1 N"});
+  CHECK(names_of(read_pdb(record(70, " N  ", 'A', 1, "PROA") +
+                          record(80, " N  ", 'B', 1, "PROB"))) == Names{"A ALA 1 N", "B ALA 1 N"});
   std::string old = line_of({.chain = " "});
   old.replace(72, 8, "1CRN  70");
   CHECK(names_of(read_pdb(old)) == Names{" ALA 1 CA"});
@@ -306,6 +315,20 @@ TEST_CASE("PQR: charges of 1 and 0 with radii are no PDB file", "[structure][pqr
   CHECK(sandbox.run({"b.pdb", "--dry-run", "--radii", "bondi", "--format", "pdb"}).code == 0);
 }
 
+TEST_CASE("PDB: dummy atoms at 9999 are left out", "[structure][cli]") {
+  const PdbAtom dummy{.name = " CB ", .x = 9999, .y = 9999, .z = 9999, .occupancy = 0};
+  const std::string text = line_of({}) + line_of({.name = " N  ", .x = 1.5}) + line_of(dummy);
+  CHECK(names_of(read_pdb(text)) == Names{"A ALA 1 CA", "A ALA 1 N"});
+  PdbAtom occupied = dummy;
+  occupied.occupancy = 1;
+  CHECK(read_pdb(line_of({}) + line_of(occupied)).atoms.size() == 2);
+  CHECK(contains(pdb_error(line_of(dummy)), "1 dummies of occupancy 0 at 9999"));
+  const Sandbox sandbox;
+  write_file(sandbox.directory() / "d.pdb", text);
+  CHECK(contains(sandbox.run({"d.pdb", "--dry-run"}).out,
+                 "left out: 1 dummy atom of occupancy 0 at 9999\n"));
+}
+
 TEST_CASE("PQR: swapped columns are named", "[structure][pqr]") {
   const auto record = [](double first, double second) {
     return fmt::format("ATOM      1  N   ALA     1       1.000   2.000   3.000{:8.4f}{:8.4f}\n",
@@ -338,7 +361,8 @@ TEST_CASE("records of unknown names with coordinates give a warning", "[structur
   const Sandbox sandbox;
   write_file(sandbox.directory() / "a.pqr", "REMARK x\n" + bad + good + "CONECT    1    2\n");
   write_file(sandbox.directory() / "a.pdb",
-             line_of({.x = 9}) + "ATAM" + line_of({}).substr(4) + "SIGATM" + line_of({}).substr(6));
+             line_of({.record = "HETATM", .residue = "LIG", .x = 9}) + "ATAM" +
+                 line_of({}).substr(4) + "SIGATM" + line_of({}).substr(6));
   const std::string message =
       ": 1 line has coordinates, but its record name is neither ATOM nor HETATM; it is not read: "
       "line 2\n";

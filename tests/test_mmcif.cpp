@@ -134,11 +134,11 @@ TEST_CASE("mmCIF: files without atoms are refused by their content", "[structure
   CHECK(error("data_x\n") == "t.cif: no atoms found; the file has no _atom_site table");
   CHECK(error("data_x\nloop_\n_atom_site_label\n_atom_site_fract_x\nC1 0.5\n") ==
         "t.cif: no atoms found; the coordinates are fractional (_atom_site_fract_x), as in CIF "
-        "files of small molecules; convert it with `obabel FILE -O FILE.pdb`");
+        "files of small molecules; convert it with `obabel t.cif -O t.pdb`");
   CHECK(error("data_ALA\n_chem_comp.id ALA\nloop_\n_chem_comp_atom.comp_id\n"
               "_chem_comp_atom.atom_id\nALA N\n") ==
         "t.cif: no atoms found; this is the definition of a chemical component "
-        "(_chem_comp_atom); convert it with `gemmi convert FILE FILE.pdb`");
+        "(_chem_comp_atom); convert it with `gemmi convert t.cif t.pdb`");
   const TemporaryDirectory directory;
   const fs::path path = directory.path() / "empty.cif";
   std::ofstream(path) << "";
@@ -239,7 +239,7 @@ TEST_CASE("mmCIF: values may be quoted, and some may be unknown", "[structure]")
   CHECK(quoted.atoms.at(0).center == Vec3{1.5, -2, 3.25});
   CHECK(quoted.structure->models == 1);
   const std::string unknown = mmcif_head + "ATOM 1 C CA ? ALA A ? ? ? 1 2 3 ? ? ? ? ?\n";
-  CHECK(names_of(read_mmcif(unknown)) == Names{" ALA ? CA"});
+  CHECK(names_of(read_mmcif(unknown)) == Names{" ALA 1 CA"});
   CHECK(read_mmcif(unknown).structure->model == "1");
   StructureOptions options;
   options.select = ";q=1;b=0";

@@ -371,9 +371,96 @@ TEST_CASE("msms: errors name their cause", "[msms]") {
                "mixed:2: the sphere has no name, unlike the first one; name all spheres or none"));
   CHECK(contains(error_of({"msms", "-if", "zero", "-noh"}),
                  "zero: all 2 spheres are ignored: 1 of radius 0, 1 of radius 1.2"));
-  CHECK(contains(error_of({"msms", "-if", "two", "-density", "0.001"}),
-                 "no triangles at -density 0.001; use a higher density"));
+  write_file(box.directory() / "far", "0 0 0 0.01\n5000 5000 5000 0.01\n");
+  CHECK(contains(error_of({"msms", "-if", "far", "-density", "0.001"}),
+                 "no triangles at -density 0.001, as the spheres are too small; use a higher "
+                 "density, or -surface ases"));
   CHECK(contains(error_of({"msms", "-if", "two", "-of", "two/m"}), "two"));
+}
+
+TEST_CASE("msms: small spheres have triangles, and analytical areas need none", "[msms]") {
+  const Sandbox box;
+  write_file(box.directory() / "small", "0 0 0 0.2\n");
+  const Outcome triangles = box.run({"msms", "-if", "small", "-of", "s"});
+  CHECK(triangles.code == 0);
+  CHECK(fs::file_size(box.directory() / "s.vert") > 200);
+  write_file(box.directory() / "far", "0 0 0 0.01\n5000 5000 5000 0.01\n");
+  const Outcome areas =
+      box.run({"msms", "-if", "far", "-density", "0.001", "-surface", "ases", "-af", "f"});
+  CHECK(areas.code == 0);
+  CHECK(contains(areas.out, "0.003"));  // 2 * 4 pi 0.01^2
+  CHECK(fs::exists(box.directory() / "f.area"));
+}
+
+TEST_CASE("msms: input files and links are kept, and files appear together", "[msms]") {
+  const Sandbox box;
+  const fs::path work = box.directory();
+  const std::string spheres = "0 0 0 1.7\n3 0 0 1.7\n";
+  for (const std::string suffix : {".vert", ".face", ".area"}) {
+    write_file(work / ("x" + suffix), spheres);
+    const Outcome outcome = box.run({"msms", "-if", "x" + suffix, "-of", "x", "-af", "x"});
+    CHECK(outcome.code == 1);
+    CHECK(contains(outcome.err, "x" + suffix + " is the input, and would be overwritten"));
+    CHECK(read_file(work / ("x" + suffix)) == spheres);
+    fs::remove(work / ("x" + suffix));
+  }
+  write_file(work / "two", spheres);
+  write_file(work / "y_1.vert", spheres);
+  CHECK(box.run({"msms", "-if", "y_1.vert", "-of", "y"}).code == 1);
+  CHECK(read_file(work / "y_1.vert") == spheres);
+  fs::create_hard_link(work / "two", work / "h.face");
+  CHECK(box.run({"msms", "-if", "two", "-of", "h"}).code == 1);
+
+  // Files of an earlier run with more components are removed, and others are not.
+  write_file(work / "c_1.vert", "old");
+  write_file(work / "c_2.face", "old");
+  write_file(work / "c_1x.vert", "other");
+  write_file(work / ".c.vert.1.part", "abandoned");
+  CHECK(box.run({"msms", "-if", "two", "-of", "c", "-af", "c"}).code == 0);
+  for (const std::string name : {"c_1.vert", "c_2.face", ".c.vert.1.part"})
+    CHECK_FALSE(fs::exists(work / name));
+  for (const std::string name : {"c.vert", "c.face", "c.area", "c_1x.vert"})
+    CHECK(fs::exists(work / name));
+
+  // A symbolic link stays, and a device is refused, before anything is computed or replaced.
+  fs::create_directory(work / "sub");
+  write_file(work / "sub" / "real.vert", "old");
+  fs::create_symlink("sub/real.vert", work / "l.vert");
+  CHECK(box.run({"msms", "-if", "two", "-of", "l"}).code == 0);
+  CHECK(fs::is_symlink(work / "l.vert"));
+  CHECK(read_file(work / "sub" / "real.vert") == read_file(work / "c.vert"));
+  fs::create_symlink("/dev/null", work / "d.area");
+  const Outcome device = box.run({"msms", "-if", "two", "-of", "d", "-af", "d"});
+  CHECK(device.code == 1);
+  CHECK(device.out.empty());
+  CHECK(contains(device.err, "d.area: it is a character device"));
+  CHECK_FALSE(fs::exists(work / "d.vert"));
+  fs::create_directory(work / "e.face");
+  write_file(work / "e.vert", "old");
+  CHECK(box.run({"msms", "-if", "two", "-of", "e"}).code == 1);
+  CHECK(read_file(work / "e.vert") == "old");
+}
+
+TEST_CASE("msms: names of files are checked, and other formats are named", "[msms]") {
+  const Sandbox box;
+  write_file(box.directory() / "two", "0 0 0 1.7\n3 0 0 1.7\n");
+  check_usage_error(box, {"msms", "-if", "two", "-of", "sub/"},
+                    "-of needs the name of a file, and 'sub/' is a directory; use sub/NAME");
+  check_usage_error(box, {"msms", "-if", "two", "-of", "."},
+                    "-of needs the name of a file, and '.' is a directory; use NAME");
+  const std::string record =
+      "ATOM      1  CA  ALA A   1       1.000   2.000   3.000  1.00 20.00           C\n";
+  write_file(box.directory() / "a.pdb", record);
+  const std::string pdb = box.run({"msms", "-if", "a.pdb"}).err;
+  CHECK(pdb ==
+        "eses-blocks: error: a.pdb: this is a PDB file; make spheres of it with "
+        "`eses-pdb_to_xyzrn a.pdb > a.xyzrn`\n");
+  write_file(box.directory() / "a.pqr", "ATOM 1 N ALA A 1 1.0 2.0 3.0 -0.3 1.5\n");
+  CHECK(
+      contains(box.run({"msms", "-if", "a.pqr"}).err,
+               "this is a PQR file; make spheres of it with `eses-pdb_to_xyzrn a.pqr > a.xyzrn`"));
+  CHECK(box.run({"pdb_to_xyzrn", "a.pqr"}).out ==
+        "1.000000 2.000000 3.000000 1.500000 1 N_ALA_1\n");
 }
 
 TEST_CASE("msms: pdb_to_xyzr prints the spheres that MSMS's script prints", "[msms]") {

@@ -119,9 +119,10 @@ TEST_CASE("compressed files other than gzip are refused by name", "[structure]")
     const std::string message = error_of([&] { read_structure(path); });
     return message.substr(std::min(message.size(), directory.path().string().size() + 1));
   };
-  const auto advice = [](const std::string& name, const std::string& command) {
-    return fmt::format("a.{} files are not read; decompress the file, for example with `{} FILE`",
-                       name, command);
+  const auto advice = [&](const std::string& name, const std::string& command) {
+    return fmt::format("a.{} files are not read; decompress the file, for example with `{} {}`",
+                       name, command,
+                       (directory.path() / ("a." + name.substr(0, name.find(':')))).string());
   };
   using namespace std::string_view_literals;
   // The first bytes that the programs write.
@@ -164,7 +165,10 @@ TEST_CASE("formats that are not read are refused with a command that converts th
     return error_of([&] { refuse_other_suffix(name); });
   };
   CHECK(by_suffix("a.mol2") ==
-        "a.mol2: Tripos MOL2 files are not read; convert it with `obabel FILE -O FILE.pdb`");
+        "a.mol2: Tripos MOL2 files are not read; convert it with `obabel a.mol2 -O a.pdb`");
+  CHECK(by_suffix("-x 1.mol2") ==
+        "-x 1.mol2: Tripos MOL2 files are not read; convert it with `obabel './-x 1.mol2' -O './-x "
+        "1.pdb'`");
   CHECK(contains(by_suffix("a.SDF.gz"), "obabel"));
   CHECK(contains(by_suffix("a.gro"), "gmx editconf"));
   CHECK(contains(by_suffix("a.xtc"), "gmx trjconv"));
@@ -173,10 +177,11 @@ TEST_CASE("formats that are not read are refused with a command that converts th
   for (const std::string name : {"a.nc", "a.ncrst", "a.NCDF"})
     CHECK(contains(by_suffix(name),
                    ": Amber NetCDF files are not read; write the first frame with "
-                   "`cpptraj -p TOPOLOGY.prmtop -y FILE -ya '1 1' -x FILE.pdb`"));
+                   "`cpptraj -p TOPOLOGY.prmtop -y " +
+                       name + " -ya '1 1' -x a.pdb`"));
   CHECK(contains(by_suffix("a.rst"), "Amber restart"));
   CHECK(contains(by_suffix("a.top"), "GROMACS or Amber topology"));
-  CHECK(contains(by_suffix("a.pse"), "`pymol -cq FILE -d 'save FILE.pdb'`"));
+  CHECK(contains(by_suffix("a.pse"), "`pymol -cq a.pse -d 'save a.pdb'`"));
   CHECK(contains(by_suffix("a.cxs"), "`chimerax --nogui --exit --cmd"));
   CHECK(contains(by_suffix("a.h5"), "HDF5"));
   CHECK(contains(by_suffix("a.h5md"), "mdconvert"));

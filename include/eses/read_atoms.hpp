@@ -106,7 +106,9 @@ struct StructureReport {
   std::uint64_t dropped_hetatm = 0;     ///< Atoms left out: HETATM records, without water.
   std::uint64_t dropped_hydrogens = 0;  ///< Atoms left out: hydrogens.
   std::uint64_t dropped_altlocs = 0;    ///< Atoms left out: other alternate locations.
-  std::uint64_t dropped_assembly = 0;   ///< Atoms left out: not in the assembly.
+  /// Atoms left out: dummy atoms of occupancy 0 whose coordinates are all 9999 or more.
+  std::uint64_t dropped_dummies = 0;
+  std::uint64_t dropped_assembly = 0;  ///< Atoms left out: not in the assembly.
   /// Images left out of an assembly, as on axes of symmetry: images of HETATM records that coincide
   /// with an earlier image of the same atom to within 0.5 angstrom.
   std::uint64_t dropped_images = 0;

@@ -108,11 +108,14 @@ ComputedMesh make_mesh(const Surface& surface, const MsmsOptions& options,
                        const CheckCallback& check) {
   constexpr std::int64_t max_points = 1 << 24;  // of a finer grid
   double spacing = std::sqrt(mesh::quality_vertices_per_area / options.density);
+  RunOptions running;
+  if (check) running.progress = [&](std::int64_t, std::int64_t) { check(); };
   for (;; spacing /= 2) {
     // The grid may lack up to one spacing of its upper margin.
     const Grid grid = make_grid(surface, {.spacing = spacing, .margin = 2 * spacing});
-    Result computed = compute(surface, grid, {.inside = true, .crossings = true, .check = check});
-    Mesh mesh = make_quality_mesh(computed);
+    Result computed =
+        compute(surface, grid, ResultParts{.inside = true, .crossings = true}, running);
+    Mesh mesh = make_quality_mesh(computed, check);
     const Grid finer = make_grid(surface, {.spacing = spacing / 2, .margin = spacing});
     if (!mesh.vertices.empty() || finer.point_count() > max_points)
       return {std::move(computed), std::move(mesh)};

@@ -55,6 +55,8 @@ constexpr std::array dropped_counts{
     Count{"hydrogen", "hydrogens", "hydrogens", &StructureReport::dropped_hydrogens},
     Count{"atom of another alternate location", "atoms of other alternate locations", "altlocs",
           &StructureReport::dropped_altlocs},
+    Count{"dummy atom of occupancy 0 at 9999", "dummy atoms of occupancy 0 at 9999", "dummies",
+          &StructureReport::dropped_dummies},
     Count{"atom not in the assembly", "atoms not in the assembly", "assembly",
           &StructureReport::dropped_assembly},
     Count{"image that coincides with an earlier one", "images that coincide with an earlier one",

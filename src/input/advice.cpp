@@ -11,7 +11,10 @@ namespace eses::detail {
 
 std::string advice_for(std::string_view file, std::string_view advice) {
   constexpr std::string_view word = "FILE";
-  if (file.starts_with('<')) return std::string(advice);
+  // Names in quotation marks cannot be in a quoted command.
+  const bool is_quoted = advice.find('\'') != advice.npos;
+  if (file.starts_with('<') || (is_quoted && shell_word(std::string(file)) != file))
+    return std::string(advice);
   std::filesystem::path stem(file);
   if (lower_case(stem.extension().string()) == gzip_suffix) stem.replace_extension();
   stem.replace_extension();

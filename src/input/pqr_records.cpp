@@ -201,6 +201,23 @@ Problem parse_pqr_columns(std::string_view line, Record& record) {
                          record);
 }
 
+/// Returns a record with a blank between numbers that run together, as in `-51.730-160.850`; empty
+/// if there are none.
+std::string with_separate_numbers(std::string_view line) {
+  std::string text;
+  bool has_point = false;
+  for (const char c : line) {
+    if (is_blank(c)) has_point = false;
+    if (c == '-' && has_point && is_digit(text.back())) {
+      text += ' ';
+      has_point = false;
+    }
+    has_point = has_point || c == '.';
+    text += c;
+  }
+  return text.size() == line.size() ? std::string() : text;
+}
+
 /// Returns whether a field is an element symbol, optionally with a formal charge: `N`, `Zn`, `O1-`.
 bool is_element_field(std::string_view field) {
   std::size_t letters = 0;
@@ -338,6 +355,14 @@ Problem parse_pqr(std::string_view line, Record& record) {
   Problem problem = parse_pqr_fields(line, record);
   if (problem && has_columns) problem = parse_pqr_columns(line, record);
   if (!problem && has_columns && has_label_columns(line)) record.label = label_of_columns(line);
+  if (problem) {
+    Record separate;
+    if (const std::string text = with_separate_numbers(line);
+        !text.empty() && !parse_pqr_fields(text, separate)) {
+      record = std::move(separate);
+      problem = {};
+    }
+  }
   if (problem) {
     std::string_view rest = line;
     const std::string_view text = take_last(rest);

@@ -1,5 +1,6 @@
 #include "output/output_files.hpp"
 
+#include <fcntl.h>
 #include <sys/stat.h>
 #include <unistd.h>
 

@@ -109,8 +109,8 @@ ParsedStructure parse(const StructureText& text) {
   text.check();
   if (text.is_assembly_file && options.model == 0) refuse_copies(parsed.models, text.name);
   require_model(parsed, text.name);
-  split_residues(parsed.structure.models.front());
   mark_without_backbone(parsed.structure.models.front());
+  split_residues(parsed.structure.models.front());
   text.require_memory(0);
   return parsed;
 }
@@ -142,13 +142,14 @@ void sort_by_line(std::vector<StructureAtom>& atoms) {
 }
 
 [[noreturn]] void fail_without_atoms(std::string_view name, const StructureReport& report) {
-  const std::array<std::pair<std::uint64_t, std::string_view>, 8> dropped{
+  const std::array<std::pair<std::uint64_t, std::string_view>, 9> dropped{
       {{report.dropped_chains, "of other chains"},
        {report.dropped_selection, "not selected"},
        {report.dropped_waters, "of water"},
        {report.dropped_hetatm, "of HETATM records"},
        {report.dropped_hydrogens, "hydrogens"},
        {report.dropped_altlocs, "of other alternate locations"},
+       {report.dropped_dummies, "dummies of occupancy 0 at 9999"},
        {report.dropped_assembly, "not in the assembly"},
        {report.dropped_images, "images that coincide with an earlier one"}}};
   std::uint64_t sum = 0;

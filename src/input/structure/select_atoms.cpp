@@ -126,6 +126,17 @@ void keep_selected(gemmi::Model& model, const ParsedStructure& parsed, const std
   selection.remove_not_selected(model);
 }
 
+/// Removes dummy atoms, by which programs mark missing atoms: without occupancy, far from all
+/// others.
+void remove_dummies(gemmi::Model& model) {
+  constexpr double dummy_coordinate = 9999;  // angstrom, the largest one that fits the columns
+  for (gemmi::Chain& chain : model.chains)
+    for (gemmi::Residue& residue : chain.residues)
+      gemmi::vector_remove_if(residue.atoms, [](const gemmi::Atom& atom) {
+        return atom.occ == 0 && std::min({atom.pos.x, atom.pos.y, atom.pos.z}) >= dummy_coordinate;
+      });
+}
+
 // --------------------------------------------------------------------------- alternate locations
 
 /// Residues of a chain with the same number and with alternate locations. Several residues are
@@ -278,6 +289,7 @@ void select_atoms(ParsedStructure& parsed, const StructureOptions& options, bool
   report.model = parsed.models.chosen;
   report.models = parsed.models.names.size();
   const std::set<std::string> chains = chain_names(model);
+  report.dropped_dummies = dropped_by(model, [&] { remove_dummies(model); });
   report.dropped_chains =
       dropped_by(model, [&] { keep_chains(model, options.chains, chains, file); });
   report.dropped_selection =
