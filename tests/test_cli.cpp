@@ -148,9 +148,9 @@ TEST_CASE("usage errors name option, value and expectation, and write nothing", 
       {{""}, "FILE is '', expected a file"},
       {{"atom.xyzr", "1.4", "0.4", "0.8", "7"},
        "unexpected argument '7' after FILE, PROBE, SPACING and MARGIN"},
-      {{"atom.xyzr", "--colour"}, "unknown option '--colour'"},
+      {{"atom.xyzr", "--colour"}, "unknown option '--colour'; did you mean --color?"},
       {{"atom.xyzr", "-x"}, "unknown option '-x'"},
-      {{"--spcing", "0.5", "atom.xyzr"}, "unknown option '--spcing'"},
+      {{"--spcing", "0.5", "atom.xyzr"}, "unknown option '--spcing'; did you mean --spacing?"},
       {{"atom.xyzr", "1.4", "-.5"},
        "unexpected negative number '-.5' among FILE, PROBE, SPACING and MARGIN"},
       {{"atom.xyzr", "0x1p1"}, "PROBE is '0x1p1'" + probe_range},
@@ -1144,6 +1144,40 @@ TEST_CASE("a signal ends a run with its exit code and without files", "[cli]") {
   }
 }
 
+TEST_CASE("mistyped options and commands have suggestions", "[cli]") {
+  const Sandbox sandbox;
+  const std::vector<std::pair<Arguments, std::string>> expected{
+      {{"pair.xyzr", "--probe", "1.4"}, "unknown option '--probe'; did you mean --probe-radius?"},
+      {{"pair.xyzr", "--output=x"}, "unknown option '--output=x'; did you mean --output-dir?"},
+      {{"pair.xyzr", "--chain", "A"}, "unknown option '--chain'; did you mean --chains?"},
+      {{"pair.xyzr", "--cavities"},
+       "unknown option '--cavities'; it is an option of 'eses-blocks measure'"},
+      {{"measur", "pair.xyzr"},
+       "PROBE is 'pair.xyzr', expected a number from 0.01 to 1000, in angstrom; did you mean "
+       "'eses-blocks measure'?"},
+      {{"pair.xyzr", "atom.xyzr"},
+       "PROBE is 'atom.xyzr', expected a number from 0.01 to 1000, in angstrom; one file at a "
+       "time, or 'eses-blocks measure FILE...' for many"},
+  };
+  for (const auto& [arguments, message] : expected) check_usage_error(sandbox, arguments, message);
+  const Outcome swapped = sandbox.run({"pair.xyzr", "0.4", "1.4", "--write", "none"});
+  CHECK(swapped.code == 0);
+  CHECK(contains(swapped.err,
+                 "a probe radius of 0.4 with a spacing of 1.4 is unusual; are they "
+                 "swapped? PROBE comes first"));
+}
+
+TEST_CASE("`-o -` writes no files", "[cli]") {
+  const Sandbox sandbox;
+  const Outcome outcome = sandbox.run({"pair.xyzr", "-o", "-"});
+  CHECK(outcome.code == 0);
+  CHECK(contains(outcome.out, "written: nothing\n"));
+  CHECK(sandbox.files().empty());
+  CHECK_FALSE(std::filesystem::exists(sandbox.directory() / "-"));
+  check_usage_error(sandbox, {"pair.xyzr", "-o", "-", "--inside", "m.dx"},
+                    "--output-dir is '-', for no files, but m.dx needs a directory");
+}
+
 TEST_CASE("a closed pipe is an error, not a signal", "[cli]") {
   const Sandbox sandbox;
   // The right side closes its end of the pipe before it lets the left side start.
@@ -1152,4 +1186,13 @@ TEST_CASE("a closed pipe is an error, not a signal", "[cli]") {
                 " 2>err; echo $? >code; } | { exec <&-; echo >go; }; cat code >/dev/null") == 0);
   CHECK(read_file(sandbox.directory() / "code") == "1\n");
   CHECK(contains(read_file(sandbox.directory() / "err"), "cannot write to standard output"));
+}
+
+TEST_CASE("a closed pipe ends a command that only prints without a message", "[cli]") {
+  const Sandbox sandbox;
+  REQUIRE(shell("cd " + shell_quoted(sandbox.directory().string()) + " && mkfifo go && { cat go; " +
+                Sandbox::command({"measure", "pair.xyzr", "-q"}) +
+                " 2>err; echo $? >code; } | { exec <&-; echo >go; }; cat code >/dev/null") == 0);
+  CHECK(read_file(sandbox.directory() / "code") == "141\n");
+  CHECK(read_file(sandbox.directory() / "err").empty());
 }

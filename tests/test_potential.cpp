@@ -2,7 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <filesystem>
 #include <stdexcept>
 #include <string>
@@ -254,6 +256,42 @@ TEST_CASE("potential: wrong options of the library are refused", "[potential]") 
   CHECK(refused({"a.ply", MeshColor::potential, false, false, MeshPotential{"no.dx", -1}}));
   CHECK(refused({"a.ply", MeshColor::potential, false, false, MeshPotential{"no.dx", 0, 0}}));
   CHECK(refused({"a.ply", MeshColor::potential, false, false, MeshPotential{"no.dx", NAN}}));
+}
+
+TEST_CASE("potential: long lines and tabs are read, vectors and surplus values refused",
+          "[potential]") {
+  const TemporaryDirectory directory;
+  const fs::path path = directory.path() / "a.dx";
+  const auto identity = [&](const std::string& text) {
+    write_file(path, text);
+    return PotentialMap(path, 0).identity();
+  };
+  const auto error = [&](const std::string& text) -> std::string {
+    try {
+      identity(text);
+    } catch (const Error& fault) {
+      return fault.what();
+    }
+    return "";
+  };
+  const std::string map = map_text(), expected = identity(map);
+  const std::size_t values = map.find("data follows\n") + 13, end = map.find("\nattribute");
+  std::string line = map;
+  std::replace(line.begin() + static_cast<std::ptrdiff_t>(values),
+               line.begin() + static_cast<std::ptrdiff_t>(end), '\n', ' ');
+  CHECK(identity(line) == expected);
+  std::string tabs = map;
+  std::replace(tabs.begin(), tabs.end(), ' ', '\t');
+  CHECK(identity(tabs) == expected);
+  std::string vectors = map;
+  vectors.replace(vectors.find("rank 0"), 6, "rank 1 shape 3");
+  CHECK(contains(error(vectors), "the map has vectors; expected a map of a potential, with rank 0"));
+  std::string surplus = map;
+  surplus.insert(end, "\n1.5");
+  CHECK(contains(error(surplus), "more than 37975 values, one for each point"));
+  surplus = map;
+  surplus.insert(end, " 1.5");
+  CHECK(contains(error(surplus), "more than 37975 values"));
 }
 
 // --- the program --------------------------------------------------------------------------------

@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <filesystem>
 #include <memory>
+#include <system_error>
 #include <utility>
 
+#include "cli/suggestions.hpp"
 #include "eses/version.hpp"
 #include "input/read_structure.hpp"
 #include "system/dispatch.hpp"
@@ -58,21 +60,34 @@ void refuse_empty_values(const Arguments& arguments) {
   }
 }
 
-[[noreturn]] void refuse_extra(const std::string& extra, std::string_view positionals) {
+/// Returns what to do instead of giving an unknown option.
+std::string advice_for_option(const CLI::App& app, const std::string& extra) {
+  std::error_code ignored;
+  if (std::filesystem::exists(extra, ignored)) return "; put a file of this name after --";
+  const std::string name = extra.substr(0, extra.find('='));
+  std::vector<std::string> names;
+  for (const CLI::Option* option : app.get_options())
+    for (const std::string& known : option->get_lnames()) names.push_back("--" + known);
+  if (const std::string_view meant = closest_name(name, names); !meant.empty())
+    return formatted("; did you mean {}?", meant);
+  const bool is_of_measure = name == "--cavities" || name == "--pockets" || name == "--parts" ||
+                             name == "--csv" || name == "--large-probe";
+  return is_of_measure ? formatted("; it is an option of 'eses-blocks measure'") : "";
+}
+
+[[noreturn]] void refuse_extra(const CLI::App& app, const std::string& extra,
+                               std::string_view positionals) {
   if (!extra.starts_with('-'))
     throw UsageError(formatted("unexpected argument '{}' after {}", extra, positionals));
   // CLI11 recognizes `-1` as a number, but treats `-.5` and `-inf` as options.
   if (whole_text<double>(extra))
     throw UsageError(formatted("unexpected negative number '{}' among {}", extra, positionals));
-  std::error_code ignored;
-  const bool is_file = std::filesystem::exists(extra, ignored);
-  throw UsageError(formatted("unknown option '{}'{}", extra,
-                             is_file ? "; put a file of this name after --" : ""));
+  throw UsageError(formatted("unknown option '{}'{}", extra, advice_for_option(app, extra)));
 }
 
 void refuse_extras(const CLI::App& app, std::string_view positionals) {
   for (const std::string& extra : app.remaining())
-    if (extra != "--") refuse_extra(extra, positionals);
+    if (extra != "--") refuse_extra(app, extra, positionals);
 }
 
 /// Returns the message for an option with too many values or, which is possible only for the last

@@ -70,6 +70,7 @@ struct Command {
   std::string_view name;  ///< first argument that chooses the command; empty for the surface
   int (*perform)(const Arguments& arguments, const Processes& processes);
   int failure_code = exit_failure;
+  bool only_prints = false;     ///< whether a closed pipe ends it quietly, as a filter
   bool is_linked = false;       ///< whether a link to the program, such as eses-msms, chooses it
   bool is_distributed = false;  ///< whether all processes perform it, or only the first one
 };
@@ -77,10 +78,16 @@ struct Command {
 constexpr Command surface_command{.name = "", .perform = perform_surface, .is_distributed = true};
 constexpr std::array named_commands{
     Command{.name = "diff", .perform = perform_diff, .failure_code = exit_trouble},
-    Command{.name = "measure", .perform = perform_measure},
+    Command{.name = "measure", .perform = perform_measure, .only_prints = true},
     Command{.name = "msms", .perform = perform_msms, .is_linked = true},
-    Command{.name = "pdb_to_xyzr", .perform = perform_pdb_to_xyzr, .is_linked = true},
-    Command{.name = "pdb_to_xyzrn", .perform = perform_pdb_to_xyzrn, .is_linked = true},
+    Command{.name = "pdb_to_xyzr",
+            .perform = perform_pdb_to_xyzr,
+            .only_prints = true,
+            .is_linked = true},
+    Command{.name = "pdb_to_xyzrn",
+            .perform = perform_pdb_to_xyzrn,
+            .only_prints = true,
+            .is_linked = true},
 };
 
 /// Returns the command that the first argument names; null if it names none.
@@ -137,6 +144,8 @@ int perform(const Command& command, const Arguments& arguments, const Processes&
   } catch (const SharedError& error) {
     if (processes.is_first()) print_message("error", message_of(error));
     return command.failure_code;
+  } catch (const ClosedPipe& error) {
+    return command.only_prints ? 128 + SIGPIPE : fail(error.what());
   } catch (const Interrupted& interrupted) {
     return end_all(processes, interrupted.exit_code);
   } catch (const std::bad_alloc&) {

@@ -49,9 +49,7 @@ void divide(const PartChoice& choice, MeasuredFile& file) {
   std::vector<std::vector<std::string>> groups = choice.parts;
   if (choice.by_chain)
     for (const std::string& chain : chains) groups.push_back({chain});
-  if (groups.size() < 2)
-    throw Error(formatted("{}: --parts needs two or more chains, and the only chain is {}",
-                          input_name(file.path), list_of(chains)));
+  if (groups.size() < 2) return;  // the chain alone, of which there are no parts
   std::map<std::string, std::uint32_t> part_of_chain;
   for (const std::vector<std::string>& group : groups) {
     for (const std::string& chain : group) {

@@ -8,15 +8,16 @@
 #include <cstdio>
 #include <system_error>
 
-#include "eses/error.hpp"
 #include "system/formatted.hpp"
 
 namespace eses::detail::cli {
 namespace {
 
 [[noreturn]] void fail_to_print(int error) {
-  throw Error(
-      formatted("cannot write to standard output: {}", std::generic_category().message(error)));
+  const std::string message =
+      formatted("cannot write to standard output: {}", std::generic_category().message(error));
+  if (error == EPIPE) throw ClosedPipe(message);
+  throw Error(message);
 }
 
 }  // namespace

@@ -5,12 +5,18 @@
 #include <string>
 #include <string_view>
 
+#include "eses/error.hpp"
 #include "system/formatted.hpp"
 
 namespace eses::detail::cli {
 
+/// The reader of standard output has ended.
+class ClosedPipe : public Error {
+  using Error::Error;
+};
+
 /// Prints a text to standard output and flushes it. Throws Error if that fails, for example because
-/// of a full disk or a closed pipe.
+/// of a full disk, and ClosedPipe for a closed pipe.
 void print(std::string_view text);
 
 /// Throws Error if standard output cannot be written. Called before a run starts.

@@ -19,6 +19,7 @@
 
 #include "cli/arguments.hpp"
 #include "cli/shared_options.hpp"
+#include "cli/suggestions.hpp"
 #include "eses/error.hpp"
 #include "input/grid_reader.hpp"
 #include "output/map_writer.hpp"
@@ -535,6 +536,15 @@ void choose_mesh(const CLI::App& app, const InputFile& input, Outputs& outputs) 
   if (mesh.file.empty()) outputs.mesh.reset();
 }
 
+/// Leaves out the files of ESES for `-o -`. Throws UsageError if other files need a directory.
+void choose_no_directory(Options& options) {
+  options.output_directory = ".";
+  leave_out_text_files(options.outputs);
+  if (const std::vector<std::string> others = file_names(options.outputs); !others.empty())
+    throw UsageError(
+        formatted("--output-dir is '-', for no files, but {} needs a directory", others.front()));
+}
+
 /// Checks values that depend on each other, and sets those of lengths and outputs.
 void choose_values(const CLI::App& app, const Lengths& lengths, Options& options) {
   choose("PROBE", "--probe-radius", lengths.probe_radius, options.parameters.probe_radius);
@@ -548,6 +558,7 @@ void choose_values(const CLI::App& app, const Lengths& lengths, Options& options
   if (options.part && options.parameters.exact)
     throw UsageError("--exact cannot be combined with --part; it needs all atoms in one process");
   if (options.outputs.residues) refuse_xyzr(options.input(), "--write residues", "residues");
+  if (options.output_directory == "-") choose_no_directory(options);
   choose_maps(app, options.output_directory, options.outputs);
   choose_mesh(app, options.input(), options.outputs);
 }
@@ -570,6 +581,22 @@ void refuse_separate_number(std::span<const std::string> arguments) {
           formatted("{0} takes its number after '='; use {0}={1}, as {1} is a "
                     "positional argument",
                     arguments[i], arguments[i + 1]));
+}
+
+/// Returns what to do if the arguments seem to be meant for another command.
+std::string advice_for_command(const Arguments& arguments, std::string_view message) {
+  const std::vector<std::string> commands{"diff", "measure", "msms", "pdb_to_xyzr"};
+  std::error_code ignored;
+  if (!arguments.empty() && !std::filesystem::exists(arguments.front(), ignored))
+    if (const std::string_view meant = closest_name(arguments.front(), commands); !meant.empty())
+      return formatted("; did you mean 'eses-blocks {}'?", meant);
+  constexpr std::string_view start = "PROBE is '";
+  if (!message.starts_with(start)) return {};
+  message.remove_prefix(start.size());
+  const std::string value(message.substr(0, message.find('\'')));
+  return std::filesystem::exists(value, ignored)
+             ? "; one file at a time, or 'eses-blocks measure FILE...' for many"
+             : "";
 }
 
 }  // namespace
@@ -603,15 +630,22 @@ std::optional<Grid> chosen_grid(const Options& options) {
 }
 
 Options parse_arguments(const Arguments& arguments) {
-  CLI::App app("Solvent excluded surface of a molecule on a grid, computed block by block.",
-               "eses-blocks");
+  CLI::App app(
+      "Solvent excluded surface of a molecule on a grid, computed block by block.\n"
+      "Four files of ESES, often tens of MB, go to the current directory; -o DIR chooses\n"
+      "another one, and -o - or --write none writes none.",
+      "eses-blocks");
   Options options;
   Lengths lengths;
   options.output_directory = ".";
   add_options(app, options, lengths);
   require_known_instruction_set();
   refuse_separate_number(arguments);
-  parse(app, arguments, "FILE, PROBE, SPACING and MARGIN");
+  try {
+    parse(app, arguments, "FILE, PROBE, SPACING and MARGIN");
+  } catch (const UsageError& error) {
+    throw UsageError(error.what() + advice_for_command(arguments, error.what()));
+  }
   choose_values(app, lengths, options);
   refuse_structure_options(app, options.input());
   return options;

@@ -100,6 +100,9 @@ static void to_json(Json& json, const DiagnosticText& diagnostic) {
 
 namespace {
 
+// A smaller probe with a coarser grid is probably a pair of swapped arguments (angstrom).
+constexpr double min_usual_probe = 0.8, max_usual_spacing = 1.1;
+
 std::string duration_text(double seconds) {
   if (seconds < 59.95) return formatted("{:.3g} s", seconds);
   const auto whole = static_cast<std::int64_t>(std::round(seconds));
@@ -500,6 +503,12 @@ std::vector<std::string> warnings(const Report& report) {
   std::vector<std::string> lines;
   for (const DiagnosticText& diagnostic : report.diagnostics)
     if (!diagnostic.is_usual) lines.push_back(diagnostic.message);
+  const Parameters& parameters = report.options.parameters;
+  if (const double spacing = report.plan.grid.spacing, probe = parameters.probe_radius;
+      probe < min_usual_probe && spacing > max_usual_spacing)
+    lines.push_back(formatted(
+        "a probe radius of {} with a spacing of {} is unusual; are they swapped? PROBE comes first",
+        probe, spacing));
   if (report.plan.cut_depth >= 0) lines.push_back(cut_warning(report.plan));
   for (const DiskSpace& disk : report.disk)
     if (disk.expected > disk.available) lines.push_back(disk_warning(disk));

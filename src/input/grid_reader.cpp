@@ -217,9 +217,7 @@ DxPositions read_dx_positions(LineReader& lines) {
     std::string_view fields = lines.expect("the positions of an OpenDX grid");
     const std::string_view keyword = take_first(fields);
     if (keyword == "#" && !positions.shifted_axis) {
-      const std::size_t begin = fields.find_first_not_of(' ');
-      if (begin != std::string_view::npos)
-        positions.shifted_axis = shifted_axis(fields.substr(begin));
+      positions.shifted_axis = shifted_axis(without_leading_blanks(fields));
     } else if (keyword == "object" && fields.find("gridpositions") != std::string_view::npos) {
       while (!fields.empty() && take_first(fields) != "counts") continue;
       for (std::int64_t& count : positions.size) count = index_in(lines, fields, "counts", 1);

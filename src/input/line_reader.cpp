@@ -1,5 +1,6 @@
 #include "input/line_reader.hpp"
 
+#include <algorithm>
 #include <cstring>
 #include <span>
 
@@ -35,6 +36,25 @@ bool LineReader::next(std::string_view& line) {
   line = {begin, length};
   begin_ += length + 1;
   if (line.ends_with('\r')) line.remove_suffix(1);
+  return true;
+}
+
+bool LineReader::next_part(std::string_view& part) {
+  if (end_ - begin_ <= max_line_length && !at_end_of_file_) refill();
+  const std::string_view rest(buffer_.data() + begin_,
+                              std::min(end_ - begin_, max_line_length + 1));
+  if (rest.size() <= max_line_length || rest.find('\n') != rest.npos) {
+    if (is_in_line_) --line_;  // next() counts it again
+    is_in_line_ = false;
+    return next(part);
+  }
+  const std::size_t blank = rest.find_last_of(" \t");
+  if (!is_in_line_) ++line_;
+  is_in_line_ = true;
+  if (blank == rest.npos)
+    fail(formatted("more than {} characters without a blank", max_line_length));
+  part = rest.substr(0, blank + 1);
+  begin_ += part.size();
   return true;
 }
 

@@ -21,6 +21,10 @@ class LineReader {
   /// truncated.
   bool next(std::string_view& line);
 
+  /// Reads the next line or, if it is long, its next part, which ends at a blank. Returns false at
+  /// the end of the file.
+  bool next_part(std::string_view& part);
+
   /// Returns the next line. Throws Error at the end of the file; `what` describes the expected
   /// line.
   std::string_view expect(std::string_view what);
@@ -35,7 +39,7 @@ class LineReader {
   TextSource source_;
   std::vector<char> buffer_;
   std::size_t begin_ = 0, end_ = 0;  // the unread part of the buffer
-  bool at_end_of_file_ = false;
+  bool at_end_of_file_ = false, is_in_line_ = false;
   std::uint64_t line_ = 0;  // number of the current line, from 1
 };
 

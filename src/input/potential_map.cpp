@@ -44,8 +44,12 @@ void require_memory(const std::string& name, std::uint64_t bytes, std::uint64_t 
 void skip_to_values(LineReader& lines, std::uint64_t count) {
   for (int i = 0; i < max_lines_between; ++i) {
     std::string_view fields = lines.expect("the values of an OpenDX map");
-    if (!trimmed(fields).ends_with("data follows")) continue;
-    while (!fields.empty() && take_first(fields) != "items") continue;
+    std::string_view before = fields;
+    if (take_last(before) != "follows" || take_last(before) != "data") continue;
+    for (std::string_view word = take_first(fields); !word.empty() && word != "items";
+         word = take_first(fields))
+      if (word == "rank" && number_in(lines, fields, "rank") != 0)
+        lines.fail("the map has vectors; expected a map of a potential, with rank 0");
     if (number_in(lines, fields, "items") != static_cast<double>(count))
       lines.fail(formatted("expected {} items, a value for each point", count));
     return;
@@ -70,10 +74,14 @@ void PotentialMap::read_values(LineReader& lines) {
   std::string_view fields;
   for (float& value : values_) {
     while (fields = without_leading_blanks(fields), fields.empty())
-      fields = lines.expect("a value for each point");
+      if (!lines.next_part(fields)) lines.expect("a value for each point");
     value = static_cast<float>(number_in(lines, fields, "potential"));
     if (!std::isfinite(value)) lines.fail("potential: the number is too large");
   }
+  double surplus = 0;
+  while (trimmed(fields).empty() && lines.next_part(fields)) continue;
+  if (parse_number(take_first(fields), surplus) == std::errc())
+    lines.fail(formatted("more than {} values, one for each point", values_.size()));
 }
 
 double PotentialMap::at(const Vec3& position) const {
