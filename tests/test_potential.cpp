@@ -285,7 +285,8 @@ TEST_CASE("potential: long lines and tabs are read, vectors and surplus values r
   CHECK(identity(tabs) == expected);
   std::string vectors = map;
   vectors.replace(vectors.find("rank 0"), 6, "rank 1 shape 3");
-  CHECK(contains(error(vectors), "the map has vectors; expected a map of a potential, with rank 0"));
+  CHECK(
+      contains(error(vectors), "the map has vectors; expected a map of a potential, with rank 0"));
   std::string surplus = map;
   surplus.insert(end, "\n1.5");
   CHECK(contains(error(surplus), "more than 37975 values, one for each point"));

@@ -1,6 +1,9 @@
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <cstddef>
+#include <cstdint>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -20,6 +23,7 @@
 #include "cli/measured_file.hpp"
 #include "cli/messages.hpp"
 #include "cli/options.hpp"
+#include "cli/progress.hpp"
 #include "eses/error.hpp"
 #include "output/file_path.hpp"
 #include "output/output_directory.hpp"
@@ -95,7 +99,12 @@ struct Outcome {
 class Reporter {
  public:
   /// Keeps a pointer to the file of `--csv`, which is null if there is none.
-  Reporter(const MeasureCommandOptions& options, OutputFile* csv) : csv_(csv) {
+  Reporter(const MeasureCommandOptions& options, OutputFile* csv)
+      : csv_(csv),
+        files_(static_cast<std::int64_t>(options.inputs.size())),
+        // Lines on a terminal show the progress themselves.
+        progress_(files_ > 1 && !options.quiet && isatty(STDOUT_FILENO) == 0) {
+    progress_.show_files(0, files_);
     append_csv(measure_csv_heading(options));
     if (options.inputs.size() > 1 && !options.quiet && !options.json)
       print(measure_heading(options));
@@ -107,6 +116,7 @@ class Reporter {
     for (auto first = waiting_.begin(); first != waiting_.end() && first->first == next_;
          first = waiting_.erase(first), ++next_)
       report(first->second);
+    progress_.show_files(static_cast<std::int64_t>(next_), files_);
   }
 
   bool has_errors() const { return has_errors_; }
@@ -117,6 +127,7 @@ class Reporter {
   }
 
   void report(const Outcome& outcome) {
+    if (!outcome.warnings.empty() || !outcome.errors.empty()) progress_.clear();
     for (const std::string& warning : outcome.warnings) print_message("warning", warning);
     for (const std::string& error : outcome.errors) print_message("error", error);
     if (!outcome.text.empty()) print(outcome.text);
@@ -125,6 +136,8 @@ class Reporter {
   }
 
   OutputFile* csv_;
+  std::int64_t files_;
+  ProgressBar progress_;
   std::mutex mutex_;
   std::map<std::size_t, Outcome> waiting_;  // by index of the file
   std::size_t next_ = 0;                    // index of the file that is reported next

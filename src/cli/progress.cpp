@@ -74,8 +74,11 @@ bool can_draw() {
 
 ProgressBar::ProgressBar(bool is_wanted) : is_shown_(is_wanted && can_draw()) {}
 
-ProgressBar::~ProgressBar() {
+ProgressBar::~ProgressBar() { clear(); }
+
+void ProgressBar::clear() {
   if (columns_drawn_ > 0) write_stderr(formatted("\r{:{}}\r", "", columns_drawn_));
+  columns_drawn_ = 0;
 }
 
 void ProgressBar::show_blocks(std::int64_t done, std::int64_t total) {
@@ -85,6 +88,8 @@ void ProgressBar::show_blocks(std::int64_t done, std::int64_t total) {
 }
 
 void ProgressBar::show_checks(std::int64_t done, std::int64_t total) { show(done, total, checks); }
+
+void ProgressBar::show_files(std::int64_t done, std::int64_t total) { show(done, total, "files"); }
 
 void ProgressBar::show(std::int64_t done, std::int64_t total, std::string_view steps) {
   if (!is_shown_) return;

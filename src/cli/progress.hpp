@@ -22,6 +22,10 @@ class ProgressBar {
   void show_blocks(std::int64_t done, std::int64_t total);
   /// Shows the number of finished checks of the verification.
   void show_checks(std::int64_t done, std::int64_t total);
+  /// Shows the number of finished files.
+  void show_files(std::int64_t done, std::int64_t total);
+  /// Removes the bar until the next call, so that a message can be printed.
+  void clear();
 
  private:
   using Clock = std::chrono::steady_clock;

@@ -23,13 +23,13 @@ class Bar(TestCase):
         self.input.write_text("".join(f"{x * 3} {y * 3} {z * 3} 1.7\n" for x in range(16)
                                       for y in range(16) for z in range(16)))
 
-    def run_on_terminal(self, *options, term="xterm"):
+    def run_on_terminal(self, *options, term="xterm", command=None):
         """Returns standard output and the text sent to the terminal."""
         master, slave = pty.openpty()
         fcntl.ioctl(slave, termios.TIOCSWINSZ, struct.pack("HHHH", 24, WIDTH, 0, 0))
         program = subprocess.Popen(
-            [PROGRAM, self.input, "--spacing", "0.1", "--write", "areas", "-b", "17", "-t", "1",
-             "-o", self.folder / "out", *options],
+            command or [PROGRAM, self.input, "--spacing", "0.1", "--write", "areas", "-b", "17",
+                        "-t", "1", "-o", self.folder / "out", *options],
             stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=slave,
             env={**os.environ, "TERM": term}, text=True)
         os.close(slave)
@@ -46,6 +46,15 @@ class Bar(TestCase):
         printed = program.communicate()[0]
         self.assertEqual(program.returncode, 0, sent)
         return printed, sent.decode()
+
+    def test_files_of_measure_are_counted(self):
+        command = [PROGRAM, "measure", "-t", "1", *[self.input] * 20]
+        printed, sent = self.run_on_terminal(command=command)
+        self.assertEqual(printed.count("many.xyzr"), 20)
+        self.assertRegex(sent, r"\d+% \[#* *\] +\d+/20 files")
+        self.assertTrue(sent.endswith("\r"))
+        quiet, sent = self.run_on_terminal(command=[*command, "-q"])
+        self.assertNotIn("files", sent)
 
     def test_bar_grows_and_disappears(self):
         printed, sent = self.run_on_terminal()
