@@ -115,7 +115,12 @@ TEST_CASE("options are checked before the first frame", "[measure]") {
           "the probe radius must be 0 or between 0.01 and 1000 angstrom, and is -1");
     CHECK(failure_of(count, read_pair, {.threads = -1}) ==
           "the number of threads must not be negative, and is -1");
+    CHECK_THROWS_AS(measure_frames(count, radii, {}, ignore), std::invalid_argument);
+    CHECK_THROWS_AS(measure_frames(count, radii, read_pair, {}), std::invalid_argument);
   }
+  CHECK_THROWS_AS(
+      measure_frames(~std::size_t{0}, radii, read_pair, [](std::size_t, const Measures&) {}),
+      std::invalid_argument);
 }
 
 }  // namespace eses::detail::test

@@ -129,6 +129,12 @@ void measure_frames(std::size_t frame_count, std::span<const double> radii, cons
   detail::require_valid(options);
   detail::require_valid(detail::Parameters{.probe_radius = surface.probe_radius,
                                            .max_filled_void = surface.max_filled_void});
+  if (!read || !receive)
+    throw std::invalid_argument(
+        "measure_frames needs a function that reads frames and one that receives "
+        "measures");
+  if (frame_count > static_cast<std::size_t>(std::numeric_limits<std::int64_t>::max()))
+    throw std::invalid_argument(detail::formatted("{} frames are too many", frame_count));
   FrameMeasurement(radii, read, receive, options, surface).run(frame_count);
 }
 

@@ -15,16 +15,21 @@ namespace {
 // The maximum index is reserved for "no atom".
 constexpr std::size_t max_atoms = std::numeric_limits<AtomIndex>::max() - std::size_t{1};
 
-// Throws std::invalid_argument for coordinates beyond the limit. Molecule refuses numbers that are
-// not finite.
+// Throws std::invalid_argument for coordinates and radii beyond the limit. Molecule refuses numbers
+// that are not finite.
 void require_near(std::span<const Atom> atoms) {
-  for (std::size_t i = 0; i < atoms.size(); ++i)
+  for (std::size_t i = 0; i < atoms.size(); ++i) {
+    if (const double radius = atoms[i].radius; std::isfinite(radius) && radius > max_coordinate)
+      throw std::invalid_argument(
+          detail::formatted("atom {} (counted from 0) has radius {}; the limit is {:.0f} angstrom",
+                            i, radius, max_coordinate));
     for (std::size_t axis = 0; axis < 3; ++axis)
       if (const double value = atoms[i].center[axis];
           std::isfinite(value) && std::fabs(value) > max_coordinate)
         throw std::invalid_argument(detail::formatted(
             "atom {} (counted from 0) has {} coordinate {}; the limit is {:.0f} angstrom", i,
             "xyz"[axis], value, max_coordinate));
+  }
 }
 
 std::shared_ptr<const detail::Molecule> make_molecule(std::vector<Atom> atoms,
