@@ -29,6 +29,22 @@ bool lies_inside(const Atom& inner, const Atom& outer) {
 
 bool has_nanometre_radius(const Atom& atom) { return atom.radius < nanometre_radius; }
 
+/// Keeps the diagnostic of coordinates in nanometres if it is that of most atoms. It then replaces
+/// the diagnostics of close and nested atoms.
+void decide_unit(std::uint64_t atoms, std::vector<Diagnostic>& diagnostics) {
+  using enum DiagnosticKind;
+  const bool are_nanometres =
+      std::any_of(diagnostics.begin(), diagnostics.end(), [atoms](const Diagnostic& diagnostic) {
+        return diagnostic.kind == nanometre_coordinates && atoms >= min_nanometre_atoms &&
+               2 * diagnostic.count > atoms;
+      });
+  std::erase_if(diagnostics, [&](const Diagnostic& diagnostic) {
+    const DiagnosticKind kind = diagnostic.kind;
+    return are_nanometres ? kind == close || kind == nested || kind == nested_usual
+                          : kind == nanometre_coordinates;
+  });
+}
+
 }  // namespace
 
 void DiagnosticTally::add(DiagnosticKind kind, AtomIndex atom, AtomIndex other) {
@@ -115,24 +131,8 @@ std::vector<Diagnostic> DiagnosticFinder::found(std::span<const DiagnosticTally>
   DiagnosticTally all = find_nested();
   for (const DiagnosticTally& tally : tallies) all.append(tally);
   std::vector<Diagnostic> diagnostics = std::move(all).found();
-  if (!is_own_) keep_valid(atoms_.size(), diagnostics);
+  if (!is_own_) decide_unit(atoms_.size(), diagnostics);
   return diagnostics;
-}
-
-void keep_valid(std::uint64_t atoms, std::vector<Diagnostic>& diagnostics) {
-  using enum DiagnosticKind;
-  bool are_nanometres = false;
-  std::erase_if(diagnostics, [&](const Diagnostic& diagnostic) {
-    const bool is_wrong_unit = diagnostic.kind == nanometre_coordinates;
-    const bool is_for_most = atoms >= min_nanometre_atoms && 2 * diagnostic.count > atoms;
-    are_nanometres = are_nanometres || (is_wrong_unit && is_for_most);
-    return (is_wrong_unit && !is_for_most) ||
-           (diagnostic.kind == small_radii && diagnostic.count < atoms);
-  });
-  if (!are_nanometres) return;
-  std::erase_if(diagnostics, [](const Diagnostic& diagnostic) {
-    return diagnostic.kind == close || diagnostic.kind == nested || diagnostic.kind == nested_usual;
-  });
 }
 
 }  // namespace eses::detail

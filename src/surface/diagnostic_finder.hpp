@@ -2,7 +2,6 @@
 /// Diagnostics of a set of atoms.
 
 #include <array>
-#include <cstdint>
 #include <functional>
 #include <span>
 #include <vector>
@@ -31,10 +30,6 @@ class DiagnosticTally {
  private:
   std::array<Diagnostic, diagnostic_kinds> diagnostics_;
 };
-
-/// Removes the diagnostics that are not valid for a whole set of atoms, whose counts are known only
-/// when all atoms have been inspected.
-void keep_valid(std::uint64_t atoms, std::vector<Diagnostic>& diagnostics);
 
 /// A search for diagnostics. Several threads may inspect atoms at the same time, each with its own
 /// tallies.
