@@ -536,13 +536,11 @@ void choose_mesh(const CLI::App& app, const InputFile& input, Outputs& outputs) 
   if (mesh.file.empty()) outputs.mesh.reset();
 }
 
-/// Leaves out the files of ESES for `-o -`. Throws UsageError if other files need a directory.
-void choose_no_directory(Options& options) {
-  options.output_directory = ".";
-  leave_out_text_files(options.outputs);
-  if (const std::vector<std::string> others = file_names(options.outputs); !others.empty())
+/// Throws UsageError if files need a directory in spite of `-o -`.
+void refuse_files(const Outputs& outputs) {
+  if (const std::vector<std::string> files = file_names(outputs); !files.empty())
     throw UsageError(
-        formatted("--output-dir is '-', for no files, but {} needs a directory", others.front()));
+        formatted("--output-dir is '-', for no files, but {} needs a directory", files.front()));
 }
 
 /// Checks values that depend on each other, and sets those of lengths and outputs.
@@ -558,9 +556,14 @@ void choose_values(const CLI::App& app, const Lengths& lengths, Options& options
   if (options.part && options.parameters.exact)
     throw UsageError("--exact cannot be combined with --part; it needs all atoms in one process");
   if (options.outputs.residues) refuse_xyzr(options.input(), "--write residues", "residues");
-  if (options.output_directory == "-") choose_no_directory(options);
+  const bool has_directory = options.output_directory != "-";
+  if (!has_directory) {
+    options.output_directory = ".";
+    leave_out_text_files(options.outputs);
+  }
   choose_maps(app, options.output_directory, options.outputs);
   choose_mesh(app, options.input(), options.outputs);
+  if (!has_directory) refuse_files(options.outputs);
 }
 
 // --- errors that CLI11 does not detect ----------------------------------------------------------
