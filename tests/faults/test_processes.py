@@ -493,7 +493,9 @@ class Failure(Processes):
         os.kill(victims[1], signal.SIGKILL)
         # The other processes do not wait for the killed one.
         self.assertNotEqual(self.finish(launched).returncode, 0)
-        self.assertEqual([n for n in self.all_files() if not n.startswith(".")], [])
+        # The first process may have renamed all files before it was ended.
+        self.assertIn([n for n in self.all_files() if not n.startswith(".")],
+                      ([], ["bounding_box.txt", "intersection_info.txt"]))
 
     def test_full_disk_of_one_process_ends_all(self):
         """The disk is full in any of the processes, while chunks are written and while they are
