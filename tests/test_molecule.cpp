@@ -158,6 +158,9 @@ class Definition {
       case DiagnosticKind::small_radii:       // some radii are larger
       case DiagnosticKind::one_atom_residue:  // the atoms have no names
       case DiagnosticKind::water:
+      case DiagnosticKind::foreign_residue:
+      case DiagnosticKind::unread_record:          // the atoms are not from a file
+      case DiagnosticKind::nanometre_coordinates:  // neighbours are farther apart
         return none;
       case DiagnosticKind::zero_radius:
         return radius == 0 ? i : none;
@@ -189,8 +192,8 @@ auto comparable(std::span<const Diagnostic> diagnostics) {
       result;
   for (const Diagnostic& diagnostic : diagnostics) {
     result.push_back({diagnostic.kind, diagnostic.count, {}});
-    for (const auto& [atom, other] : diagnostic.examples)
-      std::get<2>(result.back()).emplace_back(atom, other);
+    for (const auto& example : diagnostic.examples)
+      std::get<2>(result.back()).emplace_back(example.atom, example.other);
   }
   return result;
 }
