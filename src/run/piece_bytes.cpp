@@ -65,7 +65,9 @@ double piece_bytes_per_vertex(const mesh::PieceContents& contents) {
 
 void PieceReader::add(std::span<const char> bytes) {
   if (!rest_.empty()) {
-    rest_.insert(rest_.end(), bytes.begin(), bytes.end());
+    const std::size_t length = rest_.size();
+    rest_.resize(length + bytes.size());
+    std::copy(bytes.begin(), bytes.end(), rest_.begin() + static_cast<std::ptrdiff_t>(length));
     bytes = rest_;
   }
   while (const std::size_t length = add_piece(bytes)) bytes = bytes.subspan(length);
