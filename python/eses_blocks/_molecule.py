@@ -353,7 +353,8 @@ def _read(found: Any, radii: Any, waters: bool, hydrogens: str, unknown: Optiona
         if is_unknown.any():
             if unknown is None:
                 _complain(is_unknown, residue, name, element, set_name)
-            values = np.where(np.isnan(values), unknown, values)
+            else:
+                values = np.where(np.isnan(values), unknown, values)
         guessed, missing = np.flatnonzero((by_element | by_name) & keep & ~is_unknown), np.flatnonzero(is_unknown)
     if not keep.any():
         raise ValueError("no atoms are left" + "".join(f"; {number} {what}" for what, number in left_out.items()))
