@@ -186,11 +186,14 @@ class Definition {
   std::vector<AtomIndex> first_equal_;
 };
 
+// Returns the diagnostics as tuples. A part also counts the atoms whose coordinates may be in
+// nanometres; only all parts together can tell.
 auto comparable(std::span<const Diagnostic> diagnostics) {
   std::vector<
       std::tuple<DiagnosticKind, std::uint64_t, std::vector<std::pair<AtomIndex, AtomIndex>>>>
       result;
   for (const Diagnostic& diagnostic : diagnostics) {
+    if (diagnostic.kind == DiagnosticKind::nanometre_coordinates) continue;
     result.push_back({diagnostic.kind, diagnostic.count, {}});
     for (const auto& example : diagnostic.examples)
       std::get<2>(result.back()).emplace_back(example.atom, example.other);

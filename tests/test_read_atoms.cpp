@@ -539,7 +539,7 @@ TEST_CASE("PQR: an element symbol after the radius is accepted", "[read_atoms]")
   for (const char* field : {"N2", "N+", "ZNC", "N12+", "1+"}) {
     CAPTURE(field);
     CHECK(contains(pqr_error("ATOM 1 N MET A 1 1.0 2.0 3.0 -0.5 1.5 " + std::string(field)),
-                   "(radius): expected a number, found"));
+                   "after the radius, expected x y z charge radius at the end; remove the text"));
   }
 }
 
@@ -560,7 +560,7 @@ TEST_CASE("PQR: a PDB file is refused with the reason", "[read_atoms]") {
       "HETATM    4  O   HOH A   2     -26.913 -26.639  -3.531  1.00  2.00"};
   const std::string reason =
       "t.pqr: this is a PDB file: its columns 55 to 66 hold occupancy and B-factor, which are not "
-      "charge and radius; read it with --format pdb";
+      "charge and radius; read it with --format pdb, or with --format pqr if they are";
   for (const char* end : {"", "           N  ", "           N1+"}) {
     CAPTURE(end);
     std::string text = "HEADER\n";
@@ -709,8 +709,9 @@ TEST_CASE("PQR: a record with neither fields nor columns is refused", "[read_ato
       "t.pqr:1: expected at least 10 fields, the last five being x y z charge radius, found ";
   CHECK(pqr_error("ATOM      1  N   MET A   1   8-110.123-200.456-300.789 -0.3000 1.85") ==
         too_few + "9");
-  CHECK(pqr_error("ATOM      1  N   MET A   1    -110.123-200.456-300.7891 -0.3000 1.85") ==
-        too_few + "9");
+  // A minus sign separates numbers that run together.
+  CHECK(is_sole_atom(pqr("ATOM      1  N   MET A   1    -110.123-200.456-300.7891 -0.3000 1.85"),
+                     -110.123, -200.456, -300.7891, 1.85));
   CHECK(pqr_error("ATOM      1  N   MET A   1     -10.123-200.4x6  30.000  0.1000 1.8500") ==
         "t.pqr:1: field 7 (y): expected a number, found \"-10.123-200.4x6\"");
 }
@@ -724,21 +725,26 @@ TEST_CASE("PQR: wrong fields in free format are refused", "[read_atoms]") {
   CHECK(pqr_error(start + "1.0 2.0 3.0 nan 1.5\n") ==
         "t.pqr:2: field 10 (charge): expected a finite number, found \"nan\"");
   CHECK(pqr_error(start + "1.0 2.0 3.0 0.5 -1.5\n") ==
-        "t.pqr:2: field 11 (radius): must not be negative, found \"-1.5\"");
+        "t.pqr:2: field 11 (radius): must not be negative, found \"-1.5\"; charge and radius seem "
+        "to be swapped; write the charge before the radius");
   CHECK(pqr_error(start + "1.0 2.0 3.0 0.5 1e999\n") ==
         "t.pqr:2: field 11 (radius): \"1e999\" is out of the range of double precision");
   CHECK(pqr_error(start + "1.0 2e7 3.0 0.5 1.5\n") ==
         "t.pqr:2: field 8 (y): \"2e7\" is beyond the limit of 1000000 angstrom");
   CHECK(pqr_error(start + "1.0 2.0 3.0 0.5 1.5 PROA\n") ==
-        "t.pqr:2: field 12 (radius): expected a number, found \"PROA\"");
+        "t.pqr:2: text \"PROA\" after the radius, expected x y z charge radius at the end; remove "
+        "the "
+        "text");
 }
 
 TEST_CASE("PQR: wrong fields in columns are refused", "[read_atoms]") {
   const std::string start = "ATOM      1  N   MET A   1     -10.123-200.456  30.000";
   CHECK(pqr_error(start + "  0.1000    bad\n") ==
         "t.pqr:1: field 10 (radius): expected a number, found \"bad\"");
-  CHECK(pqr_error(start + "  0.1000 -1.8500\n") ==
-        "t.pqr:1: field 10 (radius): must not be negative, found \"-1.8500\"");
+  CHECK(
+      pqr_error(start + "  0.1000 -1.8500\n") ==
+      "t.pqr:1: field 10 (radius): must not be negative, found \"-1.8500\"; charge and radius seem "
+      "to be swapped; write the charge before the radius");
   CHECK(pqr_error(start + "  0.1000\n") == "t.pqr:1: field 10 (radius): missing");
   CHECK(pqr_error(start + "\n") == "t.pqr:1: field 9 (charge): missing");
 }
