@@ -1,6 +1,7 @@
 #pragma once
 /// A fixed set of directions whose surrounding caps cover the unit sphere.
 
+#include <array>
 #include <cstddef>
 #include <vector>
 
@@ -13,6 +14,9 @@ struct CoveringDirections {
   std::vector<Vec3> directions;
   double radius = 0;
 };
+
+/// Returns the 20 triangles of an icosahedron, as vectors of equal length to their corners.
+std::vector<std::array<Vec3, 3>> icosahedron_triangles();
 
 /// Returns the 10 frequency^2 + 2 vertices of an icosahedron whose edges are divided into
 /// `frequency` parts. The radius is the maximum circumradius of the triangles, which tile the

@@ -6,7 +6,7 @@ namespace eses::detail {
 namespace {
 
 // Keeps the relevant caps, by size, followed by the caps that are needed only to cover.
-void keep_caps(AtomPatchScratch& scratch) {
+void keep_caps(const SurfaceModel& surface, AtomIndex i, AtomPatchScratch& scratch) {
   CapList& kept = scratch.kept_caps;
   kept.make_room(scratch.burial.relevant.size() + scratch.burial.covering.size());
   kept.clear();
@@ -17,7 +17,7 @@ void keep_caps(AtomPatchScratch& scratch) {
       scratch.kept_neighbours.push_back(scratch.near.neighbour(k));
     }
   if (scratch.kept_caps.size() > max_uncrowded)
-    scratch.crowded.reset(scratch.kept_caps, scratch.kept_neighbours);
+    scratch.crowded.reset(surface, scratch.kept_caps, surface.sas_sphere(i).radius);
 }
 
 PlacementKey make_key(AtomIndex i, AtomIndex j, AtomIndex k, const CircleEnd& end) {
@@ -36,12 +36,14 @@ PlacementKey make_key(AtomIndex i, AtomIndex j, AtomIndex k, const CircleEnd& en
 void add_circle(const SurfaceModel& surface, AtomIndex i, std::uint32_t own,
                 AtomPatchScratch& scratch, BuiltPatches& patches) {
   const AtomIndex j = scratch.kept_neighbours[own];
+  const bool is_crowded = scratch.kept_caps.size() > max_uncrowded;
+  if (is_crowded && !scratch.crowded.has_open_circle(own)) return;
   const ContactCircle circle =
       make_contact_circle(surface.sas_sphere(i), surface.sas_sphere(j), scratch.kept_caps[own]);
   scratch.arcs.clear();
   scratch.ends.clear();
-  if (scratch.kept_caps.size() > max_uncrowded) {
-    scratch.crowded.accessible_arcs(surface, circle, own, scratch.arc, scratch.arcs, scratch.ends);
+  if (is_crowded) {
+    scratch.crowded.accessible_arcs(circle, own, scratch.arc, scratch.arcs, scratch.ends);
   } else {
     accessible_arcs(circle, scratch.kept_caps, own, scratch.arc, scratch.arcs, scratch.ends);
   }
@@ -53,7 +55,7 @@ void add_circle(const SurfaceModel& surface, AtomIndex i, std::uint32_t own,
 
 void add_circles(const SurfaceModel& surface, AtomIndex i, AtomPatchScratch& scratch,
                  BuiltPatches& patches) {
-  keep_caps(scratch);
+  keep_caps(surface, i, scratch);
   for (std::uint32_t k = 0; k < scratch.burial.relevant.size(); ++k)
     if (scratch.kept_neighbours[k] > i) add_circle(surface, i, k, scratch, patches);
 }

@@ -1,9 +1,16 @@
 #include "surface/crowded_atoms.hpp"
 
+#include <limits>
+
 #include "surface/patches.hpp"
 
 namespace eses::detail {
 namespace {
+
+// The size of the parts of a sphere in which few of many caps decide (angstrom): as small as the
+// slack of accessibility or, without slack, as rounding errors.
+constexpr double min_part_with_slack = tolerance::accessible;
+constexpr double min_part_without_slack = 1e-13;
 
 // Lists the patches of crowded atoms. `other_atom(patch)` returns an atom of the patch other than
 // the one to which the patch belongs.
@@ -51,38 +58,21 @@ void find_listed(std::span<const PatchListing> listings, std::span<const AtomInd
   std::sort(found.begin(), found.end());
 }
 
-void CrowdedCaps::reset(const CapList& caps, std::span<const AtomIndex> neighbours) {
+void CrowdedCaps::reset(const SurfaceModel& surface, const CapList& caps, double radius) {
   caps_ = &caps;
-  neighbours_ = neighbours;
-  numbers_.clear();
-  for (std::uint32_t k = 0; k < neighbours.size(); ++k) numbers_.emplace_back(neighbours[k], k);
-  std::sort(numbers_.begin(), numbers_.end());
+  tree_.reset(caps, radius, surface.has_slack ? min_part_with_slack : min_part_without_slack);
 }
 
-void CrowdedCaps::choose_near(const SurfaceModel& surface, AtomIndex neighbour) {
-  const Atom& atom = surface.atoms[neighbour];
-  const double distance = atom.radius + 2 * surface.probe_radius + look_up_slack;
-  surface.tree().find_reaching(atom.center, distance, found_);
-  near_.clear();
-  for (const AtomIndex j : found_) {
-    const auto number = std::lower_bound(numbers_.begin(), numbers_.end(), std::pair(j, 0U));
-    if (number != numbers_.end() && number->first == j) near_.push_back(number->second);
-  }
-  std::sort(near_.begin(), near_.end());
-}
-
-void CrowdedCaps::accessible_arcs(const SurfaceModel& surface, const ContactCircle& circle,
-                                  std::uint32_t own, ArcScratch& scratch,
-                                  std::vector<CircleArc>& arcs, std::vector<CircleEnd>& ends) {
-  choose_near(surface, neighbours_[own]);
-  near_caps_.clear();
-  for (const std::uint32_t k : near_) near_caps_.push_back((*caps_)[k]);
-  const auto own_position = std::lower_bound(near_.begin(), near_.end(), own);
+void CrowdedCaps::accessible_arcs(const ContactCircle& circle, std::uint32_t own,
+                                  ArcScratch& scratch, std::vector<CircleArc>& arcs,
+                                  std::vector<CircleEnd>& ends) {
+  tree_.find_blocking(own, blocking_);
+  blocking_caps_.clear();
+  for (const std::uint32_t k : blocking_) blocking_caps_.push_back((*caps_)[k]);
   const std::size_t first_end = ends.size();
-  eses::detail::accessible_arcs(circle, near_caps_,
-                                static_cast<std::uint32_t>(own_position - near_.begin()), scratch,
-                                arcs, ends);
-  for (std::size_t e = first_end; e < ends.size(); ++e) ends[e].cap = near_[ends[e].cap];
+  constexpr std::uint32_t not_listed = std::numeric_limits<std::uint32_t>::max();
+  eses::detail::accessible_arcs(circle, blocking_caps_, not_listed, scratch, arcs, ends);
+  for (std::size_t e = first_end; e < ends.size(); ++e) ends[e].cap = blocking_[ends[e].cap];
 }
 
 }  // namespace eses::detail

@@ -3,16 +3,17 @@
 ///
 /// An atom that is much larger than the others may share patches with each of them. Examining all
 /// its patches for every block, or all its caps for every circle, would take a time proportional to
-/// the square of their number. A patch is near each of its atoms, so only the patches and caps of
-/// atoms nearby need to be examined. For atoms with few neighbours, this would be slower.
+/// the square of their number. A patch is near each of its atoms, so only the patches of atoms
+/// nearby need to be examined for a block. For a circle, only the caps in the same parts of the
+/// sphere need to be examined. For atoms with few neighbours, this would be slower.
 
 #include <algorithm>
 #include <cstdint>
 #include <span>
-#include <utility>
 #include <vector>
 
 #include "eses/atoms.hpp"
+#include "geometry/cap_tree.hpp"
 #include "geometry/circle_arcs.hpp"
 #include "surface/surface_model.hpp"
 
@@ -58,29 +59,25 @@ void for_each_patch(std::span<const std::uint32_t> begins, std::uint32_t member,
     action(*patch);
 }
 
-/// The caps of one crowded atom, indexed by neighbour. The object holds scratch memory, so each
-/// thread needs its own.
+/// The caps of one crowded atom. The object holds scratch memory, so each thread needs its own.
 class CrowdedCaps {
  public:
-  /// Replaces the caps. `neighbours` has the atom of each cap. Keeps views of both.
-  void reset(const CapList& caps, std::span<const AtomIndex> neighbours);
+  /// Replaces the caps. Keeps a view of them.
+  void reset(const SurfaceModel& surface, const CapList& caps, double radius);
+
+  /// Returns whether the contact circle with the neighbour of a cap may have accessible points.
+  bool has_open_circle(std::uint32_t own) const { return tree_.has_open_rim(own); }
 
   /// Does the same as the function accessible_arcs for the contact circle with the neighbour of cap
-  /// `own`. Uses only the caps of atoms whose SAS spheres come near to the neighbour's: the circle
-  /// lies on that sphere, so no other cap can block a point of it.
-  void accessible_arcs(const SurfaceModel& surface, const ContactCircle& circle, std::uint32_t own,
-                       ArcScratch& scratch, std::vector<CircleArc>& arcs,
-                       std::vector<CircleEnd>& ends);
+  /// `own`. Uses only the caps that decide about points of the circle.
+  void accessible_arcs(const ContactCircle& circle, std::uint32_t own, ArcScratch& scratch,
+                       std::vector<CircleArc>& arcs, std::vector<CircleEnd>& ends);
 
  private:
-  void choose_near(const SurfaceModel& surface, AtomIndex neighbour);
-
   const CapList* caps_ = nullptr;
-  std::span<const AtomIndex> neighbours_;
-  std::vector<std::pair<AtomIndex, std::uint32_t>> numbers_;  // atom and index of each cap, sorted
-  std::vector<AtomIndex> found_;
-  std::vector<std::uint32_t> near_;  // indices of caps, ascending
-  CapList near_caps_;
+  CapTree tree_;
+  std::vector<std::uint32_t> blocking_;  // the caps that may block one circle
+  CapList blocking_caps_;
 };
 
 }  // namespace eses::detail

@@ -61,6 +61,7 @@ class PatchMeasurement {
         origin_(middle_of(surface_.atoms)),
         sums_(surface_, scheduled->schedule.patches(), settings, origin_),
         scratch_(static_cast<std::size_t>(settings.threads)) {
+    if (surface_.has_slack) sweep_.stop_if_irregular();
     if (settings.cavities) finder_.emplace(surface_, origin_);
   }
 

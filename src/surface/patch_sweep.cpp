@@ -52,7 +52,7 @@ bool PatchSweep::visit_layer(ClusterIndex begin, ClusterIndex end,
   double high = -infinity, low = infinity;
   for (ClusterIndex cluster = begin; cluster < end; ++cluster)
     high = std::max(high, clusters.heights(cluster).high);
-  build_patches(high + reach);
+  if (!build_patches(high + reach)) return false;
   placements_.reset(schedule());
   if (!visit({schedule(), begin, end, clusters.count_below(high + 2 * reach),
               placements_.placements(), placements_.centers(), placements_.tree(),
@@ -64,7 +64,8 @@ bool PatchSweep::visit_layer(ClusterIndex begin, ClusterIndex end,
   return true;
 }
 
-void PatchSweep::build_patches(double up_to) {
+// Returns false if the sweep has to stop.
+bool PatchSweep::build_patches(double up_to) {
   PatchSchedule& schedule = scheduled_->schedule;
   Patches& patches = schedule.patches();
   std::vector<BuildStep> steps;
@@ -81,7 +82,12 @@ void PatchSweep::build_patches(double up_to) {
                      patches.complete(step.cluster);
                  });
     for (const BuildStep& step : steps) schedule.finish(step);
+    if (stops_if_irregular_ && std::any_of(steps.begin(), steps.end(), [&](const BuildStep& step) {
+          return !patches.of_cluster(step.cluster).is_regular;
+        }))
+      return false;
   }
+  return true;
 }
 
 }  // namespace eses::detail

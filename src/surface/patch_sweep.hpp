@@ -22,6 +22,9 @@ class PatchSweep {
   PatchSweep(std::shared_ptr<ScheduledSurface> scheduled, const PlacementIndex::Use& use,
              int threads, const CheckCallback& check);
 
+  /// Makes `run` stop if the patches of a cluster are not regular, as soon as its arcs are known.
+  void stop_if_irregular() { stops_if_irregular_ = true; }
+
   /// Calls `visit` for the layers in ascending order, until it returns false. The patches of all
   /// clusters of the layer are complete then, and those of all clusters that may cut them. Returns
   /// whether all layers have been visited.
@@ -33,7 +36,7 @@ class PatchSweep {
   int threads() const { return threads_; }
 
  private:
-  void build_patches(double up_to);
+  bool build_patches(double up_to);
   bool visit_layer(ClusterIndex begin, ClusterIndex end,
                    const std::function<bool(const SweepLayer& layer)>& visit);
 
@@ -42,6 +45,7 @@ class PatchSweep {
   const CheckCallback& check_;
   PlacementIndex placements_;
   std::vector<Patches::Scratch> scratch_;  // by thread
+  bool stops_if_irregular_ = false;
 };
 
 }  // namespace eses::detail

@@ -7,6 +7,7 @@
 #include <functional>
 #include <limits>
 #include <optional>
+#include <set>
 #include <utility>
 
 #include "geometry/arc_sector.hpp"
@@ -100,6 +101,28 @@ std::optional<ProbePlacement> place_probe(const Patches& patches, const Placemen
   }
   return placement;
 }
+
+// The places of the uncertain placements of one atom. Of many at almost the same place, one is
+// enough: a probe that touches n atoms has as many triples of atoms as there are pairs of them.
+class KnownPlaces {
+ public:
+  // Returns whether one of the placements of a key's atom is in the same cube.
+  bool has(const SurfaceModel& surface, const PlacementKey& key) {
+    if (key.atoms[0] != atom_) cells_.clear();
+    atom_ = key.atoms[0];
+    const Vec3 center = center_of(surface, {{}, key.atoms, key.side, false}, {0, 1, 2});
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      cell_[axis] = std::floor(center[axis] / tolerance::same_placement);
+    return cells_.contains(cell_);
+  }
+  // Adds the last place that was looked up.
+  void add_last() { cells_.insert(cell_); }
+
+ private:
+  AtomIndex atom_ = 0;
+  std::array<double, 3> cell_{};
+  std::set<std::array<double, 3>> cells_;
+};
 
 // Returns whether all ends are ends of arcs. An uncertain end need not be.
 bool end_arcs_only(const BuiltPatches& built) {
@@ -296,13 +319,22 @@ void Patches::place_probes(ClusterPatches& patches) {
       std::unique(keys.begin(), keys.end(), [](const PlacementKey& key, const PlacementKey& next) {
         return key.is_same_placement(next);
       });
+  const auto is_crowded = [&](const PlacementKey& key) {
+    const auto begin = patches.face_begin.begin() + member_of(key);
+    return begin[1] - begin[0] > max_uncrowded;
+  };
   std::vector<std::uint32_t> counts(members);
   patches.placements.reserve(static_cast<std::size_t>(end - keys.begin()));
-  for (auto key = keys.begin(); key != end; ++key)
-    if (const auto placement = place_probe(*this, *key, has_bounds_)) {
-      patches.placements.push_back(*placement);
-      ++counts[member_of(*key)];
-    }
+  KnownPlaces known;
+  for (auto key = keys.begin(); key != end; ++key) {
+    const bool is_merged = surface_.has_slack && !key->is_certain && is_crowded(*key);
+    if (is_merged && known.has(surface_, *key)) continue;
+    const auto placement = place_probe(*this, *key, has_bounds_);
+    if (!placement) continue;
+    patches.placements.push_back(*placement);
+    ++counts[member_of(*key)];
+    if (is_merged) known.add_last();
+  }
   patches.placement_begin = begins_of(counts);
   patches.is_regular = patches.is_regular &&
                        patches.placements.size() == static_cast<std::size_t>(end - keys.begin());

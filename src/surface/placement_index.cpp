@@ -23,24 +23,52 @@ void PlacementIndex::reset(const PatchSchedule& schedule) {
   if (use_.has_search || !surface_.has_slack) tree_.reset(centers_);
   first_of_node_.resize(placements_.size());
   std::iota(first_of_node_.begin(), first_of_node_.end(), 0U);
-  if (surface_.has_slack) return;
+  if (!surface_.has_slack) find_nodes();
+}
+
+// Placements are visited from each other. In a large node, a placement is not visited if it is
+// almost where another one has been visited, because each visit finds most of the node.
+void PlacementIndex::find_nodes() {
+  constexpr std::size_t max_visited = 64;
+  const double same_visit = use_.same_placement / 16;
+  nodes_.clear();
   parts_.clear();
+  std::vector<std::uint8_t> is_found(placements_.size());
   std::vector<std::uint32_t> node;
-  for (std::uint32_t k = 0; k < first_of_node_.size(); ++k) {
-    if (first_of_node_[k] != k) continue;
-    find_node(k, node);
+  std::vector<Vec3> visited;
+  for (std::uint32_t k = 0; k < placements_.size(); ++k) {
+    if (is_found[k] != 0) continue;
+    node.assign(1, k);
+    visited.clear();
+    is_found[k] = 1;
+    for (std::size_t n = 0; n < node.size(); ++n) {
+      const Vec3 center = centers_[node[n]];
+      if (node.size() > max_visited) {
+        if (std::any_of(visited.begin(), visited.end(), [&](Vec3 other) {
+              return squared_norm(other - center) < same_visit * same_visit;
+            }))
+          continue;
+        visited.push_back(center);
+      }
+      tree_.for_each_within(center, use_.same_placement, [&](std::uint32_t other) {
+        if (is_found[other] != 0) return;
+        is_found[other] = 1;
+        node.push_back(other);
+      });
+    }
+    if (node.size() == 1) continue;
     for (const std::uint32_t other : node) first_of_node_[other] = k;
-    if (use_.has_parts && node.size() > 1) divide_node(node);
+    if (use_.has_parts) divide_node(node);
+    nodes_[k] = node;
   }
 }
 
 void PlacementIndex::find_node(std::uint32_t number, std::vector<std::uint32_t>& node) const {
   node.assign(1, number);
-  if (surface_.has_slack) return;
-  for (std::size_t k = 0; k < node.size(); ++k)
-    tree_.for_each_within(centers_[node[k]], use_.same_placement, [&](std::uint32_t other) {
-      if (std::find(node.begin(), node.end(), other) == node.end()) node.push_back(other);
-    });
+  const auto found = nodes_.find(first_of_node_[number]);
+  if (surface_.has_slack || found == nodes_.end()) return;
+  for (const std::uint32_t other : found->second)
+    if (other != number) node.push_back(other);
 }
 
 void PlacementIndex::find_touched(std::span<const std::uint32_t> node,

@@ -52,7 +52,7 @@ class PlacementIndex {
     tree_.for_each_within(center, distance, action);
   }
 
-  /// Replaces `node` by the placements that coincide with a placement, and itself.
+  /// Replaces `node` by the placements of the node of a placement, which comes first.
   void find_node(std::uint32_t number, std::vector<std::uint32_t>& node) const;
 
   /// Replaces `touched` by the atoms that the placements of a node touch, in ascending order, and
@@ -64,6 +64,7 @@ class PlacementIndex {
   PlacementParts parts_of(std::uint32_t number) const;
 
  private:
+  void find_nodes();
   void divide_node(std::span<const std::uint32_t> node);
 
   const SurfaceModel& surface_;
@@ -72,7 +73,9 @@ class PlacementIndex {
   std::vector<Vec3> centers_;
   std::vector<std::uint32_t> first_of_cluster_;
   std::vector<std::uint32_t> first_of_node_;
-  std::unordered_map<std::uint32_t, std::vector<ProbePlacement>> parts_;  // of nodes, by the first
+  // The placements of each node with several of them, and its parts, by the first placement.
+  std::unordered_map<std::uint32_t, std::vector<std::uint32_t>> nodes_;
+  std::unordered_map<std::uint32_t, std::vector<ProbePlacement>> parts_;
   PointTree tree_;
 };
 

@@ -335,11 +335,11 @@ double SurfaceSurvey::patch_bytes(double height, int threads) const {
   // theirs.
   const double probe = surface_.probe_radius;
   const double reach = max_radius_ + 2 * probe + 2 * (max_radius_ + probe) + 3 * CellList::sides[2];
-  // Caps, kept caps, and their atoms and numbers in AtomPatchScratch, which is large only for
+  // Caps, kept caps, their atoms, and the tree of caps in AtomPatchScratch, which is large only for
   // crowded atoms.
   constexpr double per_neighbour =
       list_growth * (2 * sizeof(SasSphere) + 2 * sizeof(Cap) + BurialCaps::bytes_per_cap +
-                     19 * sizeof(AtomIndex));
+                     33 * sizeof(AtomIndex));
   return max_fraction(height + 2 * reach) * all_patches +
          per_neighbour * std::min(totals_.crowded_neighbours, threads * totals_.max_neighbours);
 }
