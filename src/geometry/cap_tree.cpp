@@ -22,7 +22,9 @@ constexpr std::size_t counting_caps = 2;
 // Slack of the comparison of a triangle and a rim, far above rounding errors (radians).
 constexpr double rim_slack = 1e-14;
 
-double sine_of(double cosine) { return std::sqrt(std::max(0.0, (1 - cosine) * (1 + cosine))); }
+double sine_from_cosine(double cosine) {
+  return std::sqrt(std::max(0.0, (1 - cosine) * (1 + cosine)));
+}
 
 }  // namespace
 
@@ -32,7 +34,8 @@ void CapTree::reset(const CapList& caps, double radius, double min_size) {
   for (std::size_t k = 0; k < caps.size(); ++k) {
     const Cap cap = caps[k];
     const double cosine = cap.height / radius, blocking = cap.blocking_height / radius;
-    caps_.push_back({cap.axis, cosine, sine_of(cosine), blocking, sine_of(blocking)});
+    caps_.push_back(
+        {cap.axis, cosine, sine_from_cosine(cosine), blocking, sine_from_cosine(blocking)});
   }
   has_open_rim_.assign(caps.size(), 0);
   is_shared_.assign(caps.size(), 0);
