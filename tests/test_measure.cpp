@@ -769,6 +769,39 @@ TEST_CASE("measure: derivatives of symmetric atoms are finite") {
   }
 }
 
+// The derivative of a cut by the motion across the line between two placements is inversely
+// proportional to their distance.
+TEST_CASE("measure: derivatives of almost symmetric atoms have no force") {
+  Random random(1047);
+  for (int k = 0; k < 8; ++k) {
+    std::vector<Atom> atoms;
+    for (int cell = 0; cell < 8; ++cell)
+      for (const Vec3 site : {Vec3{0, 0, 0}, {1, 1, 0}, {1, 0, 1}, {0, 1, 1}}) {
+        const Vec3 corner(2.0 * (cell % 2), 2.0 * (cell / 2 % 2), 2.0 * (cell / 4));
+        const Vec3 noise{random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)};
+        atoms.push_back({2.6 * (corner + site) + 3e-9 * noise, 1.2});
+      }
+    const Measures measures = measure_atoms(atoms, 1.4, {.gradients = true});
+    Vec3 force;
+    for (const Vec3 by_center : measures.gradients.ses_area.centers) force = force + by_center;
+    INFO("set " << k);
+    CHECK(norm(force) < 1e-5);
+  }
+}
+
+TEST_CASE("measure: many atoms that hold a probe") {
+  const int count = 400;
+  const double probe = 10;
+  std::vector<Atom> atoms;
+  for (int i = 0; i < count; ++i) {
+    const double z = 1 - (2 * i + 1.0) / count, rho = std::sqrt(1 - z * z), turn = 2.4 * i;
+    atoms.push_back({11.7 * Vec3{rho * std::cos(turn), rho * std::sin(turn), z}, 1.7});
+  }
+  const Measures held = measure_atoms(atoms, probe), tighter = measure_atoms(atoms, probe + 1e-6);
+  CHECK(std::fabs(held.ses_area - tighter.ses_area - 4 * pi * probe * probe) < 1e-3);
+  CHECK(held.euler_number == tighter.euler_number + 2);
+}
+
 TEST_CASE("measure: invalid options") {
   const Surface surface(pair_of_atoms(1, 2));
   for (const double probe : {-1.0, 0.001, 1001.0, std::nan("")})

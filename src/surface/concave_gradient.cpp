@@ -120,15 +120,20 @@ class PartGradient {
                                    arc, weight_, quantity_, terms_);
   }
 
-  // Adds the derivatives for an arc at which another placement cuts the patch.
+  // Adds the derivatives for an arc at which another placement cuts the patch. If the placements
+  // move across the line between them, the patch of one of them loses the area that the other one
+  // gains. With equal weights, the two terms cancel, and are left out: they are inversely
+  // proportional to the distance of the placements.
   void add_cutter(PlacementParts cutter, const RimArc& arc) {
     const SphericalCap& cap = concave_.caps[arc.cap];
     const double p = surface_.probe_radius, length = 2 * p * cap.cosine;
     if (2 * p - length <= tolerance::touching) return;  // the patches just touch
     const double sine = std::sqrt((1 - cap.cosine) * (1 + cap.cosine));
     const auto by_cutter = [&](Vec3 start, Vec3 end, double angle) {
+      const Vec3 along = (weight_ * p * angle / 2) * cap.axis;
+      if (quantity_ == ses_area_quantity) return along;
       const Vec3 radial = cross(end - start, cap.axis);
-      return (weight_ * p * angle / 2) * cap.axis - (weight_ * p * p * sine / length) * radial;
+      return along - (weight_ * p * p * sine / length) * radial;
     };
     const auto move = [&](const ProbePlacement& moving, Vec3 start, Vec3 end, double angle) {
       add_motion(surface_, moving, quantity_, by_cutter(start, end, angle), terms_);

@@ -9,11 +9,18 @@ void add_motion(const SurfaceModel& surface, const ProbePlacement& placement, Qu
     from[q] = placement.center - surface.atoms[placement.atoms[q]].center;
   const double volume = dot(from[0], cross(from[1], from[2]));
   if (volume == 0) return;
-  for (std::size_t q = 0; q < 3; ++q) {
-    const double factor = dot(by_center, cross(from[(q + 1) % 3], from[(q + 2) % 3])) / volume;
-    terms.atoms.push_back({placement.atoms[q], quantity, factor * from[q],
-                           factor * surface.sas_sphere(placement.atoms[q]).radius});
+  std::array<double, 3> factors{};
+  // If the directions are almost in a plane, the factors are large, and lose digits as the volume
+  // does. Another step for what is left of the sum keeps the sum of the forces.
+  Vec3 rest = by_center;
+  for (int step = 0; step < 2; ++step) {
+    for (std::size_t q = 0; q < 3; ++q)
+      factors[q] += dot(rest, cross(from[(q + 1) % 3], from[(q + 2) % 3])) / volume;
+    rest = by_center - factors[0] * from[0] - factors[1] * from[1] - factors[2] * from[2];
   }
+  for (std::size_t q = 0; q < 3; ++q)
+    terms.atoms.push_back({placement.atoms[q], quantity, factors[q] * from[q],
+                           factors[q] * surface.sas_sphere(placement.atoms[q]).radius});
 }
 
 // The derivatives by the centres are f_q (v - a_q), and their sum is the derivative g by the centre
