@@ -412,8 +412,8 @@ std::string describe_pqr(const Problem& problem, std::string_view line) {
           ? formatted(too_few_fields, min_leading_fields(line) + pqr_quantities.size(),
                       count_fields(line))
           : describe(problem, line);
-  if (problem.pattern == trailing_text) return text;
-  if (problem.quantity == quantity_radius.name && problem.text.starts_with('-')) {
+  if (problem.pattern != trailing_text && problem.quantity == quantity_radius.name &&
+      problem.text.starts_with('-')) {
     std::string_view rest =
         line.substr(0, static_cast<std::size_t>(problem.text.data() - line.data()));
     double charge = 0;

@@ -336,10 +336,12 @@ double SurfaceSurvey::patch_bytes(double height, int threads) const {
   const double probe = surface_.probe_radius;
   const double reach = max_radius_ + 2 * probe + 2 * (max_radius_ + probe) + 3 * CellList::sides[2];
   // Caps, kept caps, their atoms, and the tree of caps in AtomPatchScratch, which is large only for
-  // crowded atoms.
+  // crowded atoms. The tree has a pair for each two caps whose rims pass the same small triangle.
+  constexpr double tree_per_neighbour = 1800;
   constexpr double per_neighbour =
       list_growth * (2 * sizeof(SasSphere) + 2 * sizeof(Cap) + BurialCaps::bytes_per_cap +
-                     33 * sizeof(AtomIndex));
+                     19 * sizeof(AtomIndex)) +
+      tree_per_neighbour;
   return max_fraction(height + 2 * reach) * all_patches +
          per_neighbour * std::min(totals_.crowded_neighbours, threads * totals_.max_neighbours);
 }
