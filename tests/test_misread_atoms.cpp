@@ -156,7 +156,8 @@ TEST_CASE("PDBQT files of other names are recognised", "[structure][cli]") {
   const std::string text = "REMARK  ligand\nROOT\n" + atom + "    -0.398 OA\n" +
                            line_of({.x = 9}).substr(0, 66) + "     0.126 NA\nENDROOT\nTORSDOF 0\n";
   CHECK(pdb_error(text) ==
-        "t.pdb: AutoDock PDBQT files are not read; convert it with `obabel t.pdb -O t.pdb`");
+        "t.pdb: AutoDock PDBQT files are not read; convert it with `obabel -ipdbqt t.pdb -O "
+        "t.converted.pdb`");
   const Sandbox sandbox;
   write_file(sandbox.directory() / "q.pdb", text);
   CHECK(sandbox.run({"q.pdb", "--dry-run"}).code == 1);

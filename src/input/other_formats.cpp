@@ -22,6 +22,9 @@ struct OtherFormat {
 };
 
 constexpr std::string_view open_babel = "convert it with `obabel FILE -O FILE.pdb`";
+// Such files are often named .pdb, and must not be overwritten.
+constexpr std::string_view open_babel_pdbqt =
+    "convert it with `obabel -ipdbqt FILE -O FILE.converted.pdb`";
 constexpr std::string_view gromacs = "convert it with `gmx editconf -f FILE -o FILE.pdb`";
 constexpr std::string_view gromacs_trajectory =
     "write one frame with `gmx trjconv -f FILE -s TOPOLOGY.tpr -dump 0 -o FILE.pdb`";
@@ -60,7 +63,7 @@ constexpr std::array other_formats{
     OtherFormat{"MMTF", ".mmtf",
                 "convert it with `pymol -cq FILE -d 'save FILE.cif'`, or get the entry as .cif"},
     OtherFormat{"BinaryCIF", ".bcif", "get the entry as .cif or .cif.gz, which are read directly"},
-    OtherFormat{"AutoDock PDBQT", ".pdbqt", open_babel},
+    OtherFormat{"AutoDock PDBQT", ".pdbqt", open_babel_pdbqt},
     OtherFormat{"PyMOL session", ".pse", pymol},
     OtherFormat{"ChimeraX session", ".cxs",
                 "convert it with `chimerax --nogui --exit --cmd 'open FILE; save FILE.pdb'`"},
