@@ -72,8 +72,9 @@ FilePath end_of_links(const std::filesystem::path& file) {
 FilePath require_end_of_links(const std::filesystem::path& file) {
   FilePath end = end_of_links(file);
   require_directory_of_link(file, end);
+  // A device is refused by the name that the user gave, also where its directory is not writable.
+  require_replaceable(file);
   require_writable(end.directory);
-  require_replaceable(file);  // The message has the name that the user gave.
   return end;
 }
 
