@@ -1,17 +1,31 @@
 """Shared by the tests of faults: runs of the program in which a call fails or a signal arrives."""
 
+import atexit
 import errno
 import os
 import pathlib
+import shutil
 import signal
 import subprocess
+import tempfile
 import time
 import unittest
 
 from support import DATA, PROGRAM, PROJECT, TestCase, forget_signals
 
 NAMES = ("bounding_box.txt", "grid_info.txt", "intersection_info.txt", "partition_area.txt")
-LIBRARY = os.environ.get("ESES_FAULT_LIBRARY")  # see fault.cpp
+
+
+def loadable(library):
+    """Returns a path of the library for LD_PRELOAD, where blanks and colons separate paths."""
+    if not library or not set(library) & set(" :"):
+        return library
+    folder = tempfile.mkdtemp(prefix="eses-fault-")
+    atexit.register(shutil.rmtree, folder, ignore_errors=True)
+    return shutil.copy(library, folder)
+
+
+LIBRARY = loadable(os.environ.get("ESES_FAULT_LIBRARY"))  # see fault.cpp
 FAULTY_PROGRAM = os.environ.get("ESES_FAULTY_BINARY")  # faulty_solver.cpp, faulty_cutters.cpp
 SMALL = DATA / "c60.xyzr"
 MMCIF = PROJECT / "tests" / "data" / "1a8o.cif.gz"
