@@ -459,7 +459,7 @@ def parse_options():
     arguments = sys.argv[1:]
     at = arguments.index("--") if "--" in arguments else len(arguments)
     paragraphs = __doc__.split("\n\n")
-    parser = Parser(description=paragraphs[0], epilog="\n".join(paragraphs[1:]), 
+    parser = Parser(description=paragraphs[0], epilog="\n".join(paragraphs[1:]),
                     usage=f"{NAME} [OPTION...] DIR [-- ARGUMENT...]\n       {NAME} merge OUT")
     parser.add_argument("folder", metavar="DIR", type=pathlib.Path, help="folder with structures")
     parser.add_argument("-o", "--output", metavar="OUT", type=pathlib.Path,

@@ -191,13 +191,10 @@ void check_surfaces(const MeasureCommandOptions& options) {
   if (!surfaces.has_ses()) {
     refuse_if(options.cavities, "--cavities", "ses");
     refuse_if(options.pockets, "--pockets", "ses");
-    for (const Table& table : tables) {
-      const bool is_area = table.is_chosen == &TableChoice::atoms ||
-                           table.is_chosen == &TableChoice::residues ||
-                           table.is_chosen == &TableChoice::chains;
-      refuse_if(!is_area && options.tables.*table.is_chosen, formatted("--write {}", table.name),
-                "ses");
-    }
+    TableChoice others = options.tables;
+    others.atoms = others.residues = others.chains = false;
+    for (const Table& table : tables)
+      refuse_if(others.*table.is_chosen, formatted("--write {}", table.name), "ses");
   }
   if (surfaces.has_ses() || surfaces.has_sas()) return;
   refuse_if(options.tables.need_areas(), "--write", "sas, ses");

@@ -352,9 +352,7 @@ DiscSet find_open_discs(std::size_t count, const DiscEntries& entries) {
   ESES_BEST_VERSION(add_contained)(disc_table(), count, entries, by_octant);
   DiscSet open;
   open.words.fill(~std::uint32_t{0});
-  for (std::size_t o = 0; o < DiscSet::octants; ++o)
-    for (std::size_t word = 0; word < DiscSet::octants; ++word)
-      open.words[word] &= ~by_octant[o].words[word ^ o];
+  for (std::size_t o = 0; o < DiscSet::octants; ++o) open.remove(by_octant[o].mirrored(o));
   return open;
 }
 

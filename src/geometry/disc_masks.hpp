@@ -38,6 +38,9 @@ struct DiscSet {
   void add(const DiscSet& other) {
     for (std::size_t o = 0; o < octants; ++o) words[o] |= other.words[o];
   }
+  void remove(const DiscSet& other) {
+    for (std::size_t o = 0; o < octants; ++o) words[o] &= ~other.words[o];
+  }
   /// Returns the mirror image that moves octant 0 to `octant`, and the other way round.
   DiscSet mirrored(std::size_t octant) const {
     DiscSet result;

@@ -13,7 +13,7 @@
 
 namespace eses::detail::mesh {
 
-/// What mesh files have of a vertex besides its position and normal.
+/// The data of a vertex in mesh files besides its position and normal.
 struct VertexLabels {
   std::array<std::int32_t, 3> lower{};  ///< lower end of the grid edge
   std::uint8_t axis = 0;     ///< of the edge; the other coordinates are coordinates of `lower`

@@ -28,7 +28,7 @@ namespace eses::detail::mesh {
 /// Throws Error if there are more vertices than readers of mesh files can index.
 void require_vertex_count(std::uint64_t vertices);
 
-/// What mesh files contain besides vertices and triangles.
+/// The data of mesh files besides vertices and triangles.
 struct MeshSource {
   bool has_groups = false;                           ///< whether vertices have chain and residue
   std::uint64_t chain_count = 0, residue_count = 0;  ///< of the whole molecule

@@ -21,7 +21,7 @@ namespace eses::detail::mesh {
 using ComponentOfCrossing =
     std::function<std::uint32_t(const BlockCrossing& crossing, Vec3 position)>;
 
-/// What the labels of vertices are made from. All spans must outlive the VertexMaker.
+/// The data from which the labels of vertices are made. All spans must outlive the VertexMaker.
 struct VertexSource {
   Grid grid;
   double clearance = mesh::clearance;  ///< see make_vertex

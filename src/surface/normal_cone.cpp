@@ -12,7 +12,7 @@ namespace {
 // within tolerance::touching, so their directions are known to about 1e-7.
 constexpr double in_plane = 2e-7;
 
-// Of more directions than this, those that are needed to bound the cone are chosen first.
+// If there are more directions than this, those that bound the cone are chosen first.
 constexpr std::size_t max_unchosen = 32;
 
 // Sides of a plane on which there are directions.

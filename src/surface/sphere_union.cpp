@@ -26,18 +26,18 @@ using std::numbers::pi;
 constexpr double min_distance = 1e-4;    // of two centres
 constexpr double min_separation = 1e-8;  // of the rims of two caps, somewhere on the circle
 constexpr double max_gap = 1e-7;         // in the boundary of a face (angstrom)
-constexpr double min_factor = 1e-12;     // squared absolute value of a factor of boundary_factor
+constexpr double min_factor = 1e-12;     // squared absolute value of a BoundaryFunction
 constexpr double angle_error = 1e-7;     // of the solid angle of a face (steradian)
 
 // A unit vector that no symmetry prefers.
 constexpr Vec3 reference{0.36921824504210626, 0.5271827474485805, 0.7653471358283072};
 
-// What is known of the accessible part of a SAS sphere, its face. The boundary turns clockwise
-// about the axes of the caps.
+// The sums over the arcs of a face, the accessible part of a SAS sphere. The boundary turns
+// clockwise about the axes of the caps.
 struct Face {
   double max_angle = 0;             // solid angle outside of the largest cap
   double turn = 0;                  // sum over the arcs of angle * (1 - cosine of the cap)
-  std::complex<double> factor = 1;  // product over the arcs, see boundary_factor
+  std::complex<double> factor = 1;  // product over the arcs, see BoundaryFunction
   Vec3 gap;                         // sum of the chords of all arcs (angstrom)
   bool has_boundary = false;
 };
@@ -79,44 +79,57 @@ struct CoveredArc {
   Direction from, to;
 };
 
-// A contact circle, seen from the first of its atoms.
+// A contact circle with a frame.
 struct UnionCircle {
   SasSphere first, second;
-  Vec3 axis, e1, e2;  // e1 and e2 are perpendicular to the axis and to each other
-  double distance = 0, height = 0, radius = 0;
+  ContactCircle circle;
+  Vec3 e1, e2;  // perpendicular to the axis and to each other
 
   UnionCircle(const SasSphere& from, const SasSphere& to, const Cap& cap)
-      : first(from), second(to), axis(cap.axis), height(cap.height) {
-    distance = dot(second.center - first.center, axis);
-    radius = std::sqrt(std::max(0.0, (first.radius - height) * (first.radius + height)));
+      : first(from), second(to), circle(make_contact_circle(from, to, cap)) {
     // Duff et al., J. Comput. Graph. Tech. 6, 1, 2017.
+    const Vec3 axis = circle.axis;
     const double sign = std::copysign(1.0, axis.z);
     const double a = -1 / (sign + axis.z), b = axis.x * axis.y * a;
     e1 = {1 + sign * axis.x * axis.x * a, sign * b, -sign * axis.x};
     e2 = {b, sign + axis.y * axis.y * a, -axis.y};
   }
 
-  CircleInFrame relative() const {
-    return {axis, e1, e2, height / first.radius, radius / first.radius};
+  double distance() const { return circle.first_height + circle.second_height; }
+  CircleInFrame on_first() const {
+    return {circle.axis, e1, e2, circle.first_height / first.radius, circle.radius / first.radius};
+  }
+  CircleInFrame on_second() const {
+    return {-circle.axis, e1, -e2, circle.second_height / second.radius,
+            circle.radius / second.radius};
   }
   Vec3 radial(Direction d) const { return d.x * e1 + d.y * e2; }
   // Relative to the centre of the first sphere.
-  Vec3 point(Direction d) const { return height * axis + radius * radial(d); }
+  Vec3 point(Direction d) const {
+    return circle.first_height * circle.axis + circle.radius * radial(d);
+  }
 };
 
-// Returns the value of a boundary's function at a point of a circle in direction `d` of its frame.
-// The solid angle of the face is -turn - 2 arg(product over arcs of z(start) conj(z(end))) modulo
-// 4 pi.
-std::complex<double> boundary_value(const UnionCircle& circle, Vec3 axis, double cosine,
-                                    double sine, std::complex<double> direction) {
-  const double tangent = sine / (1 + cosine);  // of half the angular radius of the cap
-  const bool is_first = dot(axis, circle.axis) > 0;
-  const double along1 = dot(reference, circle.e1), along2 = dot(reference, circle.e2);
-  const std::complex<double> across(along1, is_first ? -along2 : along2);
-  return 1 + dot(reference, axis) + tangent * across * direction;
-}
+// The function z of the points of a circle in doc/algorithm.md. The solid angle of a face is
+// -turn - 2 arg(product over arcs of z(start) conj(z(end))) modulo 4 pi.
+class BoundaryFunction {
+ public:
+  // The height of the circle is the cosine of the cap's angular radius, its radius the sine.
+  explicit BoundaryFunction(const CircleInFrame& circle)
+      : constant_(1 + dot(reference, circle.axis)),
+        slope_(circle.radius / (1 + circle.height) *
+               std::complex(dot(reference, circle.e1), -dot(reference, circle.e2))) {}
 
-// What other atoms need to know of an open atom. The section is 0 for an atom that is covered or
+  std::complex<double> operator()(std::complex<double> direction) const {
+    return constant_ + slope_ * direction;
+  }
+
+ private:
+  double constant_;
+  std::complex<double> slope_;
+};
+
+// The data of an open atom that other atoms use. The section is 0 for an atom that is covered or
 // has not been classified yet.
 struct OpenAtomEntry {
   std::uint32_t section = 0;  // number of its section, counted from 1
@@ -159,9 +172,9 @@ class ArcFinder {
   void add_circle(std::uint32_t own) {
     const AtomIndex j = section_->neighbours[atom_->begin + own];
     const UnionCircle circle(sphere_, surface_.sas_sphere(j), cap(own));
-    open_sectors_ = find_open_sectors(circle.relative(), floats_, sectors_);
+    open_sectors_ = find_open_sectors(circle.on_first(), floats_, sectors_);
     if (open_sectors_ == 0 || !find_intervals(circle, own)) return;
-    if (circle.distance < min_distance * circle.first.radius) terms_->is_certain = false;
+    if (circle.distance() < min_distance * circle.first.radius) terms_->is_certain = false;
     if (intervals_.is_whole) {
       if (is_open(circle, {1, 0})) add_arc(j, circle, {1, 0}, {1, 0}, 2 * pi);
       return;
@@ -185,12 +198,13 @@ class ArcFinder {
   }
 
   // Removes the part that a cap covers. Returns whether some part is left.
-  bool cut(const UnionCircle& circle, const Cap& cap) {
-    const double x = circle.radius * dot(cap.axis, circle.e1);
-    const double y = circle.radius * dot(cap.axis, circle.e2);
-    const double height = cap.height - circle.height * dot(cap.axis, circle.axis);
+  bool cut(const UnionCircle& of, const Cap& cap) {
+    const ContactCircle& circle = of.circle;
+    const double x = circle.radius * dot(cap.axis, of.e1);
+    const double y = circle.radius * dot(cap.axis, of.e2);
+    const double height = cap.height - circle.first_height * dot(cap.axis, circle.axis);
     const double squared = x * x + y * y, squared_chord = squared - height * height;
-    const double separation = min_separation * circle.first.radius;
+    const double separation = min_separation * of.first.radius;
     // All of the circle is next to the rim of the cap.
     if (std::max(squared, height * height) < separation * separation) terms_->is_certain = false;
     if (squared_chord <= 0) return height >= 0;
@@ -222,31 +236,26 @@ class ArcFinder {
     return angle < 0 ? angle + 2 * pi : angle;
   }
 
-  void add_arc(AtomIndex j, const UnionCircle& circle, Direction start, Direction end,
-               double angle) {
-    const Vec3 chord = circle.radius * (circle.radial(end) - circle.radial(start));
-    const Vec3 center = circle.first.center - origin_ + circle.height * circle.axis;
+  void add_arc(AtomIndex j, const UnionCircle& of, Direction start, Direction end, double angle) {
+    const ContactCircle& circle = of.circle;
+    const Vec3 chord = circle.radius * (of.radial(end) - of.radial(start));
+    const Vec3 center = of.first.center - origin_ + circle.first_height * circle.axis;
     const double volume =
-        circle.distance / 6 *
+        of.distance() / 6 *
         (circle.radius * circle.radius * angle + dot(circle.axis, cross(center, chord)));
+    // Seen from the second sphere, the arc runs the other way.
     const std::complex<double> from(start.x, start.y), to(end.x, end.y);
-    const double second_height = circle.distance - circle.height;
-    terms_->arcs.push_back(
-        {face_of(atom_->atom, circle, circle.axis, circle.height / circle.first.radius,
-                 circle.radius / circle.first.radius, from, to, angle),
-         face_of(j, circle, -circle.axis, second_height / circle.second.radius,
-                 circle.radius / circle.second.radius, std::conj(to), std::conj(from), angle),
-         chord, volume});
+    terms_->arcs.push_back({face_of(atom_->atom, of.on_first(), from, to, angle),
+                            face_of(j, of.on_second(), std::conj(to), std::conj(from), angle),
+                            chord, volume});
   }
 
-  // `cosine` and `sine` are those of the angular radius of the cap about `axis`.
-  FaceOfArc face_of(AtomIndex atom, const UnionCircle& circle, Vec3 axis, double cosine,
-                    double sine, std::complex<double> start, std::complex<double> end,
-                    double angle) {
-    const auto from = boundary_value(circle, axis, cosine, sine, start);
-    const auto to = boundary_value(circle, axis, cosine, sine, end);
+  FaceOfArc face_of(AtomIndex atom, const CircleInFrame& circle, std::complex<double> start,
+                    std::complex<double> end, double angle) {
+    const BoundaryFunction z(circle);
+    const std::complex<double> from = z(start), to = z(end);
     if (!(std::min(std::norm(from), std::norm(to)) > min_factor)) terms_->is_certain = false;
-    return {atom, angle * (1 - cosine), from * std::conj(to)};
+    return {atom, angle * (1 - circle.height), from * std::conj(to)};
   }
 
   const SurfaceModel& surface_;
