@@ -1,16 +1,10 @@
 // Tests of loops, of the ordered window, and of their failures.
 
-#include <sys/wait.h>
-#include <unistd.h>
-
 #include <atomic>
-#include <chrono>
-#include <ctime>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include "catch.hpp"
@@ -38,71 +32,6 @@ TEST_CASE("a parallel loop visits every index once") {
     CHECK(is_thread_valid);
   }
   parallel_for(0, 4, [](std::int64_t, int) { FAIL("no index to visit"); });
-}
-
-TEST_CASE("a loop within a loop has one thread") {
-  std::atomic<int> visits = 0, other_threads = 0;
-  parallel_for(8, 4, [&](std::int64_t, int) {
-    const auto caller = std::this_thread::get_id();
-    parallel_for(8, 4, [&](std::int64_t, int thread) {
-      ++visits;
-      if (thread != 0 || std::this_thread::get_id() != caller) ++other_threads;
-    });
-  });
-  CHECK(visits == 64);
-  CHECK(other_threads == 0);
-}
-
-TEST_CASE("threads may run loops at the same time, and the first thread is the caller's") {
-  std::atomic<std::int64_t> sum = 0;
-  std::atomic<bool> is_caller_first = true;
-  std::vector<std::thread> callers;
-  for (int k = 0; k < 6; ++k)
-    callers.emplace_back([&] {
-      const auto caller = std::this_thread::get_id();
-      for (int repetition = 0; repetition < 200; ++repetition)
-        parallel_for(20, 3, [&](std::int64_t index, int thread) {
-          sum += index;
-          if ((thread == 0) != (std::this_thread::get_id() == caller)) is_caller_first = false;
-        });
-    });
-  for (std::thread& caller : callers) caller.join();
-  CHECK(sum == 6 * 200 * 190);
-  CHECK(is_caller_first);
-}
-
-TEST_CASE("threads that wait for a loop take no processor time") {
-  std::vector<double> values(4);
-  const auto loop = [&] {
-    parallel_for(4, 4,
-                 [&](std::int64_t index, int) { values[static_cast<std::size_t>(index)] += 1; });
-  };
-  loop();
-  const auto used = [] {
-    timespec time{};
-    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time);
-    return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
-  };
-  const double before = used();
-  for (int repetition = 0; repetition < 10; ++repetition) {
-    loop();
-    std::this_thread::sleep_for(std::chrono::milliseconds(20));
-  }
-  CHECK(used() - before < 0.05);
-}
-
-TEST_CASE("a forked process has threads of its own") {
-  const auto sum = [] {
-    std::atomic<std::int64_t> total = 0;
-    parallel_for(100, 3, [&](std::int64_t index, int) { total += index; });
-    return total.load();
-  };
-  REQUIRE(sum() == 4950);
-  const pid_t child = fork();
-  if (child == 0) _exit(sum() == 4950 ? 0 : 1);
-  int status = 0;
-  REQUIRE(waitpid(child, &status, 0) == child);
-  CHECK(status == 0);
 }
 
 TEST_CASE("an exception at any index of a parallel loop reaches the caller") {

@@ -17,7 +17,7 @@
 namespace eses::detail::cli {
 namespace {
 
-// Maximum of --threads, far above useful numbers.
+// Maximum of --threads. OpenMP ends the process if it cannot start all threads.
 constexpr std::int64_t max_threads = 4096;
 
 constexpr char model_option[] = "--model";

@@ -236,6 +236,7 @@ OutputPaths paths_of(const RunTask& task, const Processes& processes) {
 RunResult execute(const RunTask& task, const RunPlan& plan, const Callbacks& callbacks,
                   const Processes& processes) {
   const Stopwatch total;
+  processes.all_or_throw([&] { start_threads(plan.process_schedule.threads); });
   const std::unique_ptr<OutputFiles> files = open_files(task, plan, processes);
   require_shared_directory(task, processes);
 

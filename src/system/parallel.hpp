@@ -1,5 +1,5 @@
 #pragma once
-/// Parallel loops.
+/// Parallel loops. Only this folder uses OpenMP.
 
 #include <cstdint>
 #include <functional>
@@ -12,10 +12,13 @@ int available_threads(int quota);
 /// Does the same for the quota of the control group, which is read at the first call.
 int available_threads();
 
+/// Starts the threads of OpenMP. OpenMP ends the process if it cannot start them, so this must be
+/// called before any file is written.
+void start_threads(int threads);
+
 /// Calls `body(index, thread)` once for every index in [0, count), in roughly ascending order, from
-/// at most `threads` threads; `thread` is 0-based, and 0 is the calling thread. The first exception
-/// of `body` stops the loop and is rethrown when all threads have stopped. A loop within a loop, or
-/// within a parallel region of OpenMP, has one thread.
+/// `threads` threads; `thread` is 0-based. The first exception of `body` stops the loop and is
+/// rethrown when all threads have stopped.
 void parallel_for(std::int64_t count, int threads,
                   const std::function<void(std::int64_t index, int thread)>& body);
 

@@ -11,7 +11,7 @@ import unittest
 
 from faults import NAMES, PROGRAM, SMALL, TINY, FaultTest, forget_signals, needs_library
 
-# The last two messages are from OpenMP's runtimes.
+# The last two messages are from OpenMP's runtimes, which cannot start a thread.
 OUT_OF_MEMORY = "[Oo]ut of memory|libgomp: |OMP: Error"
 # The check needs a new process: the peak that a child reports is not below that of its parent.
 PRINT_PEAK = """
