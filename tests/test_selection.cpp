@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "catch.hpp"
+#include "support/sandbox.hpp"
 #include "support/structures.hpp"
 
 namespace eses::detail::test {
@@ -208,6 +209,47 @@ TEST_CASE("alternate locations of two segments are chosen separately", "[structu
   REQUIRE(file.atoms.size() == 2);
   CHECK(file.atoms[0].center.x == 2);
   CHECK(file.atoms[1].center.x == 11);
+}
+
+TEST_CASE("a selection of one residue is no range", "[structure]") {
+  std::string text;
+  for (const char* number : {"   1 ", "   2 ", "   3 "}) text += line_of({.number = number});
+  const auto lines = [&](const std::string& selection) {
+    StructureOptions options;
+    options.select = selection;
+    return read_pdb(text, options).lines;
+  };
+  using Lines = std::vector<std::uint64_t>;
+  for (const char* single : {"//A/2", "A/2", "/1/A/2/CA", "//*/2(ALA)"}) {
+    INFO(single);
+    CHECK(lines(single) == Lines{2});
+  }
+  CHECK(lines("//A/2-") == Lines{2, 3});
+  CHECK(lines("//A/-2") == Lines{1, 2});
+  CHECK(lines("//A/2-3") == Lines{2, 3});
+  CHECK(lines("//A") == Lines{1, 2, 3});
+}
+
+TEST_CASE("selections are parts of a complex", "[structure]") {
+  const Sandbox sandbox;
+  write_file(sandbox.directory() / "t.pdb", line_of({.number = "   1 ", .x = 0}) +
+                                                line_of({.number = "   2 ", .x = 3}) +
+                                                line_of({.number = "   3 ", .x = 6}));
+  const Outcome by_selection =
+      sandbox.run({"interface", "t.pdb", "--groups", "//A/1", "//A/2-3", "--json"});
+  REQUIRE(by_selection.code == 0);
+  check_json(sandbox, by_selection.out,
+             "[r['interfaces'][0][s]['name'] for s in ('first', 'second')]",
+             "['//A/1', '//A/2-3']");
+  check_json(sandbox, by_selection.out,
+             "[a['residue_number'] for a in r['interfaces'][0]['second']['residues']]", "['2']");
+  const Outcome overlap = sandbox.run({"measure", "t.pdb", "--parts", "//A/1-2|//A/2-3"});
+  CHECK(overlap.code == 1);
+  CHECK(contains(overlap.err,
+                 "t.pdb: the atom in line 2 belongs to two parts of --parts: //A/1-2 and //A/2-3"));
+  const Outcome stream =
+      sandbox.run({"interface", "-", "--format", "pdb", "--groups", "//A/1", "A"}, "< t.pdb");
+  CHECK(contains(stream.err, "<stdin>: selections (--groups) read the file twice; give its name"));
 }
 
 }  // namespace eses::detail::test

@@ -17,6 +17,7 @@
 #include "eses/diagnostics.hpp"
 #include "eses/error.hpp"
 #include "eses/grid.hpp"
+#include "eses/interface.hpp"
 #include "eses/maps.hpp"
 #include "eses/measure.hpp"
 #include "eses/measure_frames.hpp"

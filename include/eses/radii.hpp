@@ -1,6 +1,6 @@
 #pragma once
 /// @file
-/// Van der Waals radii of named atoms.
+/// Van der Waals radii and polarity of named atoms.
 
 #include <span>
 #include <string>
@@ -30,6 +30,12 @@ struct NamedRadii {
 /// element follows from the names, as for PQR files; deuterium (D) is hydrogen. Throws Error if the
 /// set is unknown or its file cannot be read.
 NamedRadii find_radii(std::span<const AtomLabel> atoms, const std::string& set = "protor");
+
+/// Returns whether each atom is polar: nitrogen, oxygen, sulfur, phosphorus and selenium are, as in
+/// the classes of ProtOr and OONS, and all other elements are apolar. (NACCESS takes sulfur,
+/// selenium and phosphorus for apolar.) A hydrogen belongs to the class of the nearest other atom
+/// of its residue. The numbers of atoms and labels are the same.
+std::vector<bool> find_polar_atoms(std::span<const Atom> atoms, std::span<const AtomLabel> labels);
 
 }  // namespace eses
 #pragma GCC visibility pop

@@ -21,7 +21,7 @@ _eses_blocks() {
   local cur prev words cword split
   _init_completion -s || return
   local command=
-  if ((cword > 1)) && [[ ${words[1]} == @(diff|measure|msms|pdb_to_xyzr|pdb_to_xyzrn) ]]; then
+  if ((cword > 1)) && [[ ${words[1]} == @(diff|interface|measure|msms|pdb_to_xyzr|pdb_to_xyzrn) ]]; then
     command=${words[1]}
   fi
   if [[ $command == msms ]]; then
@@ -39,6 +39,7 @@ _eses_blocks() {
       COMPREPLY=($(compgen -W 'all none grid edges areas residues atoms grid,edges grid,areas \
       edges,areas' -- "$cur")) && return
       ;;
+    --table) COMPREPLY=($(compgen -W 'interfaces residues atoms' -- "$cur")) && return ;;
     --parts) COMPREPLY=($(compgen -W chains -- "$cur")) && return ;;
     --csv) _filedir csv && return ;;
     --color) COMPREPLY=($(compgen -W 'patch atom chain potential component' -- "$cur")) && return ;;
@@ -53,7 +54,7 @@ _eses_blocks() {
     --probe-radius | --spacing | --margin | --threads | -t | --block-size | -b | --max-memory | \
       --region | --blocks | --tolerance | --grid-origin | --grid-center | --grid-points | \
       --solute-dielectric | --solvent-dielectric | --ion-radius | --potential-offset | \
-      --potential-limit) return ;;
+      --potential-limit | --ligand | --groups | --area-cutoff | --residue-cutoff) return ;;
   esac
   if $split; then return; fi
 
@@ -68,7 +69,7 @@ _eses_blocks() {
     _filedir -d
   else
     _filedir '@(xyzr|pqr|pdb|pdb+([0-9])|pdbx|ent|cif|mmcif|mcif)?(.gz)'
-    if ((cword == 1)); then COMPREPLY+=($(compgen -W 'diff measure msms pdb_to_xyzr pdb_to_xyzrn' -- "$cur")); fi
+    if ((cword == 1)); then COMPREPLY+=($(compgen -W 'diff interface measure msms pdb_to_xyzr pdb_to_xyzrn' -- "$cur")); fi
   fi
 }
 complete -F _eses_blocks eses-blocks

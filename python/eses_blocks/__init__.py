@@ -38,13 +38,14 @@ from ._core import (
     read_atoms,
     read_grid,
 )
+from ._interface import Interface, Interfaces, interface, interfaces
 from ._measurement import Measurement, Table, measure
 from ._molecule import Molecule, Radii, read_molecule
 from ._shown import add_methods
 
 add_methods(Mesh, Result, Surface)
 del add_methods
-for _each in (Measurement, Molecule, Radii, Table, measure, read_molecule):
+for _each in (Interface, Interfaces, Measurement, Molecule, Radii, Table, interface, interfaces, measure, read_molecule):
     _each.__module__ = __name__  # where users find it
 del _each
 
@@ -59,6 +60,8 @@ __all__ = [
     "Gradient",
     "Gradients",
     "Grid",
+    "Interface",
+    "Interfaces",
     "Labels",
     "Measurement",
     "Measures",
@@ -70,6 +73,8 @@ __all__ = [
     "Table",
     "__version__",
     "adaptors",
+    "interface",
+    "interfaces",
     "measure",
     "measure_frames",
     "read_atoms",

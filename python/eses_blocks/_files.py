@@ -65,3 +65,13 @@ def write_cif(path: _Path, molecule: Any, values: Any) -> None:
             target.write(f"ATOM {serial} {element if element != '.' else 'X'} {name} . {residue} {chain} 1 . {icode} "
                          f"{x:.3f} {y:.3f} {z:.3f} 1.00 {float(values[i]):.4f} {number} {residue} {chain} {name} 1\n")
         target.write("#\n")
+
+
+def write_structure(path: _Path, molecule: Any, values: Any) -> None:
+    """Writes the atoms whose value is a number, as the suffix says. Raises ValueError for suffixes other
+    than .pdb and .cif."""
+    writers = {".pdb": write_pdb, ".cif": write_cif}
+    suffix = os.path.splitext(os.fspath(path))[1].lower()
+    if suffix not in writers:
+        raise ValueError(f"{os.fspath(path)}: the suffix must be .pdb, .cif or .csv")
+    writers[suffix](path, molecule, values)

@@ -13,8 +13,8 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _core, _molecule
-from ._files import write_cif, write_pdb
-from ._references import CLASSES, MAIN_CHAIN, POLAR, REFERENCES, SYNONYMS
+from ._files import write_structure
+from ._references import CLASSES, MAIN_CHAIN, REFERENCES, SYNONYMS
 
 _Doubles = npt.NDArray[np.float64]
 _Bools = npt.NDArray[np.bool_]
@@ -81,19 +81,16 @@ class Table:
         return f"<table><tr>{head}</tr>{body}</table>{rest}"
 
 
+def _starts_of(molecule: _molecule.Molecule) -> npt.NDArray[np.int64]:
+    """Returns the first atom of each residue."""
+    return _molecule._runs(molecule.chain, molecule.residue_number, molecule.icode, molecule.residue)
+
+
 def _polar_atoms(molecule: _molecule.Molecule, starts: npt.NDArray[np.int64]) -> _Bools:
     """Marks the polar atoms; CLASSES describes them."""
-    polar = np.isin(molecule.element, list(POLAR))
-    hydrogen = np.zeros(len(molecule), bool)
-    hydrogen[molecule.kept] = molecule.element[molecule.kept] == "H"
-    for begin, end in zip(starts, np.append(starts[1:], len(molecule))):
-        light = begin + np.flatnonzero(hydrogen[begin:end])
-        heavy = begin + np.flatnonzero(molecule.element[begin:end] != "H")
-        if len(light) and len(heavy):
-            for some in np.array_split(light, len(light) * len(heavy) // 10_000_000 + 1):
-                steps = molecule.positions[some, None] - molecule.positions[None, heavy]
-                polar[some] = polar[heavy[np.einsum("ijk,ijk->ij", steps, steps).argmin(axis=1)]]
-    return polar
+    residues = np.zeros(len(molecule), np.int64)
+    residues[starts[1:]] = 1
+    return np.array(_core._find_polar(molecule.positions, molecule.element.tolist(), np.cumsum(residues)), bool)
 
 
 class Measurement:
@@ -213,8 +210,7 @@ class Measurement:
 
     @functools.cached_property
     def _starts(self) -> npt.NDArray[np.int64]:
-        molecule = self._molecule
-        return _molecule._runs(molecule.chain, molecule.residue_number, molecule.icode, molecule.residue)
+        return _starts_of(self._molecule)
 
     @functools.cached_property
     def _polar(self) -> _Bools:
@@ -307,12 +303,9 @@ class Measurement:
         if suffix == ".csv":
             tables[level].save(path)
             return
-        writers = {".pdb": write_pdb, ".cif": write_cif}
-        if suffix not in writers:
-            raise ValueError(f"{os.fspath(path)}: the suffix must be .pdb, .cif or .csv")
         if column not in tables[level] or column in ("chain", "residue", "icode"):
             raise ValueError(f"column must be a number of the {level}s, not {column!r}")
-        writers[suffix](path, self._molecule, self._values(column, level))
+        write_structure(path, self._molecule, self._values(column, level))
 
     def _values(self, column: str, level: str) -> Any:
         """Returns the value of each atom; not a number for atoms that are not reported."""

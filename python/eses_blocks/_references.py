@@ -36,7 +36,6 @@ REFERENCES = {each.name: each for each in (
                "106 248 157 163 135 198 194 84 184 169 164 205 188 197 136 130 142 227 222 142"))}
 REFERENCES["wilke"] = REFERENCES["tien"]  # the name of Biopython for the same values
 
-POLAR = frozenset(("N", "O", "S", "P", "Se"))
 CLASSES = ("nitrogen, oxygen, sulphur, phosphorus and selenium are polar, all other elements apolar (the classes of "
            "ProtOr and OONS; NACCESS counts sulphur, selenium and phosphorus as apolar); a hydrogen belongs to the class of "
            "the nearest other atom of its residue")

@@ -13,6 +13,7 @@
 #include "blocks.hpp"
 #include "crossings.hpp"
 #include "grid.hpp"
+#include "interfaces.hpp"
 #include "result.hpp"
 #include "surface.hpp"
 
@@ -58,6 +59,7 @@ PYBIND11_MODULE(_core, module) {
   eses::python::bind_result(module);
   eses::python::bind_blocks(module);
   eses::python::bind_surface(module);
+  eses::python::bind_interfaces(module);
   py::module_::import("atexit").attr("register")(py::cpp_function(
       &eses::python::join_threads_left_behind, py::call_guard<py::gil_scoped_release>()));
 }

@@ -78,6 +78,7 @@ struct Command {
 constexpr Command surface_command{.name = "", .perform = perform_surface, .is_distributed = true};
 constexpr std::array named_commands{
     Command{.name = "diff", .perform = perform_diff, .failure_code = exit_trouble},
+    Command{.name = "interface", .perform = perform_interface, .only_prints = true},
     Command{.name = "measure", .perform = perform_measure, .only_prints = true},
     Command{.name = "msms", .perform = perform_msms, .is_linked = true},
     Command{.name = "pdb_to_xyzr",

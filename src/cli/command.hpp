@@ -45,6 +45,7 @@ using Arguments = std::vector<std::string>;
 /// the others.
 int perform_surface(const Arguments& arguments, const Processes& processes);
 int perform_diff(const Arguments& arguments, const Processes& processes);
+int perform_interface(const Arguments& arguments, const Processes& processes);
 int perform_measure(const Arguments& arguments, const Processes& processes);
 int perform_msms(const Arguments& arguments, const Processes& processes);
 int perform_pdb_to_xyzr(const Arguments& arguments, const Processes& processes);

@@ -116,4 +116,14 @@ std::vector<DiagnosticText> describe(const FileDiagnostics& diagnostics,
   return texts;
 }
 
+std::vector<DiagnosticText> describe(const AtomFile& atoms, const Surface& surface,
+                                     const std::filesystem::path& input) {
+  FileDiagnostics all;
+  all.add(atoms.diagnostics, atoms.lines);
+  all.add(surface.diagnostics(), atoms.lines);
+  if (!surface.labels().empty())
+    for (const auto& [atom, line] : all.lines) all.labels[atom] = surface.labels()[atom];
+  return describe(all, input);
+}
+
 }  // namespace eses::detail::cli

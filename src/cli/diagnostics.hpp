@@ -8,6 +8,8 @@
 #include <string_view>
 #include <vector>
 
+#include "eses/read_atoms.hpp"
+#include "eses/surface.hpp"
 #include "run/file_diagnostics.hpp"
 
 namespace eses::detail::cli {
@@ -33,6 +35,11 @@ struct DiagnosticText {
 
 /// Returns the texts of the diagnostics of a file.
 std::vector<DiagnosticText> describe(const FileDiagnostics& diagnostics,
+                                     const std::filesystem::path& input);
+
+/// Returns the texts of the diagnostics of the atoms that were read, and of their surface. The
+/// labels are those of the surface.
+std::vector<DiagnosticText> describe(const AtomFile& atoms, const Surface& surface,
                                      const std::filesystem::path& input);
 
 }  // namespace eses::detail::cli

@@ -1,10 +1,8 @@
 #include "cli/measure_options.hpp"
 
 #include <CLI/CLI.hpp>
-#include <algorithm>
 #include <limits>
 #include <optional>
-#include <set>
 #include <stdexcept>
 #include <string_view>
 #include <utility>
@@ -75,9 +73,9 @@ std::optional<PartChoice> parts_in(const std::string& text) {
   if (text == "chains") return PartChoice{.by_chain = true};
   PartChoice choice;
   for (const std::string& part : split(text, '|')) {
-    choice.parts.push_back(split(part, ','));
-    const std::vector<std::string>& chains = choice.parts.back();
-    if (std::find(chains.begin(), chains.end(), "") != chains.end()) return std::nullopt;
+    const std::optional<PartSelector> selector = part_selector_in(part);
+    if (!selector) return std::nullopt;
+    choice.parts.push_back(*selector);
   }
   return choice.parts.size() < 2 ? std::nullopt : std::optional(choice);
 }
@@ -140,13 +138,14 @@ void add_measure_options(CLI::App& app, MeasureCommandOptions& options) {
             "surfaces to measure: some of ses,sas,vdw, or all; the SAS\n"
             "alone is measured much faster [all]",
             options.surfaces, Format<SurfaceChoice>{surfaces_in, "some of ses,sas,vdw, or all"});
-  add_value(
-      app, "--parts", "LIST",
-      "measure also the parts of a complex and the areas that\n"
-      "it buries: chains (each chain is a part), or the chains\n"
-      "of each part, such as 'A,B|C'",
-      options.parts,
-      Format<PartChoice>{parts_in, "chains, or the chains of two or more parts, such as 'A,B|C'"});
+  add_value(app, "--parts", "LIST",
+            "measure also the parts of a complex and the areas that\n"
+            "it buries: chains (each chain is a part), or two parts\n"
+            "and more, such as 'A,B|C', '//A|//B/1-50', 'A|ligand:STI'",
+            options.parts,
+            Format<PartChoice>{
+                parts_in,
+                formatted("chains, or two parts and more, such as 'A,B|C': each {}", part_texts)});
   add_fill_cavities(app, options.max_filled_void);
   add_flag(app, "--cavities", "report the cavities, and the pieces of the molecule",
            options.cavities);
@@ -173,15 +172,6 @@ void add_measure_options(CLI::App& app, MeasureCommandOptions& options) {
   add_notices(app);
 }
 
-/// Throws UsageError if a chain is named twice.
-void refuse_repeated_chains(const PartChoice& choice) {
-  std::set<std::string_view> names;
-  for (const std::vector<std::string>& chains : choice.parts)
-    for (const std::string& chain : chains)
-      if (!names.insert(chain).second)
-        throw UsageError(formatted("--parts names chain {} twice", chain));
-}
-
 /// Throws UsageError if an option needs a surface that is not measured.
 void check_surfaces(const MeasureCommandOptions& options) {
   const SurfaceChoice& surfaces = options.surfaces;
@@ -203,7 +193,7 @@ void check_surfaces(const MeasureCommandOptions& options) {
 
 /// Throws UsageError if an option cannot be used with these files.
 void check(const CLI::App& app, const MeasureCommandOptions& options) {
-  refuse_repeated_chains(options.parts);
+  refuse_repeated_chains(options.parts, "--parts");
   refuse_without(app, {"--output-dir"}, options.tables.any(), "--write");
   for (const std::filesystem::path& path : options.inputs) {
     if (path == "-" && options.inputs.size() > 1)

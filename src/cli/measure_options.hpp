@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "cli/command.hpp"
+#include "cli/complex_parts.hpp"
 #include "eses/pockets.hpp"
 #include "eses/read_atoms.hpp"
 #include "eses/surface.hpp"
@@ -40,14 +41,6 @@ struct SurfaceChoice {
   bool has_ses() const { return ses || all; }
   bool has_sas() const { return sas || all; }
   bool has_vdw() const { return vdw || all; }
-};
-
-/// Division of the atoms into the parts of a complex.
-struct PartChoice {
-  bool by_chain = false;                             ///< whether each chain is a part
-  std::vector<std::vector<std::string>> parts = {};  ///< otherwise the chains of each part
-
-  bool is_chosen() const { return by_chain || !parts.empty(); }
 };
 
 struct MeasureCommandOptions {

@@ -47,7 +47,7 @@ std::string parts_text(const SurfaceChoice& surfaces, const MeasuredFile& file) 
     text += "\n";
   }
   if (file.other_atoms > 0)
-    text += formatted("left out: {} of other chains\n", counted(file.other_atoms, "atom"));
+    text += formatted("left out: {} of no part\n", counted(file.other_atoms, "atom"));
   std::vector<std::string> buried;
   if (surfaces.has_ses())
     buried.push_back(formatted("SES {:.4f}", file.buried(&Measures::ses_area)));

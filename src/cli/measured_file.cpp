@@ -1,70 +1,13 @@
 #include "cli/measured_file.hpp"
 
-#include <fmt/ranges.h>
-
-#include <algorithm>
 #include <cstddef>
-#include <limits>
-#include <map>
 #include <span>
 #include <utility>
 
 #include "eses/error.hpp"
-#include "input/text_fields.hpp"
-#include "input/text_source.hpp"
-#include "system/formatted.hpp"
 
 namespace eses::detail::cli {
 namespace {
-
-constexpr std::uint32_t no_part = std::numeric_limits<std::uint32_t>::max();
-
-/// Returns the names of the chains in the order of first occurrence.
-std::vector<std::string> chains_of(std::span<const AtomLabel> labels) {
-  std::vector<std::string> chains;
-  for (const AtomLabel& label : labels)
-    if ((chains.empty() || chains.back() != label.chain) &&
-        std::find(chains.begin(), chains.end(), label.chain) == chains.end())
-      chains.push_back(label.chain);
-  return chains;
-}
-
-/// Returns the names of chains for messages. PQR files often have a blank name.
-std::string list_of(const std::vector<std::string>& chains) {
-  constexpr std::size_t max_names = 10;
-  std::vector<std::string> names;
-  for (const std::string& chain : chains) {
-    names.push_back(chain.empty() ? "(blank)" : printable(chain));
-    if (names.size() < max_names) continue;
-    names.emplace_back("...");
-    break;
-  }
-  return formatted("{}", fmt::join(names, ", "));
-}
-
-/// Divides the atoms into the parts of a complex.
-void divide(const PartChoice& choice, MeasuredFile& file) {
-  const std::span<const AtomLabel> labels = file.surface.labels();
-  const std::vector<std::string> chains = chains_of(labels);
-  std::vector<std::vector<std::string>> groups = choice.parts;
-  if (choice.by_chain)
-    for (const std::string& chain : chains) groups.push_back({chain});
-  if (groups.size() < 2) return;  // the chain alone, of which there are no parts
-  std::map<std::string, std::uint32_t> part_of_chain;
-  for (const std::vector<std::string>& group : groups) {
-    for (const std::string& chain : group) {
-      if (std::find(chains.begin(), chains.end(), chain) == chains.end())
-        throw Error(formatted("{}: no atoms of chain {}, which --parts names; the chains are {}",
-                              input_name(file.path), printable(chain), list_of(chains)));
-      part_of_chain[chain] = static_cast<std::uint32_t>(file.part_names.size());
-    }
-    file.part_names.push_back(formatted("{}", fmt::join(group, ",")));
-  }
-  for (const AtomLabel& label : labels) {
-    const auto part = part_of_chain.find(label.chain);
-    file.part_of_atom.push_back(part == part_of_chain.end() ? no_part : part->second);
-  }
-}
 
 /// Some atoms of a file.
 struct AtomSubset {
@@ -116,16 +59,6 @@ MeasuredPart measure_part(std::uint32_t part, const MeasureOptions& options, Mea
   return measured;
 }
 
-/// Returns the diagnostics of the atoms of a file.
-FileDiagnostics diagnostics_of(const AtomFile& file, const Surface& surface) {
-  FileDiagnostics all;
-  all.add(file.diagnostics, file.lines);
-  all.add(surface.diagnostics(), file.lines);
-  if (surface.labels().empty()) return all;
-  for (const auto& [atom, line] : all.lines) all.labels[atom] = surface.labels()[atom];
-  return all;
-}
-
 }  // namespace
 
 double MeasuredFile::buried(double Measures::*area) const {
@@ -146,19 +79,22 @@ MeasuredAtoms MeasuredFile::table() const {
 
 MeasuredFile measure_file(const MeasureCommandOptions& options, const std::filesystem::path& path,
                           int threads, const CheckCallback& check) {
-  AtomFile file =
-      read_atoms(path, {.format = options.format,
-                        .with_labels = options.tables.any() || options.parts.is_chosen() ||
-                                       options.cavities || options.pockets,
-                        .structure = options.structure,
-                        .check = check});
+  const ReadOptions reading{.format = options.format,
+                            .with_labels = options.tables.any() || options.parts.is_chosen() ||
+                                           options.cavities || options.pockets,
+                            .structure = options.structure,
+                            .check = check};
+  AtomFile file = read_atoms(path, reading);
   const SurfaceOptions indexing{
       .max_filled_void = options.max_filled_void, .threads = threads, .check = check};
   MeasuredFile result{.path = path,
                       .surface = Surface(std::move(file.atoms), std::move(file.labels), indexing)};
-  result.diagnostics = describe(diagnostics_of(file, result.surface), path);
+  result.diagnostics = describe(file, result.surface, path);
   if (options.parts.is_chosen()) {
-    divide(options.parts, result);
+    ComplexParts parts =
+        divide(options.parts, {path, reading, result.surface.labels(), file.lines}, "--parts");
+    result.part_names = std::move(parts.names);
+    result.part_of_atom = std::move(parts.part_of_atom);
     remove_other_atoms(indexing, result);
   }
   const SurfaceChoice& surfaces = options.surfaces;

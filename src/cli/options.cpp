@@ -63,6 +63,7 @@ Examples:
   eses-blocks 1crn.pqr --mesh 1crn.ply --color potential --potential 1crn.dx
   eses-blocks diff out ESES                            compare the files of two directories
   eses-blocks measure 1crn.pdb                         areas and volumes without a grid
+  eses-blocks interface 1brs.pdb                       areas that chains bury of each other
   eses-blocks msms -if 1crn.xyzr -of 1crn              options and files of MSMS
   eses-blocks 1crn.xyzr --spacing 0.1 --dry-run        estimate points, memory and disk space
   eses-blocks 1crn.xyzr --inside map.dx --gzip         compressed text files, and a map for VMD
@@ -435,6 +436,7 @@ void add_options(CLI::App& app, Options& options, Lengths& lengths) {
          "eses-blocks [OPTIONS] FILE [PROBE [SPACING [MARGIN]]]\n"
          "  or:  eses-blocks diff [OPTIONS] DIR_A DIR_B\n"
          "  or:  eses-blocks measure [OPTIONS] FILE...\n"
+         "  or:  eses-blocks interface [OPTIONS] FILE\n"
          "  or:  eses-blocks msms -if FILE [OPTIONS]",
          surface_footer);
   add_grid_options(app, options, lengths);
@@ -588,7 +590,7 @@ void refuse_separate_number(std::span<const std::string> arguments) {
 
 /// Returns what to do if the arguments seem to be meant for another command.
 std::string advice_for_command(const Arguments& arguments, std::string_view message) {
-  const std::vector<std::string> commands{"diff", "measure", "msms", "pdb_to_xyzr"};
+  const std::vector<std::string> commands{"diff", "interface", "measure", "msms", "pdb_to_xyzr"};
   std::error_code ignored;
   if (!arguments.empty() && !std::filesystem::exists(arguments.front(), ignored))
     if (const std::string_view meant = closest_name(arguments.front(), commands); !meant.empty())

@@ -181,7 +181,7 @@ class Zsh(TestCase):
         meshes, maps = {"c.ply", "d.obj", "e.off", "j.vtp"}, {"f.dx", "g.vti", "k.dx.gz"}
         atoms = {"a.xyzr", "b.pqr.gz", "i.cif.gz", "m.pdb12.gz", "n.pdbx", "o.mcif"}
         for line, expected in (
-                ("", atoms | {"sub", "diff", "measure", "msms", "pdb_to_xyzr", "pdb_to_xyzrn"}),
+                ("", atoms | {"sub", "diff", "interface", "measure", "msms", "pdb_to_xyzr", "pdb_to_xyzrn"}),
                 ("di", {"diff"}),
                 ("--json ", atoms | {"sub"}),
                 ("a.xyzr -o ", {"sub"}),
@@ -200,6 +200,7 @@ class Zsh(TestCase):
                 ("measure --write ", {"atoms", "residues", "chains", "derivatives", "cavities",
                   "pieces", "pockets"}),
                 ("measure a.xyzr --parts ", {"chains"}),
+                ("interface a.pdb --table ", {"interfaces", "residues", "atoms"}),
                 ("msms -surface ", {"tses", "ases"}),
                 ("pdb_to_xyzr --form", {"--format"}),
                 ("diff ", {"sub"}),

@@ -106,7 +106,7 @@ void check_usage_error(const Sandbox& sandbox, const Arguments& arguments,
                        const std::string& message) {
   INFO(Sandbox::command(arguments));
   const std::string first = arguments.empty() ? "" : arguments.front();
-  const std::set<std::string> commands{"diff", "measure", "msms", "pdb_to_xyzr"};
+  const std::set<std::string> commands{"diff", "interface", "measure", "msms", "pdb_to_xyzr"};
   const bool is_command = commands.contains(first);
   const Outcome outcome = sandbox.run(arguments);
   CHECK(outcome.code == 2);

@@ -75,9 +75,24 @@ std::string reworded(std::string_view text) {
   return printable(message);
 }
 
+/// Returns the part of a selection that names residues: the field after that of the chain.
+std::string_view residue_field(std::string_view text) {
+  const int fields_before = text.starts_with('/') ? 3 : 1;
+  for (int k = 0; k < fields_before; ++k) {
+    const std::size_t slash = text.find('/');
+    if (slash == std::string_view::npos) return {};
+    text.remove_prefix(slash + 1);
+  }
+  return text.substr(0, text.find_first_of("/;"));
+}
+
 gemmi::Selection parse_selection(const std::string& text) {
   try {
-    return {text};
+    gemmi::Selection selection{text};
+    // Old versions of gemmi take a single residue, as in A/57, for the begin of a range.
+    const bool is_range = residue_field(text).find('-') != std::string_view::npos;
+    if (!selection.from_seqid.empty() && !is_range) selection.to_seqid = selection.from_seqid;
+    return selection;
   } catch (const std::exception& error) {
     throw Error(formatted("--select: {}", reworded(error.what())));
   }

@@ -1,0 +1,82 @@
+"""Interfaces have the differences of the areas of their parts."""
+
+import csv
+import math
+
+import numpy as np
+import pytest
+
+import eses_blocks as eses
+
+RADIUS, PROBE, DISTANCE = 1.7, 1.4, 3.0
+LOST = 2 * math.pi * (RADIUS + PROBE) * (RADIUS + PROBE - DISTANCE / 2)  # a cap of the SAS sphere
+COMPLEX = "".join(
+    f"ATOM  {serial:5} {name:4} {residue} {chain}{serial:4}    {x:8.3f}   0.000   0.000  0.00 {RADIUS:.2f}\n"
+    for serial, name, residue, chain, x in ((1, " N", "ALA", "A", 0), (2, " C1", "HEM", "B", DISTANCE),
+                                            (3, " CA", "GLY", "C", 50)))
+
+
+@pytest.fixture(name="path")
+def fixture_path(tmp_path):
+    path = tmp_path / "dimer.pqr"
+    path.write_text(COMPLEX)
+    return path
+
+
+def test_two_spheres_lose_a_cap_each():
+    found = eses.interface(([[0, 0, 0], [DISTANCE, 0, 0]], [RADIUS] * 2), [0])
+    assert found.sas_lost == pytest.approx((LOST, LOST))
+    assert found.sas_area == pytest.approx(LOST)
+    assert found.atoms["index"].tolist() == [0, 1] and found.atoms["side"].tolist() == [0, 1]
+
+
+def test_chains_that_touch(path):
+    found = eses.interfaces(path)
+    assert [(each.first, each.second) for each in found] == [("A", "B")]
+    assert found[0].polar == pytest.approx(LOST / 2) and found[0].apolar == pytest.approx(LOST / 2)
+    assert found.table["sas_area"] == pytest.approx([LOST])
+    assert found[0].residues["residue"].tolist() == ["ALA", "HEM"]
+    assert "dimer" not in repr(found) and "A and B" in repr(found[0])
+    assert len(found[:0]) == 0
+
+
+def test_parts_that_do_not_touch_lose_nothing(path):
+    found = eses.interface(path, "A+B", "C")
+    assert found.sas_lost == found.ses_lost == (0, 0)
+    assert len(found.residues) == len(found.atoms) == 0
+
+
+def test_random_atoms_have_the_differences_of_areas():
+    random = np.random.default_rng(49)
+    centers, radii = random.uniform(0, 12, (90, 3)), random.uniform(1.2, 2, 90)
+    first = np.arange(90) % 3 == 0
+    found = eses.interface((centers, radii), first, ~first)
+    together, one, other = (eses.measure((centers[mask], radii[mask])) for mask in (first | True, first, ~first))
+    for name in ("sas", "ses"):
+        area = name + "_area"
+        lost = getattr(one, area) + getattr(other, area) - getattr(together, area)
+        assert 2 * getattr(found, area) == pytest.approx(lost, rel=1e-10)
+        assert found.atoms[name + "_lost"].sum() == pytest.approx(lost, rel=1e-10)
+
+
+def test_saved_areas(path, tmp_path):
+    found = eses.interface(path, "A", "B")
+    found.save(tmp_path / "buried.pdb")
+    lines = [line for line in (tmp_path / "buried.pdb").read_text().splitlines() if line.startswith("ATOM")]
+    assert [float(line[60:66]) for line in lines] == pytest.approx([LOST, LOST, 0], abs=0.005)
+    found.save(tmp_path / "buried.csv")
+    rows = list(csv.DictReader((tmp_path / "buried.csv").open()))
+    assert float(rows[1]["sas_lost"]) == pytest.approx(LOST)
+    with pytest.raises(ValueError, match="suffix"):
+        found.save(tmp_path / "buried.txt")
+    with pytest.raises(ValueError, match="column"):
+        found.save(tmp_path / "buried.pdb", "sas")
+
+
+def test_errors_name_the_part(path):
+    with pytest.raises(ValueError, match="1 atoms belong to both parts"):
+        eses.interface(path, "A+B", "B")
+    with pytest.raises(ValueError, match="selection has no atoms"):
+        eses.interface(path, [])
+    with pytest.raises(ValueError, match="no chain 'X'"):
+        eses.interface(([[0, 0, 0]], [1]), "X")

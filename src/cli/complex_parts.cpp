@@ -1,0 +1,180 @@
+#include "cli/complex_parts.hpp"
+
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cstddef>
+#include <map>
+#include <set>
+#include <utility>
+
+#include "cli/arguments.hpp"
+#include "eses/error.hpp"
+#include "input/other_formats.hpp"
+#include "input/residue_runs.hpp"
+#include "input/text_fields.hpp"
+#include "input/text_source.hpp"
+#include "system/formatted.hpp"
+
+namespace eses::detail::cli {
+namespace {
+
+constexpr std::string_view ligand_prefix = "ligand:";
+
+/// Returns the different texts in the order of first occurrence.
+std::vector<std::string> different(std::span<const AtomLabel> labels,
+                                   std::string AtomLabel::*name) {
+  std::vector<std::string> texts;
+  std::set<std::string_view> seen;
+  for (const AtomLabel& label : labels)
+    if (seen.insert(label.*name).second) texts.push_back(label.*name);
+  return texts;
+}
+
+/// Returns names for messages. PQR files often have a blank name.
+std::string list_of(const std::vector<std::string>& all) {
+  constexpr std::size_t max_names = 10;
+  std::vector<std::string> names;
+  for (const std::string& name : all) {
+    names.push_back(name.empty() ? "(blank)" : printable(name));
+    if (names.size() < max_names) continue;
+    names.emplace_back("...");
+    break;
+  }
+  return formatted("{}", fmt::join(names, ", "));
+}
+
+std::string name_of(const PartSelector& part) {
+  if (!part.ligand.empty()) return part.ligand;
+  return part.chains.empty() ? part.selection : formatted("{}", fmt::join(part.chains, ","));
+}
+
+/// Returns whether each atom of the file is in a selection.
+std::vector<bool> selected(const std::string& selection, const DividedFile& file,
+                           std::string_view option) {
+  if (!is_structure(format_of(file.path, file.reading.format)))
+    throw Error(formatted("{}: selections such as {} ({}) need a PDB or mmCIF file",
+                          input_name(file.path), printable(selection), option));
+  if (file.path == "-")
+    throw Error(formatted("<stdin>: selections ({}) read the file twice; give its name", option));
+  ReadOptions reading = file.reading;
+  reading.with_labels = false;
+  reading.structure.select = selection;
+  const std::vector<std::uint64_t> found = read_atoms(file.path, reading).lines;
+  const std::set<std::uint64_t> lines(found.begin(), found.end());
+  std::vector<bool> is_in;
+  for (const std::uint64_t line : file.lines) is_in.push_back(lines.contains(line));
+  return is_in;
+}
+
+/// Throws Error about a name that no atom has.
+[[noreturn]] void refuse_unknown(const DividedFile& file, std::string_view what,
+                                 const std::string& name, std::string_view option,
+                                 std::string AtomLabel::*names) {
+  throw Error(formatted("{}: no atoms of {} {}, which {} names; the {}s are {}",
+                        input_name(file.path), what, printable(name), option, what,
+                        list_of(different(file.labels, names))));
+}
+
+/// Returns whether each atom of the file is in a part.
+std::vector<bool> atoms_in(const PartSelector& part, const DividedFile& file,
+                           std::string_view option) {
+  if (!part.selection.empty()) return selected(part.selection, file, option);
+  std::vector<bool> is_in(file.labels.size());
+  const auto add = [&](std::string_view what, const std::string& name,
+                       std::string AtomLabel::*member) {
+    bool is_found = false;
+    for (std::size_t i = 0; i < is_in.size(); ++i)
+      if (file.labels[i].*member == name) is_in[i] = is_found = true;
+    if (!is_found) refuse_unknown(file, what, name, option, member);
+  };
+  if (!part.ligand.empty()) add("residue", part.ligand, &AtomLabel::residue);
+  for (const std::string& chain : part.chains) add("chain", chain, &AtomLabel::chain);
+  return is_in;
+}
+
+ComplexParts divide_by_chain(std::span<const AtomLabel> labels) {
+  ComplexParts parts;
+  parts.names = different(labels, &AtomLabel::chain);
+  if (parts.names.size() < 2) return {};
+  std::map<std::string_view, std::uint32_t> numbers;
+  for (const std::string& name : parts.names)
+    numbers.emplace(name, static_cast<std::uint32_t>(numbers.size()));
+  for (const AtomLabel& label : labels) parts.part_of_atom.push_back(numbers.at(label.chain));
+  return parts;
+}
+
+}  // namespace
+
+std::optional<PartSelector> part_selector_in(std::string_view text) {
+  PartSelector part;
+  if (text.starts_with(ligand_prefix)) {
+    part.ligand = text.substr(ligand_prefix.size());
+    return part.ligand.empty() ? std::nullopt : std::optional(part);
+  }
+  if (text.find_first_of("/([;") != std::string_view::npos) {
+    part.selection = text;
+    return part;
+  }
+  std::string chains(text);
+  std::ranges::replace(chains, '+', ',');
+  part.chains = split(chains, ',');
+  const bool has_empty = std::ranges::find(part.chains, "") != part.chains.end();
+  return has_empty ? std::nullopt : std::optional(part);
+}
+
+void refuse_repeated_chains(const PartChoice& choice, std::string_view option) {
+  std::set<std::string_view> names;
+  for (const PartSelector& part : choice.parts)
+    for (const std::string& chain : part.chains)
+      if (!names.insert(chain).second)
+        throw UsageError(formatted("{} names chain {} twice", option, chain));
+}
+
+ComplexParts divide(const PartChoice& choice, const DividedFile& file, std::string_view option) {
+  if (choice.by_chain) return divide_by_chain(file.labels);
+  ComplexParts parts;
+  parts.part_of_atom.assign(file.labels.size(), no_part);
+  for (const PartSelector& selector : choice.parts) {
+    const std::vector<bool> is_in = atoms_in(selector, file, option);
+    const auto number = static_cast<std::uint32_t>(parts.names.size());
+    parts.names.push_back(name_of(selector));
+    bool is_empty = true;
+    for (std::size_t i = 0; i < is_in.size(); ++i) {
+      if (!is_in[i]) continue;
+      is_empty = false;
+      const std::uint32_t other = std::exchange(parts.part_of_atom[i], number);
+      if (other != no_part)
+        throw Error(formatted("{}: the atom in line {} belongs to two parts of {}: {} and {}",
+                              input_name(file.path), file.lines[i], option,
+                              printable(parts.names[other]), printable(parts.names[number])));
+    }
+    if (is_empty)
+      throw Error(formatted("{}: no atoms of {}, which {} names", input_name(file.path),
+                            printable(parts.names[number]), option));
+  }
+  return parts;
+}
+
+std::vector<ComplexParts> divide_by_ligand(const std::string& ligand, const DividedFile& file) {
+  std::vector<ComplexParts> divisions;
+  const ResidueRuns runs = residue_runs(file.labels);
+  std::size_t first = 0;
+  for (std::size_t run = 0; run < runs.labels.size(); ++run) {
+    const auto end = first + static_cast<std::size_t>(runs.atoms[run]);
+    const AtomLabel& label = runs.labels[run];
+    if (label.residue == ligand) {
+      ComplexParts& parts = divisions.emplace_back();
+      parts.names = {formatted("{}:{} {}", label.chain, label.residue, label.residue_number),
+                     "all other atoms"};
+      parts.part_of_atom.assign(file.labels.size(), 1);
+      std::fill(parts.part_of_atom.begin() + static_cast<std::ptrdiff_t>(first),
+                parts.part_of_atom.begin() + static_cast<std::ptrdiff_t>(end), 0);
+    }
+    first = end;
+  }
+  if (divisions.empty()) refuse_unknown(file, "residue", ligand, "--ligand", &AtomLabel::residue);
+  return divisions;
+}
+
+}  // namespace eses::detail::cli

@@ -1,0 +1,67 @@
+#pragma once
+/// Division of the atoms of a file into the parts of a complex.
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "eses/atoms.hpp"
+#include "eses/interface.hpp"
+#include "eses/read_atoms.hpp"
+
+namespace eses::detail::cli {
+
+/// The atoms of a part, as the command line names them. One of the members is not empty.
+struct PartSelector {
+  std::vector<std::string> chains;
+  std::string ligand;     ///< name of a residue, such as HEM
+  std::string selection;  ///< in gemmi's syntax, such as //A/10-20
+};
+
+/// The parts of a complex.
+struct PartChoice {
+  bool by_chain = false;                 ///< whether each chain is a part
+  std::vector<PartSelector> parts = {};  ///< otherwise two parts or more
+
+  bool is_chosen() const { return by_chain || !parts.empty(); }
+};
+
+/// Description of the texts that part_selector_in accepts, for messages.
+inline constexpr std::string_view part_texts =
+    "chains such as A or A+B, ligand:NAME, or a selection such as //A/10-20";
+
+/// Returns the part of a text: `A,B` or `A+B` for chains, `ligand:HEM`, or a selection, which has a
+/// slash, a bracket or a semicolon. Nothing if the text is none of these.
+std::optional<PartSelector> part_selector_in(std::string_view text);
+
+/// Throws UsageError if a chain is named twice. `option` is the option with the parts.
+void refuse_repeated_chains(const PartChoice& choice, std::string_view option);
+
+/// The file of the atoms that are divided.
+struct DividedFile {
+  const std::filesystem::path& path;
+  const ReadOptions& reading;            ///< how it was read
+  std::span<const AtomLabel> labels;     ///< of its atoms
+  std::span<const std::uint64_t> lines;  ///< of its atoms
+};
+
+/// The names of the parts, and the part of each atom, or `no_part`.
+struct ComplexParts {
+  std::vector<std::string> names;
+  std::vector<std::uint32_t> part_of_atom;
+};
+
+/// Divides the atoms. Without two parts, as for a single chain, there are none. Reads the file
+/// again for each selection. Throws Error if a part has no atoms or shares some with another part.
+/// The message names the option.
+ComplexParts divide(const PartChoice& choice, const DividedFile& file, std::string_view option);
+
+/// Returns, for each residue with the name of a ligand, its division from all other atoms. The
+/// first part is the residue. Throws Error if there is none.
+std::vector<ComplexParts> divide_by_ligand(const std::string& ligand, const DividedFile& file);
+
+}  // namespace eses::detail::cli

@@ -1,0 +1,74 @@
+#include <algorithm>
+#include <cstdint>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "cli/command.hpp"
+#include "cli/complex_parts.hpp"
+#include "cli/diagnostics.hpp"
+#include "cli/interface_options.hpp"
+#include "cli/interface_report.hpp"
+#include "cli/interruption.hpp"
+#include "cli/messages.hpp"
+#include "eses/interface.hpp"
+#include "eses/radii.hpp"
+#include "eses/read_atoms.hpp"
+
+namespace eses::detail::cli {
+namespace {
+
+/// Returns the divisions of the atoms to measure.
+std::vector<ComplexParts> divisions_of(const InterfaceOptions& options, const ReadOptions& reading,
+                                       const AtomFile& file) {
+  const DividedFile divided{options.input, reading, file.labels, file.lines};
+  if (!options.ligand.empty()) return divide_by_ligand(options.ligand, divided);
+  return {divide(options.groups, divided, "--groups")};
+}
+
+/// Adds the interfaces of a division that are large enough.
+void add_interfaces(const InterfaceOptions& options, const Surface& surface,
+                    const ComplexParts& division, InterfaceFile& file) {
+  if (division.names.empty()) return;  // a single chain
+  const MeasureOptions measuring{.probe_radius = options.probe_radius, .threads = options.threads};
+  for (Interface& areas : measure_interfaces(surface, division.part_of_atom, measuring)) {
+    if (areas.sas.interface_area() < options.min_area) continue;
+    std::vector<std::uint32_t> parts;
+    for (const BuriedAtom& buried : areas.atoms)
+      parts.push_back(division.part_of_atom[buried.atom]);
+    file.interfaces.push_back({division.names[areas.first], division.names[areas.second],
+                               std::move(areas), std::move(parts)});
+  }
+}
+
+/// Prints the warnings about the atoms. Throws StrictError if they are errors.
+void print_diagnostics(const InterfaceOptions& options, const AtomFile& file,
+                       const Surface& surface) {
+  std::vector<std::string> lines;
+  for (const DiagnosticText& diagnostic : describe(file, surface, options.input))
+    if (!diagnostic.is_usual) lines.push_back(diagnostic.message);
+  if (options.strict && !lines.empty()) throw StrictError(lines);
+  if (options.quiet) return;
+  for (const std::string& line : lines) print_message("warning", line);
+}
+
+}  // namespace
+
+int perform_interface(const Arguments& arguments, const Processes& /*processes*/) {
+  end_on_signals();
+  const InterfaceOptions options = parse_interface_arguments(arguments);
+  require_standard_output();
+  const ReadOptions reading{.format = options.format, .structure = options.structure};
+  InterfaceFile file{.file = read_atoms(options.input, reading), .are_polar = {}, .interfaces = {}};
+  const Surface surface(file.file, {.threads = options.threads});
+  print_diagnostics(options, file.file, surface);
+  for (const ComplexParts& division : divisions_of(options, reading, file.file))
+    add_interfaces(options, surface, division, file);
+  std::ranges::stable_sort(file.interfaces, std::ranges::greater(),
+                           [](const NamedInterface& each) { return each.areas.sas.total(); });
+  file.are_polar = find_polar_atoms(file.file.atoms, file.file.labels);
+  print(interface_text(options, file));
+  return exit_done;
+}
+
+}  // namespace eses::detail::cli

@@ -1,0 +1,109 @@
+#include "cli/interface_options.hpp"
+
+#include <CLI/CLI.hpp>
+#include <limits>
+#include <optional>
+#include <string>
+
+#include "cli/arguments.hpp"
+#include "cli/shared_options.hpp"
+#include "system/formatted.hpp"
+
+namespace eses::detail::cli {
+namespace {
+
+constexpr char interface_footer[] =
+    R"(Both sides lose area where the other one keeps the probe away. The interface area is half of
+what both lose of the SAS (Chothia and Janin 1975), as in ChimeraX and PISA. The SES areas are
+those of the solvent excluded surface. Each pair is measured without all other atoms of the
+file. Nothing is sampled. Units are square angstrom.
+
+Groups and their atoms:
+  A+B            chains A and B
+  ligand:STI     all residues named STI
+  //A/10-50      a selection in gemmi's syntax, for PDB and mmCIF files
+
+Examples:
+  eses-blocks interface 1brs.pdb                    all pairs of chains that touch
+  eses-blocks interface 1ahw.cif --groups A+B C     chains A and B against chain C
+  eses-blocks interface 1iep.pdb --ligand STI       how much of each ligand is buried
+  eses-blocks interface 1brs.pdb --table residues   the residues of each interface, as CSV
+
+Exit codes:
+  0  done
+  1  input, output or resource error
+  2  error in the command line)";
+
+void add_interface_options(CLI::App& app, InterfaceOptions& options) {
+  set_up(app, "eses-blocks interface [OPTIONS] FILE", interface_footer);
+  begin_group(app, "Interfaces");
+  add_value(app, "FILE", "", "input file (PDB, mmCIF or PQR); - for standard input", options.input,
+            any_text("a file"))
+      ->required();
+  app.add_option("--groups")
+      ->option_text("GROUP GROUP")
+      ->description("the two sides, such as A+B C [each chain is a side]")
+      ->expected(2)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
+      ->each([&options](const std::string& text) {
+        const std::optional<PartSelector> part = part_selector_in(text);
+        if (!part) refuse("--groups", text, std::string(part_texts));
+        options.groups.by_chain = false;
+        options.groups.parts.push_back(*part);
+      });
+  add_value(app, "--ligand", "NAME",
+            "each residue of this name against all other atoms of the\nfile", options.ligand,
+            any_text("the name of a residue, such as HEM"));
+  add_value(
+      app, "--probe-radius", "ANGSTROM",
+      formatted("radius of the solvent probe [{}]", options.probe_radius), options.probe_radius,
+      number_between(
+          min_probe_radius, max_probe_radius,
+          formatted("a number from {} to {}, in angstrom", min_probe_radius, max_probe_radius)));
+  const auto area = number_between(0, std::numeric_limits<double>::max(),
+                                   "a number of at least 0, in square angstrom");
+  add_value(app, "--area-cutoff", "AREA",
+            formatted("leave out interfaces with less SAS interface area [{}]", options.min_area),
+            options.min_area, area);
+  add_value(app, "--residue-cutoff", "AREA",
+            formatted("SAS area that a residue of an interface loses at\nleast [{}]",
+                      options.min_residue_area),
+            options.min_residue_area, area);
+  begin_group(app, "Input and output");
+  add_format(app, options.format);
+  add_value(app, "--table", "NAME", "print a table as CSV: interfaces, residues or atoms",
+            options.table,
+            one_of<InterfaceTable>({{"interfaces", InterfaceTable::interfaces},
+                                    {"residues", InterfaceTable::residues},
+                                    {"atoms", InterfaceTable::atoms}}));
+  add_structure_options(app, options.structure);
+  begin_group(app, "Computation (does not affect results)");
+  add_threads(app, options.threads);
+  begin_group(app, "Messages");
+  add_flag(app, "--strict", "treat warnings as errors", options.strict);
+  add_flag(app, "-q,--quiet", "print only results, no headings or warnings", options.quiet);
+  add_flag(app, "--json", "print a JSON object in a line", options.json);
+  add_notices(app);
+}
+
+}  // namespace
+
+InterfaceOptions parse_interface_arguments(const Arguments& arguments) {
+  CLI::App app("Areas that the parts of a complex bury of each other, in closed form.",
+               "eses-blocks interface");
+  InterfaceOptions options;
+  add_interface_options(app, options);
+  parse(app, arguments, "FILE");
+  const InputFile input{options.input, options.format};
+  refuse_structure_options(app, input);
+  refuse_xyzr(input, "interface", "chains");
+  refuse_repeated_chains(options.groups, "--groups");
+  if (options.groups.parts.size() > 2) throw UsageError("--groups is given more than once");
+  if (!options.ligand.empty() && !options.groups.by_chain)
+    throw UsageError("--ligand cannot be combined with --groups; use --groups ligand:NAME A");
+  if (options.json && options.table != InterfaceTable::report)
+    throw UsageError("--json cannot be combined with --table");
+  return options;
+}
+
+}  // namespace eses::detail::cli

@@ -1,0 +1,221 @@
+#include "cli/interface_report.hpp"
+
+#include <algorithm>
+#include <cstddef>
+#include <string_view>
+#include <utility>
+
+#include "cli/json.hpp"
+#include "cli/messages.hpp"
+#include "cli/shared_report.hpp"
+#include "input/residue_runs.hpp"
+#include "input/text_source.hpp"
+#include "output/area_table_writer.hpp"
+#include "system/formatted.hpp"
+
+namespace eses {
+
+static void to_json(detail::Json& json, const BuriedArea& area) {
+  json = {{"lost_by_first", area.first},
+          {"lost_by_second", area.second},
+          {"interface_area", area.interface_area()}};
+}
+
+}  // namespace eses
+
+namespace eses::detail::cli {
+namespace {
+
+/// What a residue of an interface loses, in square angstrom.
+struct BuriedResidue {
+  std::uint32_t part = 0;  ///< part of the complex
+  const AtomLabel& label;
+  double sas = 0, ses = 0;
+};
+
+/// Returns the residues of the atoms of an interface, in the order of the file.
+std::vector<BuriedResidue> residues_of(const InterfaceFile& file, const NamedInterface& interface) {
+  std::vector<BuriedResidue> residues;
+  for (std::size_t i = 0; i < interface.parts.size(); ++i) {
+    const BuriedAtom& buried = interface.areas.atoms[i];
+    const AtomLabel& label = file.file.labels[buried.atom];
+    if (residues.empty() || residues.back().part != interface.parts[i] ||
+        !is_same_residue(residues.back().label, label))
+      residues.push_back({.part = interface.parts[i], .label = label});
+    residues.back().sas += buried.sas;
+    residues.back().ses += buried.ses;
+  }
+  return residues;
+}
+
+/// Returns the residues of a part that lose enough.
+std::vector<BuriedResidue> residues_of_part(const InterfaceOptions& options,
+                                            const InterfaceFile& file,
+                                            const NamedInterface& interface, std::uint32_t part) {
+  std::vector<BuriedResidue> residues;
+  for (const BuriedResidue& residue : residues_of(file, interface))
+    if (residue.part == part && residue.sas >= options.min_residue_area)
+      residues.push_back(residue);
+  return residues;
+}
+
+std::string residue_name(const AtomLabel& label) {
+  return formatted("{}:{} {}", label.chain, label.residue, label.residue_number);
+}
+
+/// Returns the SAS interface area of polar or apolar atoms.
+double area_of(const InterfaceFile& file, const NamedInterface& interface, bool is_polar) {
+  double lost = 0;
+  for (const BuriedAtom& buried : interface.areas.atoms)
+    if (file.are_polar[buried.atom] == is_polar) lost += buried.sas;
+  return lost / 2;
+}
+
+/// Returns the number of atoms that lose SAS area.
+std::size_t atoms_that_lose(const NamedInterface& interface) {
+  return static_cast<std::size_t>(std::ranges::count_if(
+      interface.areas.atoms, [](const BuriedAtom& buried) { return buried.sas > 0; }));
+}
+
+std::string side_text(std::string_view name, const std::vector<BuriedResidue>& residues) {
+  std::string text = formatted("  {}: {}", one_line(name), counted(residues.size(), "residue"));
+  std::string_view separator = ": ";
+  for (const BuriedResidue& residue : residues) {
+    text += formatted("{}{} {:.1f}", separator, one_line(residue_name(residue.label)), residue.sas);
+    separator = ", ";
+  }
+  return text + "\n";
+}
+
+std::string interface_report(const InterfaceOptions& options, const InterfaceFile& file) {
+  std::string text;
+  if (!options.quiet) {
+    text = formatted("{}: {}, probe radius {} angstrom\n", one_line(input_name(options.input)),
+                     counted(file.file.atoms.size(), "atom"), options.probe_radius);
+    if (file.file.structure) text += structure_text(*file.file.structure);
+    text += formatted("{} (square angstrom; interface area: half of what both sides lose)\n",
+                      counted(file.interfaces.size(), "interface"));
+  }
+  for (const NamedInterface& interface : file.interfaces) {
+    const auto& [sas, ses] = std::pair(interface.areas.sas, interface.areas.ses);
+    const auto sides = std::pair(one_line(interface.first), one_line(interface.second));
+    text += formatted("{} and {}: SAS interface area {:.4f} ({:.4f} polar, {:.4f} apolar)\n",
+                      sides.first, sides.second, sas.interface_area(),
+                      area_of(file, interface, true), area_of(file, interface, false));
+    text += formatted("  SAS lost: {:.4f} by {}, {:.4f} by {}\n", sas.first, sides.first,
+                      sas.second, sides.second);
+    text += formatted("  SES lost: {:.4f} by {}, {:.4f} by {}\n", ses.first, sides.first,
+                      ses.second, sides.second);
+    for (const auto& [name, part] : {std::pair(interface.first, interface.areas.first),
+                                     std::pair(interface.second, interface.areas.second)})
+      text += side_text(name, residues_of_part(options, file, interface, part));
+  }
+  return text;
+}
+
+std::string interface_rows(const InterfaceOptions& options, const InterfaceFile& file) {
+  std::string text =
+      "first,second,sas_interface_area,sas_lost_by_first,sas_lost_by_second,sas_polar,sas_apolar,"
+      "ses_interface_area,ses_lost_by_first,ses_lost_by_second,residues_of_first,"
+      "residues_of_second,atoms\n";
+  for (const NamedInterface& interface : file.interfaces) {
+    const BuriedArea &sas = interface.areas.sas, &ses = interface.areas.ses;
+    const auto count = [&](std::uint32_t part) {
+      return residues_of_part(options, file, interface, part).size();
+    };
+    text += formatted("{},{},{:.6f},{:.6f},{:.6f},{:.6f},{:.6f},{:.6f},{:.6f},{:.6f},{},{},{}\n",
+                      csv_field(interface.first), csv_field(interface.second), sas.interface_area(),
+                      sas.first, sas.second, area_of(file, interface, true),
+                      area_of(file, interface, false), ses.interface_area(), ses.first, ses.second,
+                      count(interface.areas.first), count(interface.areas.second),
+                      atoms_that_lose(interface));
+  }
+  return text;
+}
+
+/// Returns the first columns of a row of a residue or atom: the sides, its own one first.
+std::string side_fields(const NamedInterface& interface, std::uint32_t part) {
+  std::string side = csv_field(interface.first), other = csv_field(interface.second);
+  if (part != interface.areas.first) std::swap(side, other);
+  return side + "," + other;
+}
+
+std::string residue_rows(const InterfaceOptions& options, const InterfaceFile& file) {
+  std::string text = "side,other_side,chain,residue_number,residue,sas_lost,ses_lost\n";
+  for (const NamedInterface& interface : file.interfaces)
+    for (const BuriedResidue& residue : residues_of(file, interface)) {
+      if (residue.sas < options.min_residue_area) continue;
+      text += formatted("{},{},{},{},{:.6f},{:.6f}\n", side_fields(interface, residue.part),
+                        csv_field(residue.label.chain), csv_field(residue.label.residue_number),
+                        csv_field(residue.label.residue), residue.sas, residue.ses);
+    }
+  return text;
+}
+
+std::string atom_rows(const InterfaceFile& file) {
+  std::string text =
+      "side,other_side,serial,name,residue,residue_number,chain,element,is_polar,sas_lost,ses_"
+      "lost\n";
+  for (const NamedInterface& interface : file.interfaces)
+    for (std::size_t i = 0; i < interface.parts.size(); ++i) {
+      const BuriedAtom& buried = interface.areas.atoms[i];
+      const AtomLabel& label = file.file.labels[buried.atom];
+      text += formatted(
+          "{},{},{},{},{},{},{},{},{:.6f},{:.6f}\n", side_fields(interface, interface.parts[i]),
+          buried.atom + std::uint64_t{1}, csv_field(label.atom_name), csv_field(label.residue),
+          csv_field(label.residue_number), csv_field(label.chain), csv_field(label.element),
+          file.are_polar[buried.atom] ? 1 : 0, buried.sas, buried.ses);
+    }
+  return text;
+}
+
+Json side_json(const std::string& name, const std::vector<BuriedResidue>& residues) {
+  Json side{{"name", name}, {"residues", Json::array()}};
+  for (const BuriedResidue& residue : residues)
+    side["residues"].push_back({{"chain", residue.label.chain},
+                                {"residue_number", residue.label.residue_number},
+                                {"residue", residue.label.residue},
+                                {"sas_lost", residue.sas},
+                                {"ses_lost", residue.ses}});
+  return side;
+}
+
+std::string interface_json(const InterfaceOptions& options, const InterfaceFile& file) {
+  Json object{{"file", options.input.string()},
+              {"atoms", file.file.atoms.size()},
+              {"probe_radius", options.probe_radius},
+              {"interfaces", Json::array()}};
+  for (const NamedInterface& interface : file.interfaces) {
+    const auto side = [&](const std::string& name, std::uint32_t part) {
+      return side_json(name, residues_of_part(options, file, interface, part));
+    };
+    object["interfaces"].push_back({{"first", side(interface.first, interface.areas.first)},
+                                    {"second", side(interface.second, interface.areas.second)},
+                                    {"sas", interface.areas.sas},
+                                    {"sas_polar", area_of(file, interface, true)},
+                                    {"sas_apolar", area_of(file, interface, false)},
+                                    {"ses", interface.areas.ses},
+                                    {"atoms", atoms_that_lose(interface)}});
+  }
+  if (file.file.structure) object["structure"] = *file.file.structure;
+  return text_of(object) + "\n";
+}
+
+}  // namespace
+
+std::string interface_text(const InterfaceOptions& options, const InterfaceFile& file) {
+  if (options.json) return interface_json(options, file);
+  switch (options.table) {
+    case InterfaceTable::interfaces:
+      return interface_rows(options, file);
+    case InterfaceTable::residues:
+      return residue_rows(options, file);
+    case InterfaceTable::atoms:
+      return atom_rows(file);
+    case InterfaceTable::report:
+      break;
+  }
+  return interface_report(options, file);
+}
+
+}  // namespace eses::detail::cli

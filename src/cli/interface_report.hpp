@@ -1,0 +1,34 @@
+#pragma once
+/// The texts of `eses-blocks interface`.
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "cli/interface_options.hpp"
+#include "eses/atoms.hpp"
+#include "eses/interface.hpp"
+#include "eses/read_atoms.hpp"
+
+namespace eses::detail::cli {
+
+/// An interface with the names of its sides.
+struct NamedInterface {
+  std::string first, second;
+  Interface areas;
+  std::vector<std::uint32_t> parts;  ///< part of each atom of the interface, as in `areas`
+};
+
+/// The interfaces of a file.
+struct InterfaceFile {
+  AtomFile file;                           ///< with labels
+  std::vector<bool> are_polar;             ///< by atom
+  std::vector<NamedInterface> interfaces;  ///< without those below InterfaceOptions::min_area
+};
+
+/// Returns what the command prints: the report, a table as CSV, or JSON.
+std::string interface_text(const InterfaceOptions& options, const InterfaceFile& file);
+
+}  // namespace eses::detail::cli

@@ -1,0 +1,56 @@
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <limits>
+#include <string_view>
+
+#include "eses/radii.hpp"
+#include "input/residue_runs.hpp"
+
+namespace eses {
+namespace {
+
+bool is_hydrogen(const AtomLabel& label) { return label.element == "H" || label.element == "D"; }
+
+bool is_polar_element(std::string_view element) {
+  constexpr std::array<std::string_view, 5> polar{"N", "O", "S", "P", "Se"};
+  return std::ranges::find(polar, element) != polar.end();
+}
+
+/// The atoms of a residue.
+struct Residue {
+  std::span<const Atom> atoms;
+  std::span<const AtomLabel> labels;
+
+  /// Returns whether the nearest atom to a hydrogen that is no hydrogen is polar.
+  bool has_polar_parent(const Atom& hydrogen) const {
+    double least = std::numeric_limits<double>::infinity();
+    bool is_polar = false;
+    for (std::size_t i = 0; i < atoms.size(); ++i) {
+      const double distance = squared_norm(atoms[i].center - hydrogen.center);
+      if (is_hydrogen(labels[i]) || distance >= least) continue;
+      least = distance;
+      is_polar = is_polar_element(labels[i].element);
+    }
+    return is_polar;
+  }
+};
+
+}  // namespace
+
+std::vector<bool> find_polar_atoms(std::span<const Atom> atoms, std::span<const AtomLabel> labels) {
+  std::vector<bool> are_polar(atoms.size());
+  std::size_t end = 0;
+  for (std::size_t first = 0; first < atoms.size(); first = end) {
+    for (end = first + 1;
+         end < atoms.size() && detail::is_same_residue(labels[first], labels[end]);)
+      ++end;
+    const Residue residue{atoms.subspan(first, end - first), labels.subspan(first, end - first)};
+    for (std::size_t i = first; i < end; ++i)
+      are_polar[i] = is_hydrogen(labels[i]) ? residue.has_polar_parent(atoms[i])
+                                            : is_polar_element(labels[i].element);
+  }
+  return are_polar;
+}
+
+}  // namespace eses
