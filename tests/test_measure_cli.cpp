@@ -159,6 +159,28 @@ TEST_CASE("measure: only the chosen surfaces are measured and shown") {
   CHECK(std::stod(chains[0][5]) == Catch::Approx(free_sas() - sas_of_one()).margin(1e-6));
 }
 
+TEST_CASE("measure: the report on a file with names has polar atoms and chains") {
+  const Molecules box;
+  const Outcome report = box.run({"measure", "dimer.pqr"});
+  REQUIRE(report.code == 0);
+  // The three atoms are carbon.
+  CHECK(contains(report.out, fmt::format("SAS by class of atoms: 0.0000 polar, {:.4f} apolar\n",
+                                         2 * sas_of_one() + free_sas())));
+  CHECK(contains(report.out, fmt::format("chain B: 1 atom, SES area {:.4f}, SAS area {:.4f}\n",
+                                         ses_of_two() / 2, sas_of_one())));
+  const Outcome sas = box.run({"measure", "dimer.pqr", "--surface", "sas"});
+  CHECK(contains(sas.out, fmt::format("chain C: 1 atom, SAS area {:.4f}\n", free_sas())));
+  CHECK(!contains(box.run({"measure", "two.xyzr"}).out, "polar"));
+  std::string many;
+  for (int k = 0; k < 12; ++k)
+    many += pqr_line(k + 1, "ALA", std::string(1, static_cast<char>('A' + k)), 20.0 * k);
+  write_file(box.directory() / "many.pqr", many);
+  const Outcome chains = box.run({"measure", "many.pqr"});
+  CHECK(contains(chains.out, "chain J: "));
+  CHECK(!contains(chains.out, "chain K: "));
+  CHECK(contains(chains.out, "2 more chains (--write chains)\n"));
+}
+
 TEST_CASE("measure: tables have the areas of atoms, residues and chains") {
   const Molecules box;
   REQUIRE(box.run({"measure", "dimer.pqr", "--write", "atoms,residues,chains", "-o", "out"}).code ==

@@ -63,6 +63,9 @@ struct MeasureCommandOptions {
   bool strict = false;  ///< whether warnings are errors
 
   bool need_pockets() const { return pockets || tables.pockets; }
+
+  /// Whether the results are printed as the report on a single file, with its chains.
+  bool has_report() const { return inputs.size() == 1 && !json; }
 };
 
 /// Parses the arguments of the command. Throws UsageError and Notice.

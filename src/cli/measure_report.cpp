@@ -3,7 +3,11 @@
 #include <fmt/ranges.h>
 
 #include <array>
+#include <cstddef>
+#include <cstdint>
 #include <functional>
+#include <map>
+#include <span>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -11,6 +15,7 @@
 #include "cli/json.hpp"
 #include "cli/messages.hpp"
 #include "cli/shared_report.hpp"
+#include "eses/radii.hpp"
 #include "input/text_source.hpp"
 #include "output/area_table_writer.hpp"
 #include "system/formatted.hpp"
@@ -35,6 +40,42 @@ std::string patches_text(const Measures& measures) {
   return formatted("SES patches: {:.4f} convex, {:.4f} saddle, {:.4f} concave\n", patches.convex,
                    patches.saddle, patches.concave) +
          formatted("Euler number of the SAS: {}\n", measures.euler_number);
+}
+
+/// Returns the lines about polar atoms and, if there are several, chains in the order of their
+/// names.
+std::string chains_text(const SurfaceChoice& surfaces, const MeasuredFile& file) {
+  struct Chain {
+    std::uint64_t atoms = 0;
+    double sas = 0, ses = 0;
+  };
+  const std::span<const AtomLabel> labels = file.surface.labels();
+  const eses::AtomAreas& areas = file.measures.by_atom;
+  if (labels.empty() || areas.sas.empty() || !surfaces.has_sas()) return "";
+  const std::vector<bool> are_polar = find_polar_atoms(file.surface.atoms(), labels);
+  double polar = 0;
+  std::map<std::string_view, Chain> chains;
+  for (std::size_t i = 0; i < labels.size(); ++i) {
+    if (are_polar[i]) polar += areas.sas[i];
+    Chain& chain = chains[labels[i].chain];
+    ++chain.atoms;
+    chain.sas += areas.sas[i];
+    if (surfaces.has_ses()) chain.ses += areas.convex[i] + areas.saddle[i] + areas.concave[i];
+  }
+  std::string text = formatted("SAS by class of atoms: {:.4f} polar, {:.4f} apolar\n", polar,
+                               file.measures.sas_area - polar);
+  if (chains.size() < 2) return text;
+  constexpr std::size_t max_chains = 10;
+  std::size_t shown = 0;
+  for (const auto& [name, chain] : chains) {
+    if (shown++ == max_chains) break;
+    text += formatted("chain {}: {}", one_line(name), counted(chain.atoms, "atom"));
+    if (surfaces.has_ses()) text += formatted(", SES area {:.4f}", chain.ses);
+    text += formatted(", SAS area {:.4f}\n", chain.sas);
+  }
+  if (chains.size() > max_chains)
+    text += formatted("{} more chains (--write chains)\n", chains.size() - max_chains);
+  return text;
 }
 
 std::string parts_text(const SurfaceChoice& surfaces, const MeasuredFile& file) {
@@ -269,6 +310,7 @@ std::string measure_text(const MeasureCommandOptions& options, const MeasuredFil
   if (surfaces.has_vdw())
     text += surface_line("van der Waals", measures.vdw_area, measures.vdw_volume);
   if (surfaces.has_ses()) text += patches_text(measures);
+  text += chains_text(surfaces, file);
   if (file.surface.max_filled_void()) text += filling_text(measures.filled_cavities);
   if (options.cavities) text += cavities_text(file);
   if (options.pockets) text += pockets_text(options, file.pockets);

@@ -80,8 +80,9 @@ MeasuredAtoms MeasuredFile::table() const {
 MeasuredFile measure_file(const MeasureCommandOptions& options, const std::filesystem::path& path,
                           int threads, const CheckCallback& check) {
   const ReadOptions reading{.format = options.format,
-                            .with_labels = options.tables.any() || options.parts.is_chosen() ||
-                                           options.cavities || options.pockets,
+                            .with_labels = options.has_report() || options.tables.any() ||
+                                           options.parts.is_chosen() || options.cavities ||
+                                           options.pockets,
                             .structure = options.structure,
                             .check = check};
   AtomFile file = read_atoms(path, reading);
@@ -99,10 +100,12 @@ MeasuredFile measure_file(const MeasureCommandOptions& options, const std::files
   }
   const SurfaceChoice& surfaces = options.surfaces;
   const bool only_vdw = !surfaces.has_ses() && !surfaces.has_sas();
+  const bool has_chains =
+      options.has_report() && surfaces.has_sas() && !result.surface.labels().empty();
   MeasureOptions measuring{.probe_radius = only_vdw ? 0 : options.probe_radius,
                            .ses = surfaces.has_ses(),
                            .van_der_waals = surfaces.has_vdw(),
-                           .by_atom = options.tables.need_areas(),
+                           .by_atom = options.tables.need_areas() || has_chains,
                            .gradients = options.tables.derivatives,
                            .cavities = options.cavities || options.tables.need_cavities(),
                            .threads = threads,
@@ -114,6 +117,7 @@ MeasuredFile measure_file(const MeasureCommandOptions& options, const std::files
     searching.check = check;
     result.pockets = find_pockets(result.surface, searching);
   }
+  measuring.by_atom = options.tables.need_areas();
   measuring.gradients = measuring.cavities = false;
   // No other output shows the van der Waals surface of a part.
   measuring.van_der_waals = options.json && surfaces.has_vdw();
