@@ -34,7 +34,7 @@ endif()
 # in the folder of the program have the prefix eses-. eses_tools/common.py knows this layout.
 set(ESES_TOOLS_FILES FILES_MATCHING PATTERN "*.py" PATTERN "*.html" PATTERN "*.js" PATTERN "*.css"
     PATTERN __pycache__ EXCLUDE)
-set(ESES_SCRIPTS apbs assemble pdbbind render report view)
+set(ESES_SCRIPTS apbs assemble pdbbind render report traj view)
 set(ESES_SCRIPT_DIR ${CMAKE_INSTALL_DATADIR}/eses-blocks)
 file(RELATIVE_PATH to_scripts ${CMAKE_INSTALL_FULL_BINDIR}
      ${CMAKE_INSTALL_FULL_DATADIR}/eses-blocks)

@@ -26,7 +26,7 @@ set(CPACK_DEBIAN_PROGRAM_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_SHLIBDEPS ON)
 # The scripts need nothing but Python, and say which program they miss.
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_DEPENDS "python3:any")
-set(CPACK_DEBIAN_PROGRAM_PACKAGE_SUGGESTS "apbs, pdb2pqr, paraview, python3-numpy, python3-vtk9, xvfb")
+set(CPACK_DEBIAN_PROGRAM_PACKAGE_SUGGESTS "apbs, pdb2pqr, paraview, python3-numpy, python3-vtk9, python3-eses-blocks, python3-mdanalysis, xvfb")
 set(CPACK_DEBIAN_PROGRAM_DESCRIPTION
 "analytical solvent excluded surface on a Cartesian grid
 Computes which points of a grid lie inside the solvent excluded surface
@@ -35,8 +35,9 @@ adjacent atoms, and each atom's share of its area: the files of ESES,
 exact on every input, block by block, in parallel and in bounded memory.
 Scripts compute energies with APBS (eses-apbs) and folders of structures
 (eses-pdbbind), build large complexes (eses-assemble), render meshes
-(eses-render) and write pages that show surfaces (eses-view) or the
-results of many structures (eses-report) in a browser.")
+(eses-render) and measure trajectories (eses-traj) and write pages that
+show surfaces (eses-view) or the results of many structures
+(eses-report) in a browser.")
 
 # These are the packages that eses-config.cmake looks for. OpenMP comes with the compiler.
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_NAME libeses-dev)

@@ -15,7 +15,7 @@ import pytest
 
 from conftest import DATA, PROJECT
 
-TOOLS = ("apbs", "assemble", "pdbbind", "render", "report", "view")
+TOOLS = ("apbs", "assemble", "pdbbind", "render", "report", "traj", "view")
 TESTS = PROJECT / "python/tests"
 # These need no new module; interrupts and leaks measure time and memory.
 NOT_AGAIN = ("test_wheel.py", "test_interrupts.py", "test_leaks.py")

@@ -1,4 +1,5 @@
-"""The tools around eses-blocks: eses-view, eses-render, eses-report, eses-pdbbind, eses-apbs, eses-assemble.
+"""The tools around eses-blocks: eses-view, eses-render, eses-report, eses-pdbbind, eses-apbs, eses-assemble,
+eses-traj.
 
 Each tool is a module with a function start(). They need only the program; numpy and VTK are imported
 where a tool needs them. `python -m eses_tools view ...` starts a tool, too.

@@ -4,7 +4,7 @@ import importlib
 import os
 import sys
 
-TOOLS = ("apbs", "assemble", "pdbbind", "render", "report", "view")
+TOOLS = ("apbs", "assemble", "pdbbind", "render", "report", "traj", "view")
 
 if not __package__:  # the folder was started, and is the first place of modules
     sys.dont_write_bytecode = True

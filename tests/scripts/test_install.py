@@ -188,7 +188,7 @@ class Install(TestCase):
     def test_all_modules_of_the_scripts_are_installed(self):
         scripts = self.prefix / "share/eses-blocks"
         self.assertEqual(sorted(path.name for path in scripts.iterdir() if path.is_file()),
-                         ["apbs", "assemble", "eses_pymol.py", "pdbbind", "render", "report", "view"])
+                         ["apbs", "assemble", "eses_pymol.py", "pdbbind", "render", "report", "traj", "view"])
         installed, expected = ({str(path.relative_to(folder)) for path in (folder / "eses_tools").rglob("*")
                                 if path.is_file() and "__pycache__" not in path.parts}
                                for folder in (scripts, PROJECT / "scripts"))
