@@ -14,9 +14,18 @@ import pytest
 import eses_blocks as eses
 from conftest import DATA
 
-mda = pytest.importorskip("MDAnalysis")
+try:
+    import MDAnalysis as mda
+except ImportError:
+    mda = None
+
 COMMAND = (sys.executable, "-m", "eses_tools", "traj")
 COUNT = 12
+
+
+@pytest.fixture(autouse=True, scope="module")
+def fixture_library():
+    pytest.importorskip("MDAnalysis")
 
 
 def run(folder, *arguments, code=0):
@@ -126,7 +135,7 @@ def test_threads_and_standard_output_change_nothing(folder, tmp_path):
 
 
 def test_a_killed_run_goes_on(tmp_path):
-    write_trajectory(tmp_path, 400)
+    write_trajectory(tmp_path, 200)
     arguments = [*COMMAND, "run.xtc", "top.pdb", "--threads", "1", "-o", "areas.csv"]
     kept = tmp_path / ".areas.csv.frames"
     with subprocess.Popen(arguments, cwd=tmp_path, stderr=subprocess.PIPE) as process:
