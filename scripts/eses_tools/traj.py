@@ -408,6 +408,7 @@ def main():
     if not IS_INSTALLED:
         sys.path.append(str(PROJECT / "build/python"))
     warnings.showwarning = show_warning
+    warnings.filterwarnings("ignore", "Reader has no dt")  # of single frames
     eses = imported("eses_blocks", "install it with pip install eses-blocks")
     universe = open_universe(options.files)
     frames = range(universe.trajectory.n_frames)[slice(options.start, options.stop, options.stride)]
