@@ -1,10 +1,10 @@
-"""Structures with a value for each atom in the column of the B-factor."""
+"""Structures with a value for each atom in the column of the B-factor, and names of mmCIF files."""
 
 from __future__ import annotations
 
 import os
 import re
-from typing import Any, Union
+from typing import Any, Optional, Union
 
 import numpy as np
 
@@ -75,3 +75,25 @@ def write_structure(path: _Path, molecule: Any, values: Any) -> None:
     if suffix not in writers:
         raise ValueError(f"{os.fspath(path)}: the suffix must be .pdb, .cif or .csv")
     writers[suffix](path, molecule, values)
+
+
+_CIF_VALUE = re.compile(rb"""'(?:[^']|'(?=\S))*'|"(?:[^"]|"(?=\S))*"|\S+""")
+
+
+def label_chains(text: bytes, lines: list[int]) -> Optional[list[str]]:
+    """Returns the value of label_asym_id in these lines of an mmCIF text, each of which is a row of atoms; None if
+    there is no such column or a row is not a line."""
+    columns = re.findall(rb"(?im)^\s*_atom_site\.(\S+)\s*$", text)
+    names = [column.lower() for column in columns]
+    if b"label_asym_id" not in names:
+        return None
+    at, rows = names.index(b"label_asym_id"), text.split(b"\n")
+    found = []
+    for number in lines:
+        values = rows[number - 1].split() if number <= len(rows) else []
+        if len(values) != len(names):  # quoted values may contain blanks
+            values = _CIF_VALUE.findall(rows[number - 1]) if values else []
+        if len(values) != len(names):
+            return None
+        found.append(values[at].strip(b"'\"").decode("utf-8", "replace"))
+    return found

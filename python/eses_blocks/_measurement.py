@@ -216,17 +216,24 @@ class Measurement:
     def _polar(self) -> _Bools:
         return _polar_atoms(self._molecule, self._starts)
 
+    def _label_chain(self, rows: Any) -> dict[str, Any]:
+        """Returns the column of the chain names label_asym_id, if the molecule has them."""
+        names = self._molecule.label_chain
+        return {"label_chain": names[rows]} if (names != "").any() else {}
+
     @functools.cached_property
     def atoms(self) -> Table:
-        """A row for each atom of the object: ``chain``, ``residue_number``, ``icode``, ``residue``,
-        ``name``, ``element``, ``radius``, ``ses``, ``sas``, ``is_polar``, ``is_guessed``."""
+        """A row for each atom of the object: ``chain``, for mmCIF files ``label_chain``, ``residue_number``,
+        ``icode``, ``residue``, ``name``, ``element``, ``radius``, ``ses``, ``sas``, ``is_polar``,
+        ``is_guessed``."""
         molecule = self._molecule
         radius = np.full(len(molecule), np.nan)
         radius[molecule.kept] = molecule.radii
         guessed = np.zeros(len(molecule), bool)
         guessed[molecule.set.guessed] = guessed[molecule.set.unknown] = True
-        return Table({"chain": molecule.chain, "residue_number": molecule.residue_number, "icode": molecule.icode,
-                      "residue": molecule.residue, "name": molecule.name, "element": molecule.element,
+        return Table({"chain": molecule.chain, **self._label_chain(slice(None)),
+                      "residue_number": molecule.residue_number, "icode": molecule.icode, "residue": molecule.residue,
+                      "name": molecule.name, "element": molecule.element,
                       "radius": radius, "ses": self._ses, "sas": self._sas, "is_polar": self._polar,
                       "is_guessed": guessed})
 
@@ -244,8 +251,8 @@ class Measurement:
 
     @functools.cached_property
     def residues(self) -> Table:
-        """A row for each residue with a reported atom: ``chain``, ``residue_number``, ``icode``,
-        ``residue``, the number of ``atoms``, ``ses``, ``sas``, ``sas_polar``, ``sas_apolar``,
+        """A row for each residue with a reported atom: ``chain``, for mmCIF files ``label_chain``,
+        ``residue_number``, ``icode``, ``residue``, the number of ``atoms``, ``ses``, ``sas``, ``sas_polar``, ``sas_apolar``,
         ``sas_main_chain``, ``sas_side_chain`` and ``relative_sas``.
 
         The last three are not a number for residues other than amino acids. The relative area is
@@ -260,8 +267,8 @@ class Measurement:
         is_main = np.isin(molecule.name, list(MAIN_CHAIN))
         main = np.add.reduceat(np.where(is_main, np.nan_to_num(self._sas), 0), starts)
         main[~np.isin(names, [*reference.areas, *SYNONYMS, "MSE"])] = np.nan
-        columns = {"chain": molecule.chain[starts], "residue_number": molecule.residue_number[starts],
-                   "icode": molecule.icode[starts], "residue": names, **sums, "sas_main_chain": main,
+        columns = {"chain": molecule.chain[starts], **self._label_chain(starts),
+                   "residue_number": molecule.residue_number[starts], "icode": molecule.icode[starts], "residue": names, **sums, "sas_main_chain": main,
                    "sas_side_chain": sums["sas"] - main, "relative_sas": sums["sas"] / maximum}
         return Table({name: column[is_shown] for name, column in columns.items()})
 
@@ -303,7 +310,7 @@ class Measurement:
         if suffix == ".csv":
             tables[level].save(path)
             return
-        if column not in tables[level] or column in ("chain", "residue", "icode"):
+        if column not in tables[level] or column in ("chain", "label_chain", "residue", "icode"):
             raise ValueError(f"column must be a number of the {level}s, not {column!r}")
         write_structure(path, self._molecule, self._values(column, level))
 

@@ -13,6 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _core, adaptors
+from ._files import label_chains
 
 _Texts = npt.NDArray[np.str_]
 _Bools = npt.NDArray[np.bool_]
@@ -76,6 +77,8 @@ class Molecule:
     """The set of radii."""
     are_named: bool
     """Whether the atoms have names of residues."""
+    label_chain: _Texts
+    """The chain names label_asym_id of mmCIF files, where `chain` has auth_asym_id; empty for other sources."""
 
     def __len__(self) -> int:
         return len(self.positions)
@@ -118,7 +121,10 @@ def _read_file(found: Any, radii: str, unknown: Optional[float], waters: bool, h
     """Reads a path, an open file, or the bytes or text of a file."""
     given: dict[str, Any] = {"format": "auto", "model": 0, "altloc": "", "hetatm": True, "chains": (), "select": "",
              "assembly": ""} | options
+    data: Any = None
     if isinstance(found, os.PathLike) or (isinstance(found, str) and "\n" not in found):
+        layout = _format_of(b"", os.fspath(found)) if given["format"] == "auto" else given["format"]
+
         def read(select: str) -> _core.Atoms:
             choices: dict[str, Any] = given | {"select": select, "hydrogens": hydrogens}
             return _core.read_atoms(found, radii=radii, unknown_radius=unknown, waters=waters, **choices)
@@ -126,7 +132,7 @@ def _read_file(found: Any, radii: str, unknown: Optional[float], waters: bool, h
         name = str(getattr(found, "name", "")) if hasattr(found, "read") else ""
         data = found.read() if hasattr(found, "read") else found
         data = data.encode() if isinstance(data, str) else bytes(data)
-        data = gzip.decompress(data) if data[:2] == b"\x1f\x8b" else data
+        data = _unpacked(data)
         layout = _format_of(data, name) if given["format"] == "auto" else given["format"]
 
         def read(select: str) -> _core.Atoms:
@@ -134,14 +140,25 @@ def _read_file(found: Any, radii: str, unknown: Optional[float], waters: bool, h
                                       waters, given["hetatm"], hydrogens, list(given["chains"]), select,
                                       given["assembly"])
     atoms = read(given["select"])
+    source = _of_atoms(atoms)
+    if layout == "mmcif" and atoms.labels is not None:
+        if data is None:
+            with open(found, "rb") as opened:
+                data = _unpacked(opened.read())
+        source.columns.label_chains = label_chains(data, atoms.lines.tolist())
 
     def choose(text: str) -> _Bools:
         return np.isin(atoms.lines, read(text).lines)
 
-    return _of_atoms(atoms, choose)
+    source.select = choose
+    return source
 
 
-def _of_atoms(atoms: _core.Atoms, choose: Any = None) -> _Source:
+def _unpacked(data: bytes) -> bytes:
+    return gzip.decompress(data) if data[:2] == b"\x1f\x8b" else data
+
+
+def _of_atoms(atoms: _core.Atoms) -> _Source:
     columns = adaptors.Columns(centers=atoms.centers, elements=atoms.element.tolist(), radii=atoms.radii)
     labels = atoms.labels
     if labels is not None:
@@ -150,7 +167,7 @@ def _of_atoms(atoms: _core.Atoms, choose: Any = None) -> _Source:
         columns.chains = labels.chain.tolist()
         columns.numbers = [int(part[1] or 0) for part in parts if part]
         columns.icodes = [part[2] for part in parts if part]
-    return _Source(columns, are_read=True, set_name="file", select=choose)
+    return _Source(columns, are_read=True, set_name="file")
 
 
 def _source_of(found: Any, radii: Any, unknown: Optional[float], waters: bool, hydrogens: str, frame: int,
@@ -316,6 +333,7 @@ def _read(found: Any, radii: Any, waters: bool, hydrogens: str, unknown: Optiona
     count = len(positions)
     chain, residue, name = (_column(values, count, what) for values, what in
                             ((columns.chains, "chains"), (columns.residues, "residues"), (columns.names, "names")))
+    label_chain = _column(columns.label_chains, count, "label chains")
     element, icode = _column(columns.elements, count, "elements"), _column(columns.icodes, count, "insertion codes")
     number = np.zeros(count, np.int64) if columns.numbers is None else np.array(columns.numbers, np.int64)
     are_named = bool((residue != "").any())
@@ -364,9 +382,10 @@ def _read(found: Any, radii: Any, waters: bool, hydrogens: str, unknown: Optiona
     molecule = Molecule(
         centers=positions[kept], radii=values[kept], kept=kept, left_out=left_out, positions=positions, chain=chain,
         residue=residue, residue_number=number, icode=icode, name=name, element=element,
-        set=Radii(set_name, source_text, guessed, missing), are_named=are_named)
+        set=Radii(set_name, source_text, guessed, missing), are_named=are_named,
+        label_chain=label_chain)
     for column in (molecule.centers, molecule.radii, kept, positions, chain, residue, number, icode, name, element,
-                   guessed, missing):
+                   guessed, missing, label_chain):
         column.flags.writeable = False
     return molecule, source.select
 

@@ -42,6 +42,8 @@ class Columns:
     """Insertion codes."""
     chains: Optional[Sequence[str]] = None
     """Chain names; those of the authors where a library has two."""
+    label_chains: Optional[Sequence[str]] = None
+    """The other chain names of mmCIF files (label_asym_id), where a library has two."""
     altlocs: Optional[Sequence[str]] = None
     """Alternate locations; empty for atoms with one location."""
     occupancies: Optional[Sequence[float]] = None
@@ -85,7 +87,7 @@ def _from_gemmi(found: Any, frame: int) -> Columns:
         names=[atom.name for _, _, atom in rows], residues=[residue.name for _, residue, _ in rows],
         numbers=[residue.seqid.num for _, residue, _ in rows],
         icodes=[residue.seqid.icode.strip() for _, residue, _ in rows],
-        chains=[chain for chain, _, _ in rows],
+        chains=[chain for chain, _, _ in rows], label_chains=[residue.subchain for _, residue, _ in rows],
         altlocs=[atom.altloc.strip("\0 ") for _, _, atom in rows],
         occupancies=[atom.occ for _, _, atom in rows])
 

@@ -418,3 +418,54 @@ def test_residues_agree_with_the_program(pdb, run_program, tmp_path):
     assert [float(row["sas_area"]) for row in rows] == pytest.approx(residues["sas"], abs=1e-6)
     assert [float(row["relative_sas_area"] or "nan") for row in rows] == pytest.approx(
         residues["relative_sas"], abs=1e-6, nan_ok=True)
+
+
+MMCIF = """\
+data_x
+loop_
+_atom_site.group_PDB
+_atom_site.id
+_atom_site.type_symbol
+_atom_site.label_atom_id
+_atom_site.label_comp_id
+_atom_site.label_asym_id
+_atom_site.label_seq_id
+_atom_site.label_alt_id
+_atom_site.occupancy
+_atom_site.B_iso_or_equiv
+_atom_site.Cartn_x
+_atom_site.Cartn_y
+_atom_site.Cartn_z
+_atom_site.auth_seq_id
+_atom_site.auth_asym_id
+_atom_site.pdbx_PDB_ins_code
+ATOM   1 N N     GLY A 1 . 1 0 0.0 0.0 0.0 10 H ?
+ATOM   2 C CA    GLY A 1 . 1 0 1.5 0.0 0.0 10 H ?
+ATOM   3 N N     GLY A 2 . 1 0 4.0 0.0 0.0 10 H A
+ATOM   4 C 'CA'  GLY A 2 . 1 0 5.5 0.0 0.0 10 H A
+HETATM 5 O "O2'" GOL B . . 1 0 9.0 0.0 0.0 99 H ?
+HETATM 6 O O     HOH C . . 1 0 9.0 9.0 0.0 50 H ?
+"""
+
+
+def test_label_chains_of_mmcif_files(tmp_path):
+    path = tmp_path / "label.cif.gz"
+    path.write_bytes(gzip.compress(MMCIF.encode()))
+    for found in (path, str(path), MMCIF, io.BytesIO(MMCIF.encode())):
+        result = eses.measure(found)
+        assert result.atoms["chain"].tolist() == ["H"] * 5
+        assert result.atoms["label_chain"].tolist() == list("AAAAB")
+        residues = result.residues
+        assert residues["label_chain"].tolist() == list("AAB") and residues["icode"].tolist() == ["", "A", ""]
+        assert pickle.loads(pickle.dumps(result)).atoms["label_chain"].tolist() == list("AAAAB")
+    assert eses.measure(MMCIF, select="(GOL)").atoms["label_chain"].tolist() == ["B"]
+    assert "label_chain" not in eses.measure(MMCIF.replace("label_asym_id", "other")).atoms
+    # The rows of a wrapped loop are not lines.
+    assert "label_chain" not in eses.measure(MMCIF.replace("10 H A\n", "\n10 H A\n")).atoms
+    assert "label_chain" not in eses.measure(PDB).atoms
+
+
+def test_label_chains_of_gemmi():
+    gemmi = pytest.importorskip("gemmi")
+    structure = gemmi.make_structure_from_block(gemmi.cif.read_string(MMCIF).sole_block())
+    assert eses.measure(structure).residues["label_chain"].tolist() == list("AAB")
