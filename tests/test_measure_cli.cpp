@@ -205,6 +205,46 @@ TEST_CASE("measure: tables have the areas of atoms, residues and chains") {
   CHECK(std::stod(chains[2][3]) == Catch::Approx(free_sas()).margin(1e-6));
 }
 
+TEST_CASE("measure: --table prints what --write writes, also in the formats of other programs") {
+  const Molecules box;
+  const auto printed = [&](const std::string& table) {
+    const Outcome outcome = box.run({"measure", "dimer.pqr", "--table", table});
+    CHECK(outcome.code == 0);
+    return outcome.out;
+  };
+  REQUIRE(box.run({"measure", "dimer.pqr", "--write", "residues,rsa,seq,res,pdb,cif", "-o", "out"})
+              .code == 0);
+  for (const auto& [table, ending] : {std::pair{"residues", "residues.csv"},
+                                      {"rsa", "rsa"},
+                                      {"seq", "seq"},
+                                      {"res", "res"},
+                                      {"pdb", "areas.pdb"},
+                                      {"cif", "areas.cif"}}) {
+    INFO(table);
+    CHECK(printed(table) == read_file(box.directory() / "out" / (std::string("dimer.") + ending)));
+  }
+  // Columns of NACCESS: the area from column 17, the relative one from column 24.
+  const std::string rsa = printed("rsa");
+  const std::string row = rsa.substr(rsa.find("RES ALA"));
+  CHECK(row.substr(0, 14) == "RES ALA A   1 ");
+  CHECK(std::stod(row.substr(16, 6)) == Catch::Approx(sas_of_one()).margin(0.005));
+  CHECK(std::stod(row.substr(23, 5)) == Catch::Approx(100 * sas_of_one() / 129).margin(0.05));
+  CHECK(std::stod(row.substr(29, 6)) == Catch::Approx(0).margin(0.005));  // CA is main chain
+  CHECK(std::stod(row.substr(55, 6)) == Catch::Approx(sas_of_one()).margin(0.005));
+  CHECK(contains(printed("seq"), fmt::format("SEQ B    2  HEM : {:7.2f}\n", sas_of_one())));
+  CHECK(contains(printed("res"), fmt::format("RES GLY : {:10.2f}\n", free_sas())));
+  CHECK(
+      contains(printed("pdb"), fmt::format("ATOM      1  CA  ALA A   1       0.000   0.000   0.000"
+                                           "  1.70{:6.2f}           C\n",
+                                           sas_of_one())));
+  write_file(box.directory() / "long.pqr", "ATOM 1 CA ALA A 10000 0 0 0 0 2\n");
+  const Outcome wide = box.run({"measure", "long.pqr", "--table", "pdb"});
+  CHECK(wide.code == 1);
+  CHECK(contains(wide.err,
+                 "long.pqr: residue number 10000 of A:ALA 10000 is too wide for its column; "
+                 "write csv or cif"));
+}
+
 // The area of two SAS spheres of radius R at distance d is 4 pi R^2 + 2 pi R d, that of a free
 // sphere 4 pi R^2; the derivative of its volume by the radius is its area.
 TEST_CASE("measure: derivatives have the closed values of spheres") {
@@ -261,8 +301,8 @@ TEST_CASE("measure: cavities and pieces in report, JSON and tables") {
                    "--csv", "all.csv"})
               .code == 0);
   const std::string table = read_file(box.directory() / "all.csv");
-  CHECK(table.find(",cavities,pieces\n") != std::string::npos);
-  CHECK(table.find(",1,2\n") != std::string::npos);
+  CHECK(table.find(",cavities,pieces,error\n") != std::string::npos);
+  CHECK(table.find(",1,2,\n") != std::string::npos);
   const Outcome plain = box.run({"measure", "two.xyzr", "--json"});
   CHECK(plain.out.find("cavities") == std::string::npos);
 }
@@ -309,8 +349,8 @@ TEST_CASE("measure: pockets in report, JSON and tables") {
         std::string::npos);
   CHECK(run({"--pockets", "--csv", "all.csv"}) == report);
   const std::string table = read_file(box.directory() / "all.csv");
-  CHECK(table.find(",pockets\n") != std::string::npos);
-  CHECK(table.find(",1\n") != std::string::npos);
+  CHECK(table.find(",pockets,error\n") != std::string::npos);
+  CHECK(table.find(",1,\n") != std::string::npos);
   CHECK(run({"--write", "pockets", "--json"}).find("pockets") == std::string::npos);
 }
 
@@ -347,9 +387,17 @@ TEST_CASE("measure: a bad file does not stop the others") {
   CHECK(lines[1].ends_with(" one.xyzr"));
   CHECK(lines[2].ends_with(" two.xyzr"));
   const auto rows = rows_of(box.directory() / "all.csv");
-  REQUIRE(rows.size() == 2);
+  REQUIRE(rows.size() == 4);
   CHECK(std::stod(rows[0][3]) == Catch::Approx(16 * std::numbers::pi).margin(1e-6));
-  CHECK(std::stod(rows[1][3]) == Catch::Approx(ses_of_two()).margin(1e-6));
+  CHECK(rows[0].back().empty());
+  CHECK(rows[1].front() == "missing.xyzr");
+  CHECK(rows[1].size() == rows[0].size());
+  CHECK(rows[1].back() == "cannot open missing.xyzr: No such file or directory");
+  CHECK(std::stod(rows[2][3]) == Catch::Approx(ses_of_two()).margin(1e-6));
+  const Outcome json = box.run({"measure", "one.xyzr", "missing.xyzr", "--json"});
+  const Fields objects = split(json.out, '\n');
+  REQUIRE(objects.size() == 2);
+  check_json(box, objects[1], "sorted(r)", "['error', 'file']");
 }
 
 TEST_CASE("measure: results do not depend on threads") {
@@ -397,9 +445,18 @@ TEST_CASE("measure: SAS areas are those of FreeSASA with 1000 slices") {
 TEST_CASE("measure: bad requests are refused") {
   const Molecules box;
   check_usage_error(box, {"measure"}, "FILE is required");
+  check_usage_error(box, {"measure", "two.xyzr", "--write", "x"},
+                    "--write is 'x', expected some of "
+                    "atoms,residues,chains,derivatives,cavities,pieces,pockets,rsa,"
+                    "seq,res,pdb,cif");
+  check_usage_error(box, {"measure", "dimer.pqr", "--table", "rsa", "--json"},
+                    "--table cannot be combined with --json");
+  check_usage_error(box, {"measure", "dimer.pqr", "two.xyzr", "--table", "atoms"},
+                    "--table prints the table of a single file; use --write");
   check_usage_error(
-      box, {"measure", "two.xyzr", "--write", "x"},
-      "--write is 'x', expected some of atoms,residues,chains,derivatives,cavities,pieces,pockets");
+      box, {"measure", "two.xyzr", "--table", "rsa"},
+      "--table rsa needs a PQR, PDB or mmCIF file; two.xyzr is read as xyzr, which has no "
+      "names (use --format pqr if it is PQR)");
   check_usage_error(box, {"measure", "two.xyzr", "--surface", "sas,x"},
                     "--surface is 'sas,x', expected some of ses,sas,vdw, or all");
   check_usage_error(box, {"measure", "two.xyzr", "--surface", "sas", "--cavities"},
@@ -407,7 +464,7 @@ TEST_CASE("measure: bad requests are refused") {
   check_usage_error(box, {"measure", "two.xyzr", "--surface", "sas", "--write", "derivatives"},
                     "--write derivatives needs --surface ses or all");
   check_usage_error(box, {"measure", "two.xyzr", "--surface", "vdw", "--write", "atoms"},
-                    "--write needs --surface sas, ses or all");
+                    "--write atoms needs --surface sas, ses or all");
   check_usage_error(box, {"measure", "-", "two.xyzr"},
                     "standard input (-) cannot be combined with other files");
   check_usage_error(box, {"measure", "two.xyzr", "-o", "out"}, "--output-dir needs --write");

@@ -29,17 +29,20 @@ _eses_blocks() {
     return
   fi
 
+  local tables='atoms residues chains derivatives cavities pieces pockets rsa seq res pdb cif'
   case $prev in
     --format) COMPREPLY=($(compgen -W 'auto xyzr pqr pdb mmcif' -- "$cur")) && return ;;
     --write)
       if [[ $command == measure ]]; then
-        COMPREPLY=($(compgen -W 'atoms residues chains derivatives cavities pieces \
-        pockets atoms,residues,chains cavities,pieces' -- "$cur")) && return
+        COMPREPLY=($(compgen -W "$tables atoms,residues,chains cavities,pieces" -- "$cur")) && return
       fi
       COMPREPLY=($(compgen -W 'all none grid edges areas residues atoms grid,edges grid,areas \
       edges,areas' -- "$cur")) && return
       ;;
-    --table) COMPREPLY=($(compgen -W 'interfaces residues atoms' -- "$cur")) && return ;;
+    --table)
+      if [[ $command == interface ]]; then tables='interfaces residues atoms'; fi
+      COMPREPLY=($(compgen -W "$tables" -- "$cur")) && return
+      ;;
     --parts) COMPREPLY=($(compgen -W chains -- "$cur")) && return ;;
     --csv) _filedir csv && return ;;
     --color) COMPREPLY=($(compgen -W 'patch atom chain potential component' -- "$cur")) && return ;;

@@ -70,15 +70,20 @@ def read_table(path):
         rows, columns = parse_json(text) if text.lstrip().startswith("{") else parse_csv(text)
     except (AttributeError, TypeError, ValueError, csv.Error):
         columns = []
-    if columns[:1] not in (["file"], ["id"]) or "atoms" not in columns:
+    if columns[:1] not in (["file"], ["id"]) or not {"atoms", "error"} & set(columns):
         raise Failed(f"{path}: no table of eses-blocks measure --csv, no lines of its --json, and no "
                      "summary of pdbbind")
     return rows, columns
 
 
+def failure_of(message, file=""):
+    """Returns the row of a file that measure has refused."""
+    return {**({"file": file} if file else {}), "status": "failed", "message": message}
+
+
 def failures_in(path):
     """Returns rows for the errors in the messages of eses-blocks measure."""
-    return [{"status": "failed", "message": line.removeprefix(ERROR)}
+    return [failure_of(line.removeprefix(ERROR))
             for line in read_text(path).splitlines() if line.startswith(ERROR)]
 
 
@@ -135,7 +140,7 @@ def parse():
                         help="page to write; - for standard output")
     parser.add_argument("--title", help="title of the page (default: the name of the table)")
     parser.add_argument("--messages", metavar="FILE", type=pathlib.Path,
-                        help="standard error of eses-blocks measure, whose errors are shown")
+                        help="standard error of eses-blocks measure, whose errors are shown, too")
     parser.add_argument("--pictures", type=thumbnails.patterns_of, default=[], metavar="PATTERNS",
                         help=thumbnails.HELP.format("files in the table"))
     parser.add_argument("--program", type=pathlib.Path, default=PROGRAM, metavar="FILE",
@@ -154,8 +159,13 @@ def main():
     rows, columns = read_table(options.table)
     failures = failures_in(options.messages) if options.messages else []
     if "status" not in columns:
-        columns += ["status", "message"]
-        rows = [{**row, "status": "done", "message": ""} for row in rows]
+        columns = [name for name in columns if name != "error"] + ["status", "message"]
+        failed = [failure_of(row["error"], row["file"]) for row in rows if row.get("error")]
+        named = {row["message"] for row in failed}
+        failures = failed + [row for row in failures if row["message"] not in named]
+        rows = [{**row, "status": "done", "message": ""} for row in rows if not row.get("error")]
+        for row in rows:
+            row.pop("error", None)
     if str(options.output) != "-":
         require_writable_file(options.output)
     pictures = draw_all(options, rows) if options.pictures else {}

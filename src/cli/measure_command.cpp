@@ -39,13 +39,12 @@ namespace {
 std::string table_name(const std::filesystem::path& input, const Table& table) {
   std::filesystem::path name = input == "-" ? "stdin" : input.filename();
   if (name.extension() == gzip_suffix) name = name.stem();
-  return formatted("{}.{}.csv", name.stem().string(), table.name);
+  return name.stem().string() + std::string(table.ending);
 }
 
 bool is_table(std::string_view name) {
-  return std::any_of(tables.begin(), tables.end(), [&](const Table& table) {
-    return name.ends_with(formatted(".{}.csv", table.name));
-  });
+  return std::ranges::any_of(tables,
+                             [&](const Table& table) { return name.ends_with(table.ending); });
 }
 
 OutputPaths paths_of(const MeasureCommandOptions& options) {
@@ -160,7 +159,16 @@ void write_tables(const MeasuredFile& file, const TableChoice& choice,
   commit_all(files);
 }
 
+std::string table_text(const Table& table, const MeasuredFile& file) {
+  std::string all;
+  BufferedText text([&](std::string_view part) { all += part; });
+  table.append(file.table(), text);
+  text.flush();
+  return all;
+}
+
 std::string measured_text(const MeasureCommandOptions& options, const MeasuredFile& file) {
+  if (options.printed_table != nullptr) return table_text(*options.printed_table, file);
   if (options.json) return measure_json(options, file);
   return options.inputs.size() > 1 ? measure_line(options, file) : measure_text(options, file);
 }
@@ -172,6 +180,15 @@ std::string message_with_file(const std::exception& error, const std::filesystem
   return has_name ? message : formatted("{}: {}", name, message);
 }
 
+/// Adds the rows of a file that cannot be measured, with its first error.
+Outcome with_failure(const MeasureCommandOptions& options, const std::filesystem::path& path,
+                     Outcome outcome) {
+  const std::string& error = outcome.errors.front();
+  outcome.text = options.json && options.inputs.size() > 1 ? failure_json(path, error) : "";
+  outcome.csv = failure_csv_line(options, path, error);
+  return outcome;
+}
+
 Outcome outcome_of(const MeasureCommandOptions& options, const std::filesystem::path& path,
                    int threads, const CheckCallback& check, const OutputDirectory* directory) {
   Outcome outcome;
@@ -181,7 +198,7 @@ Outcome outcome_of(const MeasureCommandOptions& options, const std::filesystem::
     if (options.strict || !options.quiet)
       for (const DiagnosticText& diagnostic : file.diagnostics)
         if (!diagnostic.is_usual) lines.push_back(diagnostic.message);
-    if (!outcome.errors.empty()) return outcome;
+    if (!outcome.errors.empty()) return with_failure(options, path, std::move(outcome));
     if (directory != nullptr) write_tables(file, options.tables, *directory);
     outcome.text = measured_text(options, file);
     outcome.csv = measure_csv_line(options, file);
@@ -190,7 +207,7 @@ Outcome outcome_of(const MeasureCommandOptions& options, const std::filesystem::
   } catch (const std::invalid_argument& error) {
     outcome.errors.push_back(message_with_file(error, path));
   }
-  return outcome;
+  return outcome.errors.empty() ? outcome : with_failure(options, path, std::move(outcome));
 }
 
 }  // namespace

@@ -31,11 +31,13 @@ Tables (--write), in the output directory, named after the input file NAME:
   NAME.cavities.csv           cavities that hold a probe: volumes, areas, largest probe, atoms
   NAME.pieces.csv             pieces of the molecule: volumes, areas, atoms
   NAME.pockets.csv            pockets: volumes, areas and numbers of mouths, atoms
+  NAME.rsa, .seq, .res        SAS areas of residues as NACCESS and FreeSASA print them
+  NAME.areas.pdb, .areas.cif  the atoms with SAS areas as B-factors
 
 Examples:
   eses-blocks measure 1crn.pdb                       areas and volumes of a protein
   eses-blocks measure --csv all.csv *.cif.gz         many files, in parallel
-  eses-blocks measure 1crn.pdb --write residues      areas of residues
+  eses-blocks measure 1crn.pdb --table residues      areas of residues, to standard output
   eses-blocks measure --surface sas --csv sas.csv *.pdb   the fastest way to SAS areas
   eses-blocks measure 1brs.pdb --parts 'A|D'         area buried between two chains
   eses-blocks measure 1crn.pdb --cavities            cavities and their volumes
@@ -48,6 +50,9 @@ Exit codes:
   1  a file could not be measured, or another input, output or resource error
   2  error in the command line)";
 
+constexpr std::string_view table_names =
+    "atoms,residues,chains,derivatives,cavities,pieces,pockets,rsa,seq,res,pdb,cif";
+
 std::optional<double> probe_radius_in(const std::string& text) {
   const std::optional<double> value = whole_text<double>(text);
   const bool is_valid =
@@ -59,6 +64,11 @@ std::optional<TableChoice> tables_in(const std::string& list) {
   std::vector<std::pair<std::string_view, bool TableChoice::*>> members;
   for (const Table& table : tables) members.emplace_back(table.name, table.is_chosen);
   return choice_in<TableChoice>(list, {}, members);
+}
+
+std::optional<const Table*> table_in(const std::string& name) {
+  const auto* const found = std::ranges::find(tables, name, &Table::name);
+  return found == tables.end() ? std::nullopt : std::optional<const Table*>(found);
 }
 
 std::optional<SurfaceChoice> surfaces_in(const std::string& list) {
@@ -154,10 +164,11 @@ void add_measure_options(CLI::App& app, MeasureCommandOptions& options) {
   add_format(app, options.format);
   add_value(app, "--write", "LIST",
             "tables to write: some of atoms,residues,chains,\n"
-            "derivatives,cavities,pieces,pockets",
-            options.tables,
-            Format<TableChoice>{
-                tables_in, "some of atoms,residues,chains,derivatives,cavities,pieces,pockets"});
+            "derivatives,cavities,pieces,pockets,rsa,seq,res,pdb,cif",
+            options.tables, Format<TableChoice>{tables_in, formatted("some of {}", table_names)});
+  add_value(app, "--table", "NAME", "print one of these tables in place of the report",
+            options.printed_table,
+            Format<const Table*>{table_in, formatted("one of {}", table_names)});
   add_value(app, "-o,--output-dir", "DIR", "directory of the tables, created if missing [.]",
             options.output_directory, any_text("a directory"));
   add_value(app, "--csv", "FILE", "write the results of all files as a table", options.csv,
@@ -181,13 +192,12 @@ void check_surfaces(const MeasureCommandOptions& options) {
   if (!surfaces.has_ses()) {
     refuse_if(options.cavities, "--cavities", "ses");
     refuse_if(options.pockets, "--pockets", "ses");
-    TableChoice others = options.tables;
-    others.atoms = others.residues = others.chains = false;
     for (const Table& table : tables)
-      refuse_if(others.*table.is_chosen, formatted("--write {}", table.name), "ses");
+      refuse_if(table.needs_ses && options.needs(table), options.option_of(table), "ses");
   }
   if (surfaces.has_ses() || surfaces.has_sas()) return;
-  refuse_if(options.tables.need_areas(), "--write", "sas, ses");
+  for (const Table& table : tables)
+    refuse_if(options.needs(table), options.option_of(table), "sas, ses");
   refuse_if(options.parts.is_chosen(), "--parts", "sas, ses");
 }
 
@@ -195,13 +205,17 @@ void check_surfaces(const MeasureCommandOptions& options) {
 void check(const CLI::App& app, const MeasureCommandOptions& options) {
   refuse_repeated_chains(options.parts, "--parts");
   refuse_without(app, {"--output-dir"}, options.tables.any(), "--write");
+  if (options.printed_table != nullptr && (options.json || options.inputs.size() > 1))
+    throw UsageError(options.json ? "--table cannot be combined with --json"
+                                  : "--table prints the table of a single file; use --write");
   for (const std::filesystem::path& path : options.inputs) {
     if (path == "-" && options.inputs.size() > 1)
       throw UsageError("standard input (-) cannot be combined with other files");
     const InputFile input{path, options.format};
     refuse_structure_options(app, input);
-    if (options.tables.residues) refuse_xyzr(input, "--write residues", "residues");
-    if (options.tables.chains) refuse_xyzr(input, "--write chains", "chains");
+    for (const Table& table : tables)
+      if (table.needs_names && options.needs(table))
+        refuse_xyzr(input, options.option_of(table), "names");
     if (options.parts.is_chosen()) refuse_xyzr(input, "--parts", "chains");
   }
 }

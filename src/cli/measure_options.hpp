@@ -13,25 +13,81 @@
 #include "eses/pockets.hpp"
 #include "eses/read_atoms.hpp"
 #include "eses/surface.hpp"
+#include "output/area_formats.hpp"
 #include "output/measure_tables.hpp"
 
 namespace eses::detail::cli {
 
-/// A table of `--write`. The table of the file NAME.pdb is NAME, a point, the name of the table and
-/// `.csv`.
+/// A table of `--write` or `--table`. The table of the file NAME.pdb has the name NAME and
+/// `ending`.
 struct Table {
   std::string_view name;
+  std::string_view ending;
   bool TableChoice::*is_chosen;
   void (*append)(const MeasuredAtoms& atoms, BufferedText& text);
+  bool needs_names = false;  ///< whether the atoms must have names
+  bool needs_ses = false;    ///< whether the SES must be measured
 };
 inline constexpr std::array tables{
-    Table{"atoms", &TableChoice::atoms, append_measured_atoms},
-    Table{"residues", &TableChoice::residues, append_measured_residues},
-    Table{"chains", &TableChoice::chains, append_measured_chains},
-    Table{"derivatives", &TableChoice::derivatives, append_derivatives},
-    Table{"cavities", &TableChoice::cavities, append_cavities},
-    Table{"pieces", &TableChoice::pieces, append_pieces},
-    Table{"pockets", &TableChoice::pockets, append_pockets},
+    Table{.name = "atoms",
+          .ending = ".atoms.csv",
+          .is_chosen = &TableChoice::atoms,
+          .append = append_measured_atoms},
+    Table{.name = "residues",
+          .ending = ".residues.csv",
+          .is_chosen = &TableChoice::residues,
+          .append = append_measured_residues,
+          .needs_names = true},
+    Table{.name = "chains",
+          .ending = ".chains.csv",
+          .is_chosen = &TableChoice::chains,
+          .append = append_measured_chains,
+          .needs_names = true},
+    Table{.name = "derivatives",
+          .ending = ".derivatives.csv",
+          .is_chosen = &TableChoice::derivatives,
+          .append = append_derivatives,
+          .needs_ses = true},
+    Table{.name = "cavities",
+          .ending = ".cavities.csv",
+          .is_chosen = &TableChoice::cavities,
+          .append = append_cavities,
+          .needs_ses = true},
+    Table{.name = "pieces",
+          .ending = ".pieces.csv",
+          .is_chosen = &TableChoice::pieces,
+          .append = append_pieces,
+          .needs_ses = true},
+    Table{.name = "pockets",
+          .ending = ".pockets.csv",
+          .is_chosen = &TableChoice::pockets,
+          .append = append_pockets,
+          .needs_ses = true},
+    Table{.name = "rsa",
+          .ending = ".rsa",
+          .is_chosen = &TableChoice::rsa,
+          .append = append_rsa,
+          .needs_names = true},
+    Table{.name = "seq",
+          .ending = ".seq",
+          .is_chosen = &TableChoice::seq,
+          .append = append_seq,
+          .needs_names = true},
+    Table{.name = "res",
+          .ending = ".res",
+          .is_chosen = &TableChoice::res,
+          .append = append_res,
+          .needs_names = true},
+    Table{.name = "pdb",
+          .ending = ".areas.pdb",
+          .is_chosen = &TableChoice::pdb,
+          .append = append_pdb,
+          .needs_names = true},
+    Table{.name = "cif",
+          .ending = ".areas.cif",
+          .is_chosen = &TableChoice::cif,
+          .append = append_cif,
+          .needs_names = true},
 };
 
 /// The surfaces to measure.
@@ -55,6 +111,7 @@ struct MeasureCommandOptions {
   bool pockets = false;                   ///< whether pockets are reported
   PocketOptions pocket_options;           ///< of the search for pockets
   TableChoice tables;
+  const Table* printed_table = nullptr;  ///< printed in place of the report; null if none is
   std::filesystem::path output_directory = ".";  ///< of the tables
   std::filesystem::path csv;                     ///< empty if it is not given
   int threads = 0;                               ///< 0 means all available processors
@@ -62,10 +119,24 @@ struct MeasureCommandOptions {
   bool quiet = false;
   bool strict = false;  ///< whether warnings are errors
 
-  bool need_pockets() const { return pockets || tables.pockets; }
+  bool need_pockets() const { return pockets || needed_tables().pockets; }
+
+  /// The tables to write or to print.
+  TableChoice needed_tables() const {
+    TableChoice needed = tables;
+    if (printed_table != nullptr) needed.*printed_table->is_chosen = true;
+    return needed;
+  }
+
+  bool needs(const Table& table) const { return needed_tables().*table.is_chosen; }
+
+  /// Returns the option that chooses a table, with its value, for messages.
+  std::string option_of(const Table& table) const {
+    return std::string(tables.*table.is_chosen ? "--write " : "--table ") + std::string(table.name);
+  }
 
   /// Whether the results are printed as the report on a single file, with its chains.
-  bool has_report() const { return inputs.size() == 1 && !json; }
+  bool has_report() const { return inputs.size() == 1 && !json && printed_table == nullptr; }
 };
 
 /// Parses the arguments of the command. Throws UsageError and Notice.

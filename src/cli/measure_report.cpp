@@ -357,14 +357,25 @@ std::string measure_json(const MeasureCommandOptions& options, const MeasuredFil
 std::string measure_csv_heading(const MeasureCommandOptions& options) {
   std::string text = "file,atoms,probe_radius";
   for (const Column& column : columns_of(options)) text += formatted(",{}", column.name);
-  return text + "\n";
+  return text + ",error\n";
 }
 
 std::string measure_csv_line(const MeasureCommandOptions& options, const MeasuredFile& file) {
   std::string text = formatted("{},{},{}", csv_field(file.path.string()),
                                file.surface.atoms().size(), options.probe_radius);
   for (const Column& column : columns_of(options)) text += "," + column.text(file, 6);
-  return text + "\n";
+  return text + ",\n";
+}
+
+std::string failure_json(const std::filesystem::path& path, const std::string& error) {
+  return text_of(Json{{"file", path.string()}, {"error", error}}) + "\n";
+}
+
+std::string failure_csv_line(const MeasureCommandOptions& options,
+                             const std::filesystem::path& path, const std::string& error) {
+  const std::size_t empty = columns_of(options).size() + 2;  // with atoms and probe radius
+  return formatted("{}{},{}\n", csv_field(path.string()), std::string(empty, ','),
+                   csv_field(error));
 }
 
 }  // namespace eses::detail::cli

@@ -79,8 +79,9 @@ MeasuredAtoms MeasuredFile::table() const {
 
 MeasuredFile measure_file(const MeasureCommandOptions& options, const std::filesystem::path& path,
                           int threads, const CheckCallback& check) {
+  const TableChoice needed = options.needed_tables();
   const ReadOptions reading{.format = options.format,
-                            .with_labels = options.has_report() || options.tables.any() ||
+                            .with_labels = options.has_report() || needed.any() ||
                                            options.parts.is_chosen() || options.cavities ||
                                            options.pockets,
                             .structure = options.structure,
@@ -105,9 +106,9 @@ MeasuredFile measure_file(const MeasureCommandOptions& options, const std::files
   MeasureOptions measuring{.probe_radius = only_vdw ? 0 : options.probe_radius,
                            .ses = surfaces.has_ses(),
                            .van_der_waals = surfaces.has_vdw(),
-                           .by_atom = options.tables.need_areas() || has_chains,
-                           .gradients = options.tables.derivatives,
-                           .cavities = options.cavities || options.tables.need_cavities(),
+                           .by_atom = needed.need_areas() || has_chains,
+                           .gradients = needed.derivatives,
+                           .cavities = options.cavities || needed.need_cavities(),
                            .threads = threads,
                            .check = check};
   result.measures = measure(result.surface, measuring);
@@ -117,7 +118,7 @@ MeasuredFile measure_file(const MeasureCommandOptions& options, const std::files
     searching.check = check;
     result.pockets = find_pockets(result.surface, searching);
   }
-  measuring.by_atom = options.tables.need_areas();
+  measuring.by_atom = needed.need_areas();
   measuring.gradients = measuring.cavities = false;
   // No other output shows the van der Waals surface of a part.
   measuring.van_der_waals = options.json && surfaces.has_vdw();

@@ -44,8 +44,9 @@ namespace eses::detail {
 struct TableChoice {
   bool atoms = false, residues = false, chains = false, derivatives = false;
   bool cavities = false, pieces = false, pockets = false;
+  bool rsa = false, seq = false, res = false, pdb = false, cif = false;  ///< see area_formats.hpp
 
-  bool need_areas() const { return atoms || residues || chains; }
+  bool need_areas() const { return atoms || residues || chains || rsa || seq || res || pdb || cif; }
   bool need_cavities() const { return cavities || pieces; }
   bool any() const { return need_areas() || derivatives || need_cavities() || pockets; }
 };

@@ -197,8 +197,9 @@ class Zsh(TestCase):
                 ("a.xyzr --write grid,", {"all", "none", "edges", "areas", "residues", "atoms"}),
                 ("a.xyzr --threads ", set()),
                 ("a.xyzr ", set()),
-                ("measure --write ", {"atoms", "residues", "chains", "derivatives", "cavities",
-                  "pieces", "pockets"}),
+                *((f"measure {option} ", {"atoms", "residues", "chains", "derivatives", "cavities",
+                   "pieces", "pockets", "rsa", "seq", "res", "pdb", "cif"})
+                  for option in ("--write", "--table")),
                 ("measure a.xyzr --parts ", {"chains"}),
                 ("interface a.pdb --table ", {"interfaces", "residues", "atoms"}),
                 ("msms -surface ", {"tses", "ases"}),
