@@ -375,13 +375,49 @@ TEST_CASE("measure: parts bury the areas of closed forms") {
   }
 }
 
+TEST_CASE("measure: folders and lists stand for their files") {
+  const Molecules box;
+  const fs::path folder = box.directory() / "structures";
+  fs::create_directories(folder / "more");
+  fs::copy(box.directory() / "two.xyzr", folder / "b.xyzr");
+  fs::copy(box.directory() / "dimer.pqr", folder / "a.pqr");
+  fs::copy(box.directory() / "one.xyzr", folder / "more/c.xyzr");
+  write_file(folder / "notes.txt", "no atoms\n");
+  const auto files = [&](const Arguments& arguments, const std::string& redirection = "") {
+    const Outcome outcome = box.run(arguments, redirection);
+    CHECK(outcome.code == 0);
+    Fields names;
+    for (const std::string& line : split(outcome.out, '\n'))
+      names.push_back(line.substr(line.rfind(' ') + 1));
+    return names;
+  };
+  CHECK(files({"measure", "structures", "-q"}) == Fields{"structures/a.pqr", "structures/b.xyzr"});
+  CHECK(files({"measure", "-r", "structures", "one.xyzr", "-q"}) ==
+        Fields{"structures/a.pqr", "structures/b.xyzr", "structures/more/c.xyzr", "one.xyzr"});
+  write_file(box.directory() / "list", "two.xyzr\r\n\none.xyzr");
+  CHECK(files({"measure", "--files-from", "list", "-q"}) == Fields{"two.xyzr", "one.xyzr"});
+  CHECK(files({"measure", "--files-from", "-", "-q"}, "< list") == Fields{"two.xyzr", "one.xyzr"});
+  const auto error = [&](const Arguments& arguments) {
+    const Outcome outcome = box.run(arguments);
+    CHECK(outcome.code == 1);
+    return outcome.err;
+  };
+  fs::create_directory(box.directory() / "empty");
+  CHECK(contains(error({"measure", "empty"}),
+                 "no PDB, mmCIF, PQR or xyzr files in the folder empty"));
+  write_file(box.directory() / "list", "\n");
+  CHECK(contains(error({"measure", "--files-from", "list"}), "list: the list has no files"));
+  CHECK(contains(error({"measure", "--files-from", "none"}), "cannot open none"));
+}
+
 TEST_CASE("measure: a bad file does not stop the others") {
   const Molecules box;
+  write_file(box.directory() / "wrong.pqr", "ATOM\n");
   const Outcome outcome =
-      box.run({"measure", "one.xyzr", "missing.xyzr", "two.xyzr", ".", "--csv", "all.csv"});
+      box.run({"measure", "one.xyzr", "missing.xyzr", "two.xyzr", "wrong.pqr", "--csv", "all.csv"});
   CHECK(outcome.code == 1);
   CHECK(contains(outcome.err, "error: cannot open missing.xyzr"));
-  CHECK(contains(outcome.err, "error: cannot read .: Is a directory"));
+  CHECK(contains(outcome.err, "error: wrong.pqr"));
   const Fields lines = split(outcome.out, '\n');
   REQUIRE(lines.size() == 3);  // with the heading
   CHECK(lines[1].ends_with(" one.xyzr"));

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "cli/arguments.hpp"
+#include "cli/input_files.hpp"
 #include "cli/shared_options.hpp"
 #include "run/pocket_sweep.hpp"
 #include "system/formatted.hpp"
@@ -36,7 +37,7 @@ Tables (--write), in the output directory, named after the input file NAME:
 
 Examples:
   eses-blocks measure 1crn.pdb                       areas and volumes of a protein
-  eses-blocks measure --csv all.csv *.cif.gz         many files, in parallel
+  eses-blocks measure --csv all.csv structures       the files in a folder, in parallel
   eses-blocks measure 1crn.pdb --table residues      areas of residues, to standard output
   eses-blocks measure --surface sas --csv sas.csv *.pdb   the fastest way to SAS areas
   eses-blocks measure 1brs.pdb --parts 'A|D'         area buried between two chains
@@ -125,16 +126,22 @@ void check_pocket_options(const CLI::App& app, const MeasureCommandOptions& opti
   }
 }
 
-void add_measure_options(CLI::App& app, MeasureCommandOptions& options) {
+/// Where the names of the input files come from.
+struct InputChoice {
+  std::filesystem::path list;     ///< file of --files-from; empty if it is not given
+  bool looks_in_folders = false;  ///< whether folders of folders are searched, too
+};
+
+void add_measure_options(CLI::App& app, MeasureCommandOptions& options, InputChoice& inputs) {
   set_up(app, "eses-blocks measure [OPTIONS] FILE...", measure_footer);
   begin_group(app, "Surface");
   app.add_option("FILE")
       ->option_text("...")
-      ->description("input files (xyzr, PQR, PDB or mmCIF); - for standard input")
+      ->description(
+          "input files (xyzr, PQR, PDB or mmCIF), or folders of them; - for\nstandard input")
       ->expected(1, -1)  // no maximum
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
       ->allow_extra_args()
-      ->required()
       ->each([&options](const std::string& file) {
         if (file.empty()) refuse("FILE", file, "a file");
         options.inputs.emplace_back(file);
@@ -161,6 +168,9 @@ void add_measure_options(CLI::App& app, MeasureCommandOptions& options) {
            options.cavities);
   add_pocket_options(app, options);
   begin_group(app, "Input and output");
+  add_flag(app, "-r,--recursive", "also the files in folders of folders", inputs.looks_in_folders);
+  add_value(app, "--files-from", "FILE", "input files, one in a line; - for standard input",
+            inputs.list, any_text("a file"));
   add_format(app, options.format);
   add_value(app, "--write", "LIST",
             "tables to write: some of atoms,residues,chains,\n"
@@ -226,8 +236,13 @@ MeasureCommandOptions parse_measure_arguments(const Arguments& arguments) {
   CLI::App app("Areas and volumes of molecular surfaces in closed form, without a grid.",
                "eses-blocks measure");
   MeasureCommandOptions options;
-  add_measure_options(app, options);
+  InputChoice inputs;
+  add_measure_options(app, options, inputs);
   parse(app, arguments, "FILE...");
+  if (options.inputs.empty() && inputs.list.empty()) throw UsageError("FILE is required");
+  if (!inputs.list.empty())
+    for (const std::filesystem::path& file : read_list(inputs.list)) options.inputs.push_back(file);
+  options.inputs = expand_folders(options.inputs, inputs.looks_in_folders);
   options.pocket_options.probe_radius = options.probe_radius;
   check_pocket_options(app, options);
   check_surfaces(options);

@@ -100,7 +100,7 @@ struct SurfaceChoice {
 };
 
 struct MeasureCommandOptions {
-  std::vector<std::filesystem::path> inputs;  ///< `-` is standard input
+  std::vector<std::filesystem::path> inputs;  ///< without folders; `-` is standard input
   AtomFormat format = AtomFormat::automatic;
   StructureOptions structure;  ///< for PDB and mmCIF files
   double probe_radius = SurfaceOptions().probe_radius;
