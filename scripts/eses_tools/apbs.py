@@ -25,8 +25,7 @@ import tempfile
 
 from eses_tools.common import (NAME, PROGRAM, Failed, Parser, at_least, complete_file,
                                describe_build, end_with, printable, require_writable,
-                               require_writable_file, show)
-from eses_tools import measuring
+                               require_output, show)
 from eses_tools import poisson_boltzmann as pb
 
 LABELS = {pb.ESES: "eses-blocks", pb.MOL: "srfm mol", pb.SMOL: "srfm smol"}
@@ -300,13 +299,14 @@ def main():
     options = parse_options()
     options.apbs = pb.find_apbs()
     describe_build(options.program)
-    measuring.end_on_sigterm()
     if options.write_potential:
-        require_writable_file(options.write_potential)
+        require_output(options.write_potential, options.molecules)
     with contextlib.ExitStack() as opened:
         folder = options.keep or opened.enter_context(tempfile.TemporaryDirectory(prefix="apbs-"))
         if options.keep:
             require_writable(options.keep)
+            for index in range(len(options.molecules)):
+                require_output(pb.atoms_file(options.keep, index), options.molecules)
         run(options, pathlib.Path(folder))
 
 

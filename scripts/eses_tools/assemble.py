@@ -14,10 +14,9 @@ from eses_tools import quiet_interrupt  # before the modules that take time to l
 import argparse
 import collections
 import math
-import stat
 
 from eses_tools.atoms import read_atoms
-from eses_tools.common import NAME, Parser, complete_file, end_with, positive
+from eses_tools.common import (NAME, Parser, complete_file, end_with, positive, require_output)
 
 # Each coordinate is rounded to three decimals. The rounding of two points can shorten their
 # distance by 2 sqrt(3) * 0.0005 = 0.0018. The written numbers must keep the gap.
@@ -109,16 +108,6 @@ def write_complex(structure, layout, target):
     target.flush()
 
 
-def same_file(a, b):
-    """Whether two paths or descriptors are the same regular file. Terminals and pipes may be
-    both."""
-    try:
-        a, b = os.stat(a), os.stat(b)
-    except OSError:
-        return False
-    return stat.S_ISREG(a.st_mode) and os.path.samestat(a, b)
-
-
 # --------------------------------------------------------------------------------- command line
 
 
@@ -149,9 +138,6 @@ def parse_options():
     options = parser.parse_args()
     if options.copies % options.rings:
         parser.error(f"{options.copies} copies cannot stand evenly on {options.rings} rings")
-    source = 0 if options.structure == "-" else options.structure
-    if same_file(source, 1 if options.output == "-" else options.output):
-        parser.error("the output is the input file")
     return options
 
 
@@ -163,6 +149,7 @@ def summary(structure, layout):
 
 def main():
     options = parse_options()
+    require_output(options.output, [options.structure])
     structure = read_structure(options.structure, options.format)
     layout = lay_out(structure, options.copies // options.rings, options.rings, options.gap)
     is_gzip = options.output.lower().endswith(".gz")

@@ -11,6 +11,7 @@ import pathlib
 import platform
 import shutil
 import signal
+import stat
 import subprocess
 import sys
 import sysconfig
@@ -83,20 +84,54 @@ def at_least(least, is_open=False):
     return convert
 
 
+def between(least, largest, kind=float):
+    """Returns a converter for numbers from `least` to `largest`."""
+    def convert(text):
+        try:
+            value = kind(text)
+        except ValueError:
+            value = math.nan
+        if not least <= value <= largest:
+            raise argparse.ArgumentTypeError(
+                f"expected a {'whole ' if kind is int else ''}number from {least:g} to {largest:g}")
+        return value
+    return convert
+
+
+def end_on_signals():
+    """Makes SIGTERM and SIGHUP end the script as Ctrl-C does: temporary files and programs that it
+    has started go with it."""
+    for number in (signal.SIGTERM, signal.SIGHUP):
+        if signal.getsignal(number) == signal.SIG_DFL:  # a signal that is ignored stays ignored
+            signal.signal(number, lambda number, _: sys.exit(128 + number))
+
+
 def end_with(main):
     """Runs a script's main function. Turns errors into one line and an exit code."""
     try:
         if signal.getsignal(signal.SIGINT) == signal.SIG_DFL:  # see quiet_interrupt
             signal.signal(signal.SIGINT, signal.default_int_handler)
+        end_on_signals()
         main()
     except BrokenPipeError:
         sys.exit(1)  # the reader has closed the pipe
     except Failed as error:
-        sys.exit(f"{NAME}: {error}")
+        sys.exit(f"{NAME}: {printable_lines(error)}")
     except OSError as error:
-        sys.exit(f"{NAME}: {error.filename or 'output'}: {error.strerror}")
+        sys.exit(f"{NAME}: {printable(error.filename or 'output')}: {error.strerror or error}")
     except KeyboardInterrupt:
         sys.exit(130)
+
+
+PICTURES = (".png", ".jpg", ".jpeg", ".gif", ".svg", ".tif", ".tiff", ".bmp", ".webp", ".pdf")
+PAGES = (".html", ".htm")
+
+
+def require_kind(parser, path, what, suffix, others):
+    """Ends with exit code 2 if the name of an output is that of another kind of file."""
+    if path.suffix.lower() in others:
+        parser.error(f"--output: {path} would be {what}, not a {path.suffix} file; use a name that "
+                     f"ends in {suffix}")
 
 
 def show(text):
@@ -111,18 +146,23 @@ def printable(text):
     return "".join(c if c.isprintable() else "?" for c in text)
 
 
+def printable_lines(text):
+    """Returns printable() of each line."""
+    return "\n".join(map(printable, str(text).split("\n")))
+
+
 # --------------------------------------------------------------------------------------- files
 
 
 @contextlib.contextmanager
-def text_file(name, compressed=False, **how):
-    """Opens a text file for writing, gzipped if `compressed`. Equal text gives equal bytes.
+def output_file(name, compressed=False, mode="w", **how):
+    """Opens a file for writing, gzipped if `compressed`. Equal text gives equal bytes.
 
-    `name` may be a descriptor, which stays open. `how` is passed to open().
+    `name` may be a descriptor, which stays open. `mode` and `how` are passed to open().
     """
     owned = not isinstance(name, int)
     if not compressed:
-        with open(name, "w", closefd=owned, **how) as target:
+        with open(name, mode, closefd=owned, **how) as target:
             yield target
         return
     with (open(name, "wb", closefd=owned) as packed,
@@ -131,31 +171,53 @@ def text_file(name, compressed=False, **how):
         yield target
 
 
+def is_special(path):
+    """Whether something other than a regular file exists, such as a device, pipe or folder."""
+    return os.path.exists(path) and not os.path.isfile(path)
+
+
+@contextlib.contextmanager
+def named_errors(name):
+    """Adds the name of a file to errors without one, such as those of a full disk."""
+    try:
+        yield
+    except BrokenPipeError:
+        raise
+    except OSError as error:
+        error.filename = error.filename or str(name)
+        raise
+
+
+def part_of(final):
+    """Returns the path of an incomplete file. Names have at most 255 bytes."""
+    name = os.fsencode(final.name)[:200].decode("utf-8", "ignore")
+    return final.with_name(f".{name}.{os.getpid()}.part")
+
+
 @contextlib.contextmanager
 def complete_file(name, **how):
-    """Opens a text file that gets its name when it is complete; `-` is standard output.
+    """Opens a file that gets its name when it is complete; `-` is standard output.
 
     Devices and pipes are written directly, because renaming would put a file in their place. `how`
-    is passed to text_file().
+    is passed to output_file().
     """
-    if str(name) == "-" or (os.path.exists(name) and not os.path.isfile(name)):
-        with text_file(1 if str(name) == "-" else name, **how) as target:
+    if str(name) == "-" or is_special(name):
+        with named_errors("output" if str(name) == "-" else name), \
+                output_file(1 if str(name) == "-" else name, **how) as target:
             yield target
         return
     final = pathlib.Path(os.path.realpath(name))  # the target of a symbolic link
-    part = final.with_name(f".{final.name}.{os.getpid()}.part")
+    part = part_of(final)
     with contextlib.ExitStack() as opened:
         try:
-            target = opened.enter_context(text_file(part, **how))
+            target = opened.enter_context(output_file(part, **how))
         except OSError as error:
             raise OSError(error.errno, error.strerror, str(name)) from None
         try:
-            yield target
-            opened.close()
-            os.replace(part, final)
-        except OSError as error:
-            error.filename = error.filename or str(name)  # errors of a full disk have no file name
-            raise
+            with named_errors(name):
+                yield target
+                opened.close()
+                os.replace(part, final)
         finally:
             part.unlink(missing_ok=True)
 
@@ -169,17 +231,44 @@ def require_writable(folder):
         raise Failed(f"{folder}: {error.strerror}") from None
 
 
+def require_output(path, inputs=()):
+    """Fails now if complete_file() could not write this file later, or if it is one of the inputs
+    under any name. Its folder must exist; `-` is standard output or input."""
+    if str(path) != "-":
+        require_writable_file(path)
+    status = regular_status(path, 1)
+    for name in inputs:
+        other = regular_status(name, 0)
+        if status and other and os.path.samestat(status, other):
+            what = "standard output" if str(path) == "-" else path
+            which = "an input file" if str(path) == str(name) else f"the input file {name}"
+            raise Failed(f"{what} is {which}, and would be overwritten; choose another name")
+
+
+def regular_status(path, descriptor):
+    """Returns the status of a regular file, or None. Terminals and pipes may be both input and
+    output. `-` is the descriptor."""
+    try:
+        status = os.stat(descriptor if str(path) == "-" else path)
+    except OSError:
+        return None
+    return status if stat.S_ISREG(status.st_mode) else None
+
+
 def require_writable_file(path):
-    """Fails now if complete_file() could not write this file later. Its folder must exist."""
     try:
         if os.path.isdir(path):
             raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR))
-        if os.path.exists(path) and not os.path.isfile(path):
-            open(path, "a").close()
+        final = pathlib.Path(os.path.realpath(path))
+        if is_special(path):
+            open(path, "ab").close()
         else:
-            tempfile.TemporaryFile(dir=os.path.dirname(os.path.realpath(path))).close()
+            os.lstat(final.parent)  # names the error of a missing folder
+            with contextlib.suppress(FileNotFoundError):
+                os.lstat(final)  # a name that is too long
+            tempfile.TemporaryFile(dir=final.parent).close()
     except OSError as error:
-        raise Failed(f"{path}: {error.strerror}") from None
+        raise Failed(f"cannot write {path}: {error.strerror}") from None
 
 
 def unpacked(path, directory):
@@ -190,12 +279,18 @@ def unpacked(path, directory):
     if path.suffix.lower() != ".gz":
         return path
     plain = directory / path.stem
-    try:
-        with gzip.open(path, "rb") as source, open(plain, "wb") as target:
-            shutil.copyfileobj(source, target)
-    except (EOFError, zlib.error, gzip.BadGzipFile) as error:
-        raise Failed(f"{path}: {error}") from None
+    with gzip_errors(path), gzip.open(path, "rb") as source, open(plain, "wb") as target:
+        shutil.copyfileobj(source, target)
     return plain
+
+
+@contextlib.contextmanager
+def gzip_errors(path):
+    """Throws Failed with the name of a gzipped file that is truncated or damaged."""
+    try:
+        yield
+    except (EOFError, zlib.error, gzip.BadGzipFile) as error:
+        raise Failed(f"{path}: the file is damaged: {error}") from None
 
 
 # ------------------------------------------------------------------------- machine and program

@@ -15,12 +15,16 @@ import time
 from eses_tools.common import Failed, command_of, complete_file, machine
 
 
+GRACE = 5  # seconds
+
+
 @contextlib.contextmanager
 def delayed_signals():
-    """Delays SIGINT and SIGTERM until the end of the block. An exception of their handlers within
+    """Delays SIGINT, SIGTERM and SIGHUP until the end of the block. An exception of their handlers within
     Popen would leave a process that nobody knows."""
     received = []
-    handlers = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
+    handlers = {number: signal.getsignal(number)
+                for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)}
     changed = [number for number, handler in handlers.items() if handler != signal.SIG_IGN]
     for number in changed:
         signal.signal(number, lambda number, _: received.append(number))
@@ -52,11 +56,24 @@ def run(command, stdout, stderr, **how):
         _, status, usage = os.wait4(process.pid, 0)
     except BaseException:
         if process:
-            os.killpg(process.pid, signal.SIGKILL)  # kill the program, not only the shell
-            process.wait()
+            end_session(process)
         raise
     process.returncode = os.waitstatus_to_exitcode(status)
     return process.returncode, time.perf_counter() - start, usage
+
+
+def end_session(process):
+    """Ends a process that leads a session, and its children. They have some seconds to remove their
+    files and to end programs that they have started."""
+    for number, seconds in ((signal.SIGTERM, GRACE), (signal.SIGKILL, 1)):
+        end = time.monotonic() + seconds
+        with contextlib.suppress(ProcessLookupError, PermissionError):
+            os.killpg(process.pid, number)
+            while time.monotonic() < end:
+                process.poll()
+                os.killpg(process.pid, 0)  # until the session has no process
+                time.sleep(0.01)
+    process.wait()
 
 
 def peak_bytes(usage, report):
@@ -102,11 +119,6 @@ def summarize(measured):
         "peak_bytes": max(cost["peak_bytes"] for cost in costs),
         "runs": costs,
     }
-
-
-def end_on_sigterm():
-    """Makes SIGTERM stop the run and remove temporary files, as Ctrl-C does."""
-    signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))
 
 
 def rings_for(copies):

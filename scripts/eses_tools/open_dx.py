@@ -5,7 +5,7 @@ import itertools
 
 import numpy
 
-from eses_tools.common import Failed
+from eses_tools.common import Failed, gzip_errors
 
 
 class Map:
@@ -32,30 +32,67 @@ class Map:
         return result
 
 
+def read_header(lines, path):
+    """Reads the lines before the values. Returns the points along the axes, origin and steps."""
+    shape, origin, steps = None, None, []
+    for line in lines:
+        words = line.split()
+        if "gridpositions" in words:
+            shape = tuple(map(int, words[-3:]))
+        elif words[:1] == ["origin"]:
+            origin = numpy.array(words[1:4], float)
+        elif words[:1] == ["delta"]:
+            steps.append(list(map(float, words[1:4])))
+        elif words[-2:] == ["data", "follows"]:
+            values = dict(zip(words, words[1:]))
+            if int(values.get("rank", 0)) != 0:
+                raise Failed(f"{path}: the map has vectors; expected a map of a potential, with rank 0")
+            if "items" in values and int(values["items"]) != numpy.prod(shape):
+                raise Failed(f"{path}: {values['items']} items, but {numpy.prod(shape)} points")
+            break
+    return shape, origin, numpy.array(steps)
+
+
+def require_end(line, path):
+    """Throws Failed if a line after the values begins with a number."""
+    try:
+        float(line.split()[0])
+    except (IndexError, ValueError):
+        return
+    raise Failed(f"{path}: more values than points")
+
+
+def read_values(lines, count, path):
+    """Reads a value for each point."""
+    values, place = numpy.empty(count), 0
+    for line in lines:
+        if place == count:
+            require_end(line, path)
+            if line.strip():
+                break
+            continue
+        words = line.split()
+        if place + len(words) > count:
+            require_end(words[count - place], path)
+        found = words[:count - place]
+        values[place:place + len(found)] = found
+        place += len(found)
+    if place < count:
+        raise Failed(f"{path}: fewer values than points")
+    return values
+
+
 def read_map(path):
     """Reads a .dx or .dx.gz file. Throws Failed if it is not a map on a Cartesian grid."""
     opened = gzip.open if path.suffix.lower() == ".gz" else open
-    shape, origin, spacing = None, None, []
     try:
-        with opened(path, "rt", encoding="ascii", errors="replace") as source:
-            for line in source:
-                words = line.split()
-                if "gridpositions" in words:
-                    shape = tuple(map(int, words[-3:]))
-                elif words[:1] == ["origin"]:
-                    origin = numpy.array(words[1:4], float)
-                elif words[:1] == ["delta"]:
-                    spacing.append(list(map(float, words[1:4])))
-                elif words[-2:] == ["data", "follows"]:
-                    break
-            count = int(numpy.prod(shape))
-            words = itertools.chain.from_iterable(map(str.split, source))
-            values = numpy.fromiter(map(float, itertools.islice(words, count)), float, count)
-        axes = numpy.array(spacing)
+        with gzip_errors(path), opened(path, "rt", encoding="ascii", errors="replace") as lines:
+            shape, origin, axes = read_header(lines, path)
+            values = read_values(lines, int(numpy.prod(shape)), path)
         if (axes != numpy.diag(axes.diagonal())).any() or min(shape) < 2 or (
                 not numpy.isfinite(values).all()):
             raise ValueError
-    except (EOFError, TypeError, ValueError):
+    except (TypeError, ValueError):
         raise Failed(f"{path}: not an OpenDX map on a Cartesian grid") from None
     return Map(path, origin, axes.diagonal(), values.reshape(shape))
 

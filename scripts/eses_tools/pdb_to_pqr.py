@@ -13,12 +13,13 @@ import itertools
 import re
 import shutil
 
-from eses_tools.common import Failed
+from eses_tools.common import Failed, gzip_errors
 from eses_tools import mmcif
 from eses_tools.structures import is_assembly_file
 
 OPTIONS = ["--ff=CHARMM"]
 RADII = "charmm"  # name of these radii in tables
+WATERS = frozenset("HOH WAT H2O DOD SOL TIP TP3 T3P T4P SPC".split())
 PACKAGE = "pdb2pqr"  # name of Debian's package; pip installs it under the same name
 
 
@@ -73,22 +74,34 @@ def require_whole_residues(lines):
                      "cannot rebuild the others")
 
 
+def read_records(source, layout):
+    """Returns the lines of a PDB file, or of an mmCIF file in the PDB format."""
+    opened = gzip.open if source.suffix.lower() == ".gz" else open
+    # Remarks may contain any byte.
+    with gzip_errors(source), opened(source, "rt", encoding="latin-1") as file:
+        lines = list(file)
+    return mmcif.to_pdb(lines) if layout == "mmcif" else lines
+
+
+def hetero_residues(source, layout):
+    """Returns name, chain and number of the residues of HETATM records other than water, as
+    text: ligands, metals, and modified residues."""
+    found = (line for line in first_model(read_records(source, layout)) if line.startswith("HETATM"))
+    return list(dict.fromkeys(" ".join((line[17:20] + f" {line[21:22]} " + line[22:27]).split())
+                              for line in found if line[17:20].strip() not in WATERS))
+
+
 def write_protein(source, layout, target):
     """Writes the input of PDB2PQR from a file in the layout pdb or mmcif.
 
     Throws Failed if no atom is left, if most residues have only an alpha carbon, or if the file is
     an assembly of several models.
     """
-    opened = gzip.open if source.suffix.lower() == ".gz" else open
-    # Remarks may contain any byte.
-    with opened(source, "rt", encoding="latin-1") as file:
-        source_lines = list(file)
+    source_lines = read_records(source, layout)
     models = sum(line.startswith("MODEL ") for line in source_lines)
     if is_assembly_file(source.name) and models > 1:
         raise Failed(f"{models} models, which are the copies of an assembly; use the PDB file of "
                      "the entry")
-    if layout == "mmcif":
-        source_lines = mmcif.to_pdb(source_lines)
     lines = [line.rstrip() + "\n" for line in protein_lines(source_lines)]
     if not any(line.startswith("ATOM") for line in lines):
         raise Failed("no ATOM records other than hydrogens")

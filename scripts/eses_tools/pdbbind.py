@@ -33,7 +33,7 @@ import time
 
 from eses_tools.common import (NAME, PROGRAM, Failed, Parser, complete_file, describe_build,
                                end_with, positive, printable, require_writable,
-                               require_writable_file, show, unpacked)
+                               require_output, show, unpacked)
 from eses_tools import pdb_to_pqr, report_page
 from eses_tools.structures import KINDS, find_structures
 from eses_tools import summary, thumbnails
@@ -635,7 +635,7 @@ def run(options, arguments):
     version, threads = ask_program(options.program, arguments, radii_of(options))
     require_writable(options.output)
     path = options.output / (summary.share_name(*options.task) if options.task else summary.NAME)
-    require_writable_file(path)
+    require_output(path)
     lock(options.output, options.task)
 
     received = end_in_order_on_signals()

@@ -168,6 +168,10 @@ def molecule_name(index):
     return f"molecule{index + 1}"
 
 
+def atoms_file(folder, index):
+    return folder / f"{molecule_name(index)}.pqr"
+
+
 def plan(molecules, surfaces):
     """Returns the calculations: all molecules with all surfaces, and the reference of a single
     molecule."""
@@ -331,7 +335,7 @@ def compute(program, apbs, molecules, calculations, grids, settings, folder,
     """Makes the maps and runs APBS in `folder`, and leaves all files there."""
     for index, molecule in enumerate(molecules):
         name = molecule_name(index)
-        write_pqr(folder / f"{name}.pqr", molecule.atoms)
+        write_pqr(atoms_file(folder, index), molecule.atoms)
         if any(map(has_map, calculations)):
             progress(f"dielectric maps of {molecule.path}")
             messages = [write_maps(program, molecule, name + suffix, grid, settings, folder)

@@ -13,10 +13,15 @@ import sys
 
 from eses_tools import quiet_interrupt  # before the modules that take time to load
 
+import contextlib
+import math
 import pathlib
 import shutil
+import subprocess
 
-from eses_tools.common import Failed, Parser, at_least, end_with, positive
+from eses_tools.common import (PAGES, PICTURES, Failed, Parser, at_least, between, complete_file, end_with,
+                               require_kind, require_output)
+from eses_tools import measuring
 
 BACKGROUND = (1, 1, 1)
 PLAIN = (0.62, 0.71, 0.80)  # for meshes without colours
@@ -29,6 +34,7 @@ MAX_LEGEND = 26  # entries; more would not be legible
 PIECES = 6  # parts of an edge of a triangle at the border of patches
 MARGIN = 0.03  # free part of the picture on each side
 LEGEND_WIDTH = 0.14  # part of the picture at the right
+MAX_SIZE = 8000  # pixels; OpenGL draws at most 16384, and each pixel is the mean of several
 FINER = 2  # each pixel is the mean of a square with this side
 OCCLUSION_RADIUS = 12.0  # angstrom
 OCCLUSION_BIAS = 0.1  # angstrom
@@ -36,14 +42,35 @@ OCCLUSION_SAMPLES = 96
 LINE = 0.035  # height of a line of the legend, relative to that of the picture
 
 
-def with_display():
-    """Runs the script again with a display in memory (xvfb) if there is no display."""
+@contextlib.contextmanager
+def display():
+    """Provides a display: that of the user, or one in memory (Xvfb), which ends with the script."""
     if os.environ.get("DISPLAY"):
+        yield
         return
-    server = shutil.which("xvfb-run")
+    server = shutil.which("Xvfb")
     if not server:
         raise Failed("there is no display; install xvfb")
-    os.execv(server, [server, "-a", "-s", "-screen 0 1280x1024x24", sys.executable, *sys.orig_argv[1:]])
+    reading, writing = os.pipe()
+    process = None
+    try:
+        with measuring.delayed_signals():
+            # A session of its own, so that Ctrl-C does not end it before the picture's program.
+            # It chooses a free number, and ends by itself if this script is killed.
+            process = subprocess.Popen(
+                [server, "-displayfd", str(writing), "-terminate", "-nolisten", "tcp", "-screen", "0",
+                 "1280x1024x24"], stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
+                stderr=subprocess.DEVNULL, pass_fds=[writing], start_new_session=True)
+        os.close(writing)
+        with open(reading, encoding="ascii") as numbers:
+            number = numbers.readline().strip()
+        if not number:
+            raise Failed(f"{server}: does not start")
+        os.environ["DISPLAY"] = f":{number}"
+        yield
+    finally:
+        if process:
+            measuring.end_session(process)
 
 
 def import_vtk():
@@ -361,7 +388,8 @@ def add_occlusion(vtk, renderer):
     renderer.SetPass(occlusion)
 
 
-def write_picture(vtk, renderer, legend, options):
+def picture_of(vtk, renderer, legend, options):
+    """Returns the bytes of a PNG file."""
     size = FINER * options.size, FINER * (options.size * 3 // 4)
     window = vtk.vtkRenderWindow()
     window.SetOffScreenRendering(1)
@@ -375,7 +403,14 @@ def write_picture(vtk, renderer, legend, options):
     add_legend(vtk, renderer, legend, size)
     if not options.flat:
         add_occlusion(vtk, renderer)
-    window.Render()
+    try:
+        window.Render()
+        return png_of(vtk, window)
+    finally:
+        window.Finalize()  # before the display ends
+
+
+def png_of(vtk, window):
     grabber = vtk.vtkWindowToImageFilter()
     grabber.SetInput(window)
     grabber.ReadFrontBufferOff()
@@ -384,11 +419,10 @@ def write_picture(vtk, renderer, legend, options):
     mean.SetShrinkFactors(FINER, FINER, 1)
     mean.AveragingOn()
     writer = vtk.vtkPNGWriter()
-    writer.SetFileName(str(options.output))
+    writer.WriteToMemoryOn()
     writer.SetInputConnection(mean.GetOutputPort())
     writer.Write()
-    if not options.output.is_file():
-        raise Failed(f"cannot write {options.output}")
+    return bytes(memoryview(writer.GetResult()))
 
 
 def parse():
@@ -396,15 +430,16 @@ def parse():
     parser.add_argument("meshes", nargs="+", metavar="MESH", type=pathlib.Path,
                         help=".ply, .vtp, .obj, .off, .stl, .glb, .vert or .face file")
     parser.add_argument("-o", "--output", required=True, metavar="FILE", type=pathlib.Path,
-                        help="PNG file to write")
-    parser.add_argument("--size", type=positive, default=1200, metavar="PIXELS",
-                        help="width of the picture; the height is three quarters of it (default: 1200)")
-    parser.add_argument("--azimuth", type=float, default=30, metavar="DEGREES",
+                        help="PNG file to write; - for standard output")
+    parser.add_argument("--size", type=between(4, MAX_SIZE, int), default=1200, metavar="PIXELS",
+                        help="width of the picture; the height is three quarters of it (default: 1200, "
+                             f"at most {MAX_SIZE})")
+    parser.add_argument("--azimuth", type=at_least(-math.inf), default=30, metavar="DEGREES",
                         help="rotation about the vertical axis (default: 30)")
-    parser.add_argument("--elevation", type=float, default=20, metavar="DEGREES",
+    parser.add_argument("--elevation", type=at_least(-math.inf), default=20, metavar="DEGREES",
                         help="elevation of the camera (default: 20)")
-    parser.add_argument("--zoom", type=float, default=1, metavar="FACTOR",
-                        help="magnification; with 1, the default, the meshes just fit")
+    parser.add_argument("--zoom", type=between(0.01, 100), default=1, metavar="FACTOR",
+                        help="magnification, 0.01 to 100; with 1, the default, the meshes just fit")
     parser.add_argument("--no-legend", action="store_true",
                         help="draw no legend of the colours")
     parser.add_argument("--flat", action="store_true",
@@ -418,12 +453,13 @@ def parse():
                              "of the vertices exceed)")
     parser.add_argument("--cavities", action="store_true",
                         help="cut one mesh open where most of its cavities are, and show these")
-    parser.add_argument("--apart", type=float, default=0, metavar="SHARE",
+    parser.add_argument("--apart", type=between(-1000, 1000), default=0, metavar="SHARE",
                         help="move meshes apart by this multiple of their distance from the "
                              "centre (default: 0)")
     options = parser.parse_args()
     if options.cavities and (len(options.meshes) > 1 or options.potential):
         parser.error("--cavities needs a single mesh, without --potential")
+    require_kind(parser, options.output, "a picture", ".png", (*PAGES, *PICTURES[1:]))
     return options
 
 
@@ -433,7 +469,15 @@ def main():
     for path in options.meshes:
         if not meshes.is_mesh(path):
             raise Failed(f"{path}: not a {', '.join(meshes.SUFFIXES[:-1])} or {meshes.SUFFIXES[-1]} file")
-    with_display()
+    require_output(options.output, [*options.meshes, *filter(None, [options.potential])])
+    with display():
+        picture = draw(options)
+    with complete_file(options.output, mode="wb") as target:
+        target.write(picture)
+
+
+def draw(options):
+    """Returns the bytes of a PNG file of the meshes."""
     vtk = import_vtk()
     found = [read_mesh(vtk, path, PIECES, not options.cavities) for path in options.meshes]
     drawn = [mesh for mesh, _ in found]
@@ -446,7 +490,7 @@ def main():
         scene, legend = make_cut_scene(vtk, drawn[0], direction)
     else:
         scene = make_scene(vtk, drawn, options.apart)
-    write_picture(vtk, scene, {} if options.no_legend else legend, options)
+    return picture_of(vtk, scene, {} if options.no_legend else legend, options)
 
 
 def start():

@@ -21,12 +21,11 @@ import io
 import json
 import math
 import pathlib
-import subprocess
 import tempfile
 
-from eses_tools.common import (NAME, PROGRAM, Failed, Parser, describe_build, end_with, printable,
-                               require_writable_file, show)
-from eses_tools import report_page, thumbnails
+from eses_tools.common import (NAME, PICTURES, PROGRAM, Failed, Parser, describe_build, end_with,
+                               gzip_errors, printable, require_kind, require_output, show)
+from eses_tools import measuring, report_page, thumbnails
 
 ERROR = "eses-blocks: error: "  # begins the messages of files that measure has refused
 MIN_SPACING = 0.4  # angstrom, of pictures
@@ -35,10 +34,8 @@ MAX_CELLS = 30000  # of the surface of a picture, which are squares of the spaci
 
 def read_text(path):
     data = path.read_bytes()
-    try:
+    with gzip_errors(path):
         data = gzip.decompress(data) if path.suffix.lower() == ".gz" else data
-    except (EOFError, OSError) as error:
-        raise Failed(f"{path}: {error}") from None
     return data.decode("utf-8", "replace")
 
 
@@ -95,12 +92,17 @@ def file_of(table, row):
 
 def draw(options, path, row):
     """Returns the address of a picture. Throws Failed."""
-    spacing = max(MIN_SPACING, math.sqrt(float(row["ses_area"]) / MAX_CELLS))
+    try:
+        area, probe = float(row["ses_area"]), float(row["probe_radius"])
+    except (KeyError, ValueError):
+        area = probe = math.nan
+    if not (math.isfinite(area) and area >= 0 and math.isfinite(probe)):
+        raise Failed("no picture: the table has no area or probe radius of this structure")
+    spacing = max(MIN_SPACING, math.sqrt(area / MAX_CELLS))
     with tempfile.TemporaryDirectory(prefix="report-") as scratch:
         folder = pathlib.Path(scratch)
-        thumbnails.draw(lambda command, **how: (subprocess.run(
-            command, stdin=subprocess.DEVNULL, check=False, **how).returncode,),
-            [options.program, path, "--probe-radius", row["probe_radius"], "--spacing", spacing,
+        thumbnails.draw(
+            measuring.run, [options.program, path, "--probe-radius", probe, "--spacing", spacing,
              "--margin", 2 * spacing, "--independent", *options.arguments], folder,
             folder / "surface.png")
         return thumbnails.uri(folder / "surface.png")
@@ -149,6 +151,7 @@ def parse():
     options = parser.parse_args(arguments[:at])
     options.arguments = arguments[at + 1:]
     options.program = options.program.absolute()
+    require_kind(parser, options.output, "a page", ".html", PICTURES)
     if options.arguments and not options.pictures:
         parser.error("arguments after -- need --pictures")
     return options
@@ -166,8 +169,9 @@ def main():
         rows = [{**row, "status": "done", "message": ""} for row in rows if not row.get("error")]
         for row in rows:
             row.pop("error", None)
-    if str(options.output) != "-":
-        require_writable_file(options.output)
+    read = [options.table, *([options.messages] if options.messages else ()),
+            *(file_of(options.table, row) for row in rows if options.pictures and "file" in row)]
+    require_output(options.output, read)
     pictures = draw_all(options, rows) if options.pictures else {}
     report_page.write(options.output, rows + failures, columns, options.title or options.table.name,
                       pictures)

@@ -4,6 +4,7 @@ Used by eses-report, and by eses-pdbbind --report.
 """
 
 import html
+import math
 import pathlib
 
 from eses_tools.common import complete_file, printable
@@ -29,11 +30,13 @@ def is_text(rows, name):
 
 
 def value_of(row, name, texts):
-    """Returns a value of a row, which may be text from a file, as JSON stores it."""
+    """Returns a value of a row, which may be text from a file, as JSON stores it. JSON has no NaN
+    and no infinite numbers; they are left out."""
     value = row.get(name, "")
     if name in texts:
         return printable(value)
-    return "" if value in ("", None) else float(value)
+    number = math.nan if value in ("", None) else float(value)
+    return number if math.isfinite(number) else ""
 
 
 def make_report(rows, columns, title, pictures):

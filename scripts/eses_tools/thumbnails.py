@@ -6,12 +6,10 @@ import fnmatch
 import functools
 import subprocess
 import sys
-import threading
 
 from eses_tools.common import FOLDER, Failed
 
 WIDTH = 320  # pixels
-ONE_DISPLAY = threading.Lock()  # xvfb-run can choose one display for two calls at the same time
 HELP = ("draw a small picture of the structures whose {} match, such as '1a*,2b*'; needs VTK "
         "(Debian: python3-vtk9), and xvfb if there is no display")
 
@@ -58,8 +56,7 @@ def draw(run, command, scratch, picture):
 
     call([*command, "--write", "none", "--quiet", "--output-dir", scratch, "--mesh", mesh, "--color",
           "patch"])
-    with ONE_DISPLAY:
-        call([find_interpreter(), FOLDER, "render", mesh, "-o", picture, "--size", WIDTH, "--no-legend"])
+    call([find_interpreter(), FOLDER, "render", mesh, "-o", picture, "--size", WIDTH, "--no-legend"])
 
 
 def uri(picture):

@@ -28,12 +28,11 @@ import io
 import json
 import pathlib
 import shutil
-import stat
 import time
 import warnings
 
 from eses_tools.common import (IS_INSTALLED, NAME, PROJECT, Failed, Parser, at_least, complete_file, end_with,
-                               positive, printable, require_writable_file, show)
+                               positive, printable, require_output, show)
 
 LEVELS = ("frame", "chain", "residue")
 MAX_VALUES = 2_000_000  # atoms by frames that are measured at a time
@@ -321,16 +320,6 @@ def identity_of(version, frames, options):
                         if name not in ("files", "output", "threads", "start", "stop", "stride")}}
 
 
-def refuse_inputs_as_output(options):
-    try:
-        output = os.fstat(1) if options.output == "-" else os.stat(options.output)
-    except OSError:
-        return
-    for path in inputs_of(options):
-        if stat.S_ISREG(output.st_mode) and os.path.exists(path) and os.path.samestat(os.stat(path), output):
-            raise Failed(f"{options.output}: the output is an input file")
-
-
 # ------------------------------------------------------------------------------------ command line
 
 
@@ -402,9 +391,7 @@ def measure_all(eses, universe, plan, frames, options, finished):
 
 def main():
     options = parse_options()
-    refuse_inputs_as_output(options)
-    if options.output != "-":
-        require_writable_file(options.output)
+    require_output(options.output, inputs_of(options))
     if not IS_INSTALLED:
         sys.path.append(str(PROJECT / "build/python"))
     warnings.showwarning = show_warning

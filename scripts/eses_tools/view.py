@@ -4,7 +4,8 @@ Files are structures (xyzr, PQR, PDB, mmCIF) or meshes of eses-blocks --mesh. Se
 side by side. The page needs no network and no other file. It has the surface, the atoms of
 structures, and controls for colours, a clip plane and pictures.
 
---electrostatics computes the potential of one PDB, mmCIF or PQR file with PDB2PQR and APBS.
+--electrostatics computes the potential of one PDB, mmCIF or PQR file with PDB2PQR and APBS. PDB2PQR
+has no charges for ligands, metals and modified residues (HETATM records), which a warning names.
 Arguments after -- are passed to eses-blocks and choose how structures are read, such as
 -- --radii bondi --chains A. Needs numpy (Debian: python3-numpy).
 """
@@ -22,8 +23,9 @@ import pathlib
 import subprocess
 import tempfile
 
-from eses_tools.common import (NAME, PROGRAM, Failed, Parser, at_least, complete_file,
-                               describe_build, end_with, require_writable_file, show)
+from eses_tools.common import (NAME, PICTURES, PROGRAM, Failed, Parser, at_least, command_of,
+                               complete_file, describe_build, end_with, require_kind,
+                               require_output, show)
 from eses_tools import measuring, pdb_to_pqr
 from eses_tools.structures import KINDS, split_name
 
@@ -31,6 +33,7 @@ meshes = open_dx = page = None  # imported after --help and the checks of the ar
 
 MIN_SPACING = 0.25  # angstrom, of structures without --spacing
 MAX_TRIANGLES = 1e6  # of a structure without --spacing
+MAX_NAMES = 8  # of residues in a message
 TRIANGLES_PER_CELL = 3  # of surface whose area is the square of the spacing
 
 
@@ -85,6 +88,7 @@ def prepare_pqr(path, folder):
                      f"{pdb_to_pqr.PACKAGE}`")
     show(f"PDB2PQR: {path}")
     try:
+        warn_about_ligands(path, pdb_to_pqr.hetero_residues(path, layout))
         pdb_to_pqr.write_protein(path, layout, folder / "protein.pdb")
     except Failed as error:
         raise Failed(f"{path}: {error}") from None
@@ -101,18 +105,28 @@ def prepare_pqr(path, folder):
     return made
 
 
+def warn_about_ligands(path, residues):
+    """Says whose potential is shown, if PDB2PQR does not get all residues."""
+    if residues:
+        more = f" and {len(residues) - MAX_NAMES} more" if len(residues) > MAX_NAMES else ""
+        say(f"warning: {path}: {', '.join(residues[:MAX_NAMES])}{more} left out, because PDB2PQR has "
+            "no charges for ligands, metals and modified residues; surface and potential are those of "
+            "the protein without them; to show them, give a PQR file with their charges")
+
+
 def compute_potential(options, atoms, folder):
     """Returns the file of the potential around a PQR file, which eses-apbs computes."""
     potential = folder / "potential.dx"
-    # Its messages and progress go to standard error, as those of this script.
-    done = subprocess.run(
-        [*command_of("apbs"), atoms, "--write-potential", potential, "--json", "--program",
-         options.program, "--probe-radius", str(options.probe_radius), "--ionic-strength",
-         str(options.ionic_strength)], stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, text=True,
-        check=False)
-    if done.returncode != 0:
-        raise Failed("eses-apbs has failed, see the message above")
-    energy = json.loads(done.stdout)["solvation_energy"]
+    with open(folder / "energies.json", "w+", encoding="utf-8") as report:
+        # Its messages and progress go to standard error, as those of this script.
+        code, _, _ = measuring.run(
+            [*command_of("apbs"), atoms, "--write-potential", potential, "--json", "--program",
+             options.program, "--probe-radius", options.probe_radius, "--ionic-strength",
+             options.ionic_strength], report, None)
+        report.seek(0)
+        if code != 0:
+            raise Failed("eses-apbs has failed, see the message above")
+        energy = json.load(report)["solvation_energy"]
     say(f"solvation energy {next(iter(energy.values())):.2f} kJ/mol")
     return potential
 
@@ -299,6 +313,7 @@ def complete_options(parser, options):
                                ("--atoms", options.atoms, page.STYLES)):
         if value is not None and value not in known:
             parser.error(f"{name}: {value} is none of {', '.join(known)}")
+    require_kind(parser, options.output, "a page", ".html", PICTURES)
     is_mesh = [meshes.is_mesh(path) for path in options.files]
     for path, known in zip(options.files, is_mesh):
         if not known and split_name(path.name) is None:
@@ -327,11 +342,9 @@ def main():
     for path in (*options.files, *(options.potential or ())):
         if not path.is_file():
             raise Failed(f"{path}: no such file")
-    if str(options.output) != "-":
-        require_writable_file(options.output)
+    require_output(options.output, (*options.files, *(options.potential or ())))
     if options.needs_program:
         describe_build(options.program)
-    measuring.end_on_sigterm()
     molecules = make_molecules(options)
     show("writing the page")
     text = page.make_page(molecules, options.title, options.color, options.atoms, options.opacity,

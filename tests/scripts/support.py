@@ -67,7 +67,7 @@ def can_import(script, module):
 
 def can_draw():
     """Whether scripts/render works."""
-    has_display = os.environ.get("DISPLAY") or shutil.which("xvfb-run")
+    has_display = os.environ.get("DISPLAY") or shutil.which("Xvfb")
     return bool(has_display) and can_import(SCRIPTS / "render", "vtk")
 
 

@@ -174,8 +174,7 @@ class Assemble(TestCase):
 
     def test_invalid_options_are_refused(self):
         for arguments in ((), (DATA / "c60.xyzr", "--copies", "0"),
-                          (DATA / "c60.xyzr", "--gap", "-1"), (DATA / "c60.xyzr", "--gap", "nan"),
-                          (DATA / "c60.xyzr", "-o", DATA / "c60.xyzr")):
+                          (DATA / "c60.xyzr", "--gap", "-1"), (DATA / "c60.xyzr", "--gap", "nan")):
             self.refused(*arguments, code=2)
 
     def test_wrong_input_is_refused(self):

@@ -12,7 +12,7 @@ import unittest.mock
 
 from support import DATA, PROGRAM, TestCase, run, write_program
 
-from eses_tools import measuring  # after support, which makes the modules of the scripts known
+from eses_tools import common, measuring  # after support, which makes the modules of the scripts known
 
 COLUMNS = ("structure", "atoms", "points", "CPU s", "wall s", "peak MB", "MB out", "x copy")
 
@@ -34,12 +34,12 @@ class Run(unittest.TestCase):
                 signal.raise_signal(signal.SIGTERM)
 
         self.addCleanup(signal.signal, signal.SIGTERM, signal.getsignal(signal.SIGTERM))
-        measuring.end_on_sigterm()
+        common.end_on_signals()
         with unittest.mock.patch("subprocess.Popen", Interrupted), \
                 self.assertRaises(SystemExit) as ended:
             measuring.run(["sleep", "3600"], subprocess.DEVNULL, subprocess.DEVNULL)
         self.assertEqual(ended.exception.code, 143)
-        self.assertEqual(started[0].returncode, -signal.SIGKILL)
+        self.assertEqual(started[0].returncode, -signal.SIGTERM)
         end = time.monotonic() + 600
         with self.assertRaises(ProcessLookupError):  # until the session has no process
             while time.monotonic() < end:

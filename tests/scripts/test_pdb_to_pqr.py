@@ -1,6 +1,8 @@
 """Tests of scripts/lib/pdb_to_pqr.py: the input of PDB2PQR."""
 
 import gzip
+import pathlib
+import tempfile
 import unittest
 
 from support import TestCase
@@ -29,6 +31,17 @@ class Cleaning(unittest.TestCase):
         self.assertEqual(names(["HEADER\n", *map(atom, BACKBONE), "TER\n", "CONECT    1\n",
                                 atom("ZN  ", "ZN ", 9, record="HETATM"), "END\n"]),
                          [*BACKBONE, "TER"])
+
+    def test_hetatm_residues_without_water_are_named(self):
+        lines = [atom(" CA "), atom("FE  ", "HEM", 155, record="HETATM"), atom(" NA ", "HEM", 155, record="HETATM"),
+                 atom("ZN  ", " ZN", 301, " ", record="HETATM"), atom(" O  ", "HOH", 400, record="HETATM"),
+                 atom(" O  ", "WAT", 401, record="HETATM"), "ENDMDL\n", atom("CA  ", " CA", 9, record="HETATM")]
+        with tempfile.TemporaryDirectory() as folder:
+            for name, opened in (("a.pdb", open), ("a.pdb.gz", gzip.open)):
+                path = pathlib.Path(folder, name)
+                with opened(path, "wt") as file:
+                    file.writelines(lines)
+                self.assertEqual(pdb_to_pqr.hetero_residues(path, "pdb"), ["HEM A 155", "ZN 301"])
 
     def test_hydrogens_are_removed_by_element(self):
         lines = [atom(" CA ", element="C"), atom(" HA ", element="H"), atom(" DB ", element="D"),

@@ -10,6 +10,7 @@ import json
 import math
 import os
 import re
+import shutil
 import subprocess
 import unittest
 
@@ -144,6 +145,16 @@ class Files(TestCase):
         self.assertEqual(data_of(self.page)[0]["molecules"][0]["residues"][0][0], "</script>")
         self.assertNotIn("<b>", text)
         self.assertNotIn("a<script>", text)
+
+    @unittest.skipUnless(shutil.which("pdb2pqr") or shutil.which("pdb2pqr30"), "needs pdb2pqr")
+    def test_ligands_without_charges_are_named(self):
+        """The file has no atom of a protein, so that PDB2PQR is not started."""
+        source = self.folder / "heme.pdb"
+        source.write_text("HETATM    1 FE   HEM A 155       1.000   2.000   3.000  1.00  0.00          FE\n")
+        done = run_view(source, "--electrostatics", "-o", self.page)
+        self.assertDone(done, 1)
+        self.assertIn("heme.pdb: HEM A 155 left out, because PDB2PQR has no charges", done.stderr)
+        self.assertIn("of the protein without them", done.stderr)
 
     def test_wrong_requests_are_refused(self):
         mesh = self.mesh("m.ply")

@@ -1,0 +1,188 @@
+"""Tests of the one rule for outputs of all tools: nothing that is read is written, links are kept,
+devices stay, an old file stays if the new one cannot be written, and signals leave nothing behind."""
+
+import gzip
+import os
+import pathlib
+import shutil
+import signal
+import subprocess
+import time
+import unittest
+
+from support import DATA, PROGRAM, SCRIPTS, TestCase, can_draw, can_import, command, run, write_map
+
+OVERWRITTEN = "and would be overwritten; choose another name"
+
+
+class Outputs(TestCase):
+    def setUp(self):
+        super().setUp()
+        self.atoms = pathlib.Path(shutil.copy(DATA / "c60.xyzr", self.folder))
+        self.mesh, self.table = self.folder / "m.ply", self.folder / "t.csv"
+        self.charged = self.folder / "ion.pqr"
+        self.charged.write_text("ATOM 1 C ION 1 0 0 0 1.00 2.00\n")
+        self.run_program(self.atoms, "-q", "--write", "none", "--mesh", self.mesh, "--spacing", "0.8")
+        self.run_program("measure", self.atoms, "-q", "--csv", self.table)
+        self.potential = write_map(self.folder / "x.dx", 5)
+
+    def run_program(self, *arguments):
+        self.assertDone(subprocess.run([PROGRAM, *arguments], capture_output=True, text=True, check=False))
+
+    def writers(self):
+        """Yields tool, arguments, the option of the output, and an input, which exists."""
+        yield "assemble", ["--copies", 1, "--rings", 1, self.atoms], "-o", self.atoms
+        yield "report", [self.table], "-o", self.table
+        if shutil.which("apbs"):
+            yield ("apbs", [self.charged, "--program", PROGRAM, "--spacing", 1], "--write-potential",
+                   self.charged)
+        if can_import(SCRIPTS / "view", "numpy"):
+            yield "view", [self.atoms, "--program", PROGRAM], "-o", self.atoms
+            yield "view", [self.mesh, "--potential", self.potential], "-o", self.potential
+        if can_draw():
+            yield "render", [self.mesh, "--size", 40], "-o", self.mesh
+            yield "render", [self.mesh, "--potential", self.potential, "--size", 40], "-o", self.potential
+
+    def name_for(self, tool, path):
+        """Returns a name of an output that the tool accepts."""
+        return path.with_suffix(".dx") if tool == "apbs" else path.with_suffix(".out")
+
+    def test_inputs_are_not_overwritten(self):
+        for tool, arguments, option, read in self.writers():
+            before = read.read_bytes()
+            hard, soft = (self.name_for(tool, self.folder / name) for name in ("hard", "soft"))
+            os.link(read, hard)
+            soft.symlink_to(read.name)
+            for output in (hard, soft, *(() if tool == "apbs" else (read,))):
+                with self.subTest(tool=tool, output=output.name):
+                    done = run(tool, *arguments, option, output)
+                    self.assertDone(done, 1)
+                    self.assertIn(OVERWRITTEN, done.stderr)
+                    self.assertEqual(read.read_bytes(), before)
+            hard.unlink()
+            soft.unlink()
+
+    def test_standard_output_is_not_an_input(self):
+        before = self.atoms.read_bytes()
+        with open(self.atoms, "ab") as output:
+            done = subprocess.run(command("assemble", self.atoms), stdout=output, stderr=subprocess.PIPE,
+                                  text=True, check=False)
+        self.assertEqual(done.returncode, 1)
+        self.assertIn(OVERWRITTEN, done.stderr)
+        self.assertEqual(self.atoms.read_bytes(), before)
+
+    def test_links_devices_and_old_files_stay(self):
+        for tool, arguments, option, _ in self.writers():
+            old, link, full = (self.name_for(tool, self.folder / name) for name in ("old", "link", "full"))
+            old.write_text("old")
+            link.symlink_to(old.name)
+            full.symlink_to("/dev/full")
+            with self.subTest(tool=tool):
+                done = run(tool, *arguments, option, full)
+                self.assertDone(done, 1)
+                self.assertIn(f"{full}: No space left on device", done.stderr)
+                self.assertTrue(full.is_symlink() and full.is_char_device())
+                self.assertDone(run(tool, *arguments, option, self.name_for(tool, self.folder / "no/x")), 1)
+                self.assertDone(run(tool, *arguments, option, self.name_for(tool, self.folder / ("y" * 253))), 1)
+                self.assertEqual(old.read_text(), "old")
+                self.assertDone(run(tool, *arguments, option, link))
+                self.assertTrue(link.is_symlink())
+                self.assertGreater(old.stat().st_size, 100)
+            for path in (old, link, full):
+                path.unlink()
+
+    def test_long_names_are_written(self):
+        for tool, arguments, option, _ in self.writers():
+            output = self.name_for(tool, self.folder / ("y" * 245))
+            with self.subTest(tool=tool):
+                self.assertDone(run(tool, *arguments, option, output))
+                output.unlink()
+
+    def test_kept_files_of_apbs_are_not_its_inputs(self):
+        if not shutil.which("apbs"):
+            self.skipTest("apbs is not installed")
+        source = self.folder / "molecule1.pqr"
+        self.charged.rename(source)
+        done = run("apbs", source, "--program", PROGRAM, "--spacing", 1, "--keep", self.folder)
+        self.assertDone(done, 1)
+        self.assertIn(OVERWRITTEN, done.stderr)
+
+    def test_pages_and_pictures_are_not_confused(self):
+        for tool, source, name in (("report", self.table, "a.png"), ("render", self.mesh, "a.html"),
+                                   ("render", self.mesh, "a.jpg")):
+            done = run(tool, source, "-o", self.folder / name)
+            self.assertDone(done, 2)
+            self.assertIn("use a name that ends in", done.stderr)
+
+    def test_numbers_of_render_are_checked(self):
+        for option, value in (("--size", 100000000), ("--size", 0), ("--zoom", "nan"), ("--zoom", 0),
+                              ("--zoom", 1e300), ("--azimuth", "inf"), ("--elevation", "nan"),
+                              ("--apart", "inf")):
+            done = run("render", self.mesh, "-o", self.folder / "a.png", option, value)
+            self.assertDone(done, 2)
+            self.assertIn(f"argument {option}: expected a", done.stderr)
+
+    def test_damaged_files_are_named(self):
+        packed = gzip.compress(self.table.read_bytes())
+        for data in (packed[:-9], packed[:30] + b"####" + packed[34:], b"nothing"):
+            (self.folder / "t.csv.gz").write_bytes(data)
+            done = run("report", self.folder / "t.csv.gz", "-o", self.folder / "a.html")
+            self.assertDone(done, 1)
+            self.assertIn("t.csv.gz: the file is damaged", done.stderr)
+            self.assertNotIn("Traceback", done.stderr)
+
+    def test_pages_have_no_numbers_that_json_lacks(self):
+        self.table.write_text("file,atoms,ses_area\na,10,nan\nb,inf,3\nc,-inf,Infinity\n")
+        page = self.folder / "a.html"
+        self.assertDone(run("report", self.table, "-o", page))
+        for word in ("NaN", "Infinity"):
+            self.assertNotIn(word, page.read_text().partition('id="rows">')[2].partition("</script>")[0])
+
+
+@unittest.skipUnless(can_draw() and not os.environ.get("DISPLAY"), "needs python3-vtk9 and xvfb, no display")
+class Signals(TestCase):
+    def processes(self, scratch):
+        """Returns the names of the processes that have this folder for temporary files."""
+        names = []
+        for process in pathlib.Path("/proc").glob("[0-9]*"):
+            try:
+                if f"TMPDIR={scratch}".encode() in (process / "environ").read_bytes().split(b"\0"):
+                    names.append((process / "comm").read_text().strip())
+            except OSError:
+                pass  # it has ended, or belongs to another user
+        return names
+
+    def check(self, number, started, *arguments):
+        """Sends the signal as soon as a program of this name runs."""
+        scratch = self.folder / "scratch"
+        scratch.mkdir(exist_ok=True)
+        end = time.monotonic() + 100
+        with subprocess.Popen(command(*arguments), env={**os.environ, "TMPDIR": str(scratch)},
+                              stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True) as process:
+            while (process.poll() is None and time.monotonic() < end
+                   and started not in self.processes(scratch)):
+                time.sleep(0.01)
+            process.send_signal(number)
+            _, errors = process.communicate(timeout=100)
+        self.assertNotIn("Traceback", errors)
+        self.assertEqual(process.returncode, 128 + number)
+        self.assertEqual(list(scratch.iterdir()), [])
+        self.assertEqual(self.processes(scratch), [])
+
+    def test_signals_leave_nothing(self):
+        mesh, table = self.folder / "m.ply", self.folder / "t.csv"
+        for arguments in (("--mesh", mesh, "--write", "none", "--spacing", "0.3", DATA / "1ubq.xyzr"),
+                          ("measure", "--csv", table, DATA / "1ubq.xyzr", DATA / "achbp.xyzr")):
+            self.assertDone(subprocess.run([PROGRAM, "-q", *arguments] if arguments[0] != "measure" else
+                                           [PROGRAM, *arguments, "-q"], capture_output=True, text=True,
+                                           check=False))
+        for number in (signal.SIGTERM, signal.SIGINT):
+            with self.subTest(signal=number):
+                self.check(number, "Xvfb", "render", mesh, "-o", self.folder / "a.png", "--size", 2000)
+                self.check(number, "Xvfb", "report", table, "-o", self.folder / "a.html", "--pictures", "*",
+                           "--program", PROGRAM)
+        self.assertEqual([path.name for path in self.folder.iterdir() if "part" in path.name], [])
+
+
+if __name__ == "__main__":
+    unittest.main()
