@@ -25,6 +25,24 @@ constexpr int direction_bins = 24, fine_bins = 64;
 
 constexpr int bin_count(int bins) { return bins * (bins + 1) / 2; }
 
+// The discs of octant 0: their centres, and cosine and sine of their angular radii with slack.
+struct DiscCones {
+  std::array<double, DiscSet::discs_per_octant> x{}, y{}, z{}, cosine{}, sine{};
+};
+
+// The cone around the directions of a bin: its axis, and cosine and sine of its angular radius.
+struct BinCone {
+  Vec3 axis;
+  double cosine = 1, sine = 0;
+};
+
+// Steps of the caps in a bin, by disc of an octant.
+struct FirstSteps {
+  static constexpr std::size_t padded = DiscSet::discs_per_octant;
+  std::array<std::int32_t, padded> containing{};  // first step all of whose caps contain the disc
+  std::array<std::int32_t, padded> meeting{};     // first step that has a cap that meets the disc
+};
+
 }  // namespace
 }  // namespace eses::detail
 #endif  // ESES_GEOMETRY_DISC_MASKS_SHARED_
@@ -62,6 +80,38 @@ void find_entries(const CapList& caps, double inverse_radius, DiscEntries& entri
         one_if_negative(x) + broadcast(2) * one_if_negative(y) + broadcast(4) * one_if_negative(z);
     hn::StoreU(hn::DemoteTo(Indices(), entry), Indices(), &entries.entry[k]);
     hn::StoreU(hn::DemoteTo(Indices(), octant), Indices(), &entries.octant[k]);
+  }
+}
+
+// Finds the first steps for the discs of an octant. `containing` is `steps` if there is none, and
+// the last step of `meeting` has all large caps. With the angle a from the axis to the centre of a
+// disc, and the sum b of both radii, the farthest and the nearest points of the disc are a + b and
+// a - b away from some direction of the bin.
+void find_first_steps(const BinCone& bin, const DiscCones& discs, std::size_t octant,
+                      FirstSteps& first) {
+  const Doubles doubles;
+  const auto sign = [&](std::size_t axis) { return (octant >> axis & 1) != 0 ? -1.0 : 1.0; };
+  const auto axis_x = broadcast(sign(0) * bin.axis.x), axis_y = broadcast(sign(1) * bin.axis.y),
+             axis_z = broadcast(sign(2) * bin.axis.z);
+  const auto bin_cosine = broadcast(bin.cosine), bin_sine = broadcast(bin.sine);
+  const auto one = broadcast(1), last = broadcast(DiscTable::steps - 1);
+  const auto per_unit = broadcast(DiscTable::steps_per_unit);
+  const auto store = [](DoubleVector step, std::int32_t* to) {
+    hn::StoreU(hn::DemoteTo(Indices(), step), Indices(), to);
+  };
+  for (std::size_t d = 0; d < DiscSet::discs_per_octant; d += hn::Lanes(doubles)) {
+    const auto disc_cosine = load(&discs.cosine[d]), disc_sine = load(&discs.sine[d]);
+    const auto spread_cosine = bin_cosine * disc_cosine - bin_sine * disc_sine;
+    const auto spread_sine = bin_sine * disc_cosine + bin_cosine * disc_sine;
+    const auto cosine =
+        axis_x * load(&discs.x[d]) + axis_y * load(&discs.y[d]) + axis_z * load(&discs.z[d]);
+    const auto sine = hn::Sqrt(hn::Max(broadcast(0), (one - cosine) * (one + cosine)));
+    const auto along = cosine * spread_cosine, across = sine * spread_sine;
+    const auto containing = hn::Min((one - (along - across)) * per_unit + one, last + one);
+    const auto meeting = hn::Max((one - (along + across)) * per_unit, broadcast(0));
+    const auto is_opposite = cosine <= hn::Neg(spread_cosine), is_within = cosine >= spread_cosine;
+    store(hn::IfThenElse(is_opposite, last + one, containing), &first.containing[d]);
+    store(hn::IfThenElse(is_within, broadcast(0), hn::Min(meeting, last)), &first.meeting[d]);
   }
 }
 
@@ -209,23 +259,6 @@ void for_each_bin(int bins, Action&& action) {
     for (int u = 0; u + v < bins; ++u) action(index++, Bin(u, v, bins));
 }
 
-Vec3 mirrored(Vec3 direction, std::size_t octant) {
-  for (std::size_t axis = 0; axis < 3; ++axis)
-    if ((octant >> axis & 1) != 0) direction[axis] = -direction[axis];
-  return direction;
-}
-
-// An angle of at most a right angle, by its cosine and sine.
-struct Angle {
-  double cosine, sine;
-
-  explicit Angle(double radians) : cosine(std::cos(radians)), sine(std::sin(radians)) {}
-  Angle(double c, double s) : cosine(c), sine(s) {}
-  friend Angle operator+(const Angle& a, const Angle& b) {
-    return {a.cosine * b.cosine - a.sine * b.sine, a.sine * b.cosine + a.cosine * b.sine};
-  }
-};
-
 // Cosine and sine of the angle between the middle of a bin and the centre of a disc.
 struct Separation {
   double cosine, sine;
@@ -234,21 +267,22 @@ struct Separation {
       : cosine(of), sine(std::sqrt(std::max(0.0, (1 - of) * (1 + of)))) {}
 };
 
-// Returns the first step all of whose caps contain a disc, or `steps` if there is none. `spread` is
-// the sum of the radii of bin and disc.
-int first_containing(const Separation& separation, const Angle& spread) {
-  if (separation.cosine <= -spread.cosine) return DiscTable::steps;
-  const double farthest = separation.cosine * spread.cosine - separation.sine * spread.sine;
-  return std::min(static_cast<int>((1 - farthest) * DiscTable::steps_per_unit) + 1,
-                  DiscTable::steps);
-}
-
-// Returns the first step that has a cap that meets the disc. The last step has all large caps.
-int first_meeting(const Separation& separation, const Angle& spread) {
-  if (separation.cosine >= spread.cosine) return 0;
-  const double nearest = separation.cosine * spread.cosine + separation.sine * spread.sine;
-  return std::clamp(static_cast<int>((1 - nearest) * DiscTable::steps_per_unit), 0,
-                    DiscTable::steps - 1);
+// Fills the entries of a bin.
+void fill_bin(const BinCone& bin, const DiscCones& discs, std::span<CapDiscs> by_step) {
+  FirstSteps first;
+  for (std::size_t o = 0; o < DiscSet::octants; ++o) {
+    ESES_BEST_VERSION(find_first_steps)(bin, discs, o, first);
+    for (std::size_t d = 0; d < DiscSet::discs_per_octant; ++d) {
+      const auto bit = std::uint32_t{1} << d;
+      const auto containing = static_cast<std::size_t>(first.containing[d]);
+      if (containing < by_step.size()) by_step[containing].contained.words[o] |= bit;
+      by_step[static_cast<std::size_t>(first.meeting[d])].met.words[o] |= bit;
+    }
+  }
+  for (std::size_t step = 1; step < by_step.size(); ++step) {
+    by_step[step].contained.add(by_step[step - 1].contained);
+    by_step[step].met.add(by_step[step - 1].met);
+  }
 }
 
 }  // namespace
@@ -262,9 +296,10 @@ DiscTable::DiscTable()
   min_cosine.fill(1);
   for_each_bin(fine_bins, [&](std::size_t index, const Bin& bin) {
     const Vec3 middle = bin.middle();
-    std::size_t nearest = 0;
-    for (std::size_t d = 1; d < centers.size(); ++d)
-      if (dot(centers[d], middle) > dot(centers[nearest], middle)) nearest = d;
+    std::array<double, DiscSet::discs_per_octant> cosines{};
+    for (std::size_t d = 0; d < centers.size(); ++d) cosines[d] = dot(centers[d], middle);
+    const auto nearest = static_cast<std::size_t>(std::max_element(cosines.begin(), cosines.end()) -
+                                                  cosines.begin());
     disc_at_[index] = static_cast<std::uint8_t>(nearest);
     min_cosine[nearest] = std::min(min_cosine[nearest], bin.min_cosine(centers[nearest]));
   });
@@ -289,27 +324,19 @@ DiscTable::DiscTable()
     }
   }
 
-  std::vector<Angle> disc_angles;
-  for (const double radius : radii) disc_angles.emplace_back(radius + slack);
+  DiscCones discs;
+  for (std::size_t d = 0; d < centers.size(); ++d) {
+    discs.x[d] = centers[d].x;
+    discs.y[d] = centers[d].y;
+    discs.z[d] = centers[d].z;
+    discs.cosine[d] = std::cos(radii[d] + slack);
+    discs.sine[d] = std::sin(radii[d] + slack);
+  }
   for_each_bin(direction_bins, [&](std::size_t index, const Bin& bin) {
-    const std::span<CapDiscs> by_step = std::span(entries_).subspan(index * steps, steps);
     const Vec3 middle = bin.middle();
-    const Angle radius(std::acos(bin.min_cosine(middle)));
-    for (std::size_t d = 0; d < centers.size(); ++d) {
-      const Angle spread = radius + disc_angles[d];
-      for (std::size_t o = 0; o < DiscSet::octants; ++o) {
-        const Separation separation(dot(middle, mirrored(centers[d], o)));
-        const int containing = first_containing(separation, spread);
-        const auto bit = std::uint32_t{1} << d;
-        if (containing < steps)
-          by_step[static_cast<std::size_t>(containing)].contained.words[o] |= bit;
-        by_step[static_cast<std::size_t>(first_meeting(separation, spread))].met.words[o] |= bit;
-      }
-    }
-    for (std::size_t step = 1; step < by_step.size(); ++step) {
-      by_step[step].contained.add(by_step[step - 1].contained);
-      by_step[step].met.add(by_step[step - 1].met);
-    }
+    const double cosine = bin.min_cosine(middle);
+    fill_bin({middle, cosine, Separation(cosine).sine}, discs,
+             std::span(entries_).subspan(index * steps, steps));
   });
 }
 
