@@ -7,7 +7,7 @@ import functools
 import html
 import importlib
 import os
-from typing import Any, Iterator, Optional, Union
+from typing import Any, Iterable, Iterator, Optional, Union
 
 import numpy as np
 import numpy.typing as npt
@@ -117,6 +117,11 @@ class Measurement:
         column.flags.writeable = False
         return column
 
+    @property
+    def _has_ses(self) -> bool:
+        """Whether the solvent excluded surface was measured."""
+        return self._measures.ses_area == self._measures.ses_area
+
     def __reduce__(self) -> Any:
         return Measurement, (self._molecule, self._surface, self._measures, self._reported, self._reference)
 
@@ -130,7 +135,9 @@ class Measurement:
     @property
     def ses_area(self) -> float:
         """Area of the reported atoms on the solvent excluded surface."""
-        return self._measures.ses_area if self._reported is None else float(np.nansum(self._ses))
+        if self._reported is None or not self._has_ses:
+            return self._measures.ses_area
+        return float(np.nansum(self._ses))
 
     @property
     def sas_area(self) -> float:
@@ -240,7 +247,7 @@ class Measurement:
     def _sums(self, starts: npt.NDArray[np.int64]) -> tuple[dict[str, Any], _Bools]:
         """Returns the columns of sums over runs of atoms, and the runs with a reported atom."""
         is_known = ~np.isnan(self._sas)
-        sas, ses = np.nan_to_num(self._sas), np.nan_to_num(self._ses)
+        sas, ses = np.nan_to_num(self._sas), np.nan_to_num(self._ses) if self._has_ses else self._ses
 
         def add(column: Any) -> Any:
             return np.add.reduceat(column, starts)
@@ -331,8 +338,10 @@ class Measurement:
         return values + rows[np.cumsum(index)]
 
     def _facts(self) -> list[tuple[str, str]]:
-        facts = [("SES area", f"{self.ses_area:.2f} Å²"), ("SES volume", f"{self.ses_volume:.2f} Å³"),
-                 ("SAS area", f"{self.sas_area:.2f} Å²"),
+        facts = [("SES area", f"{self.ses_area:.2f} Å²"), ("SES volume", f"{self.ses_volume:.2f} Å³")]
+        if not self._has_ses:
+            facts = []
+        facts += [("SAS area", f"{self.sas_area:.2f} Å²"),
                  ("polar, apolar SAS area", f"{self.polar:.2f}, {self.apolar:.2f} Å²"),
                  ("radii", f"{self.radii.name}, {self.radii.source}"),
                  ("atoms", f"{len(self._molecule.kept)}")]
@@ -345,8 +354,8 @@ class Measurement:
         return facts
 
     def __repr__(self) -> str:
-        return (f"<eses_blocks.Measurement: SES area {self.ses_area:.6g}, SES volume {self.ses_volume:.6g}, "
-                f"SAS area {self.sas_area:.6g}, radii {self.radii.name}>")
+        ses = f"SES area {self.ses_area:.6g}, SES volume {self.ses_volume:.6g}, " if self._has_ses else ""
+        return f"<eses_blocks.Measurement: {ses}SAS area {self.sas_area:.6g}, radii {self.radii.name}>"
 
     def _repr_html_(self) -> str:
         rows = "".join(f"<tr><th>{name}</th><td>{html.escape(text)}</td></tr>" for name, text in self._facts())
@@ -380,10 +389,19 @@ def _mask_of(report: Any, count: int, select: Any) -> Optional[_Bools]:
     return mask
 
 
+def _surfaces_in(surfaces: Union[str, Iterable[str]]) -> set[str]:
+    """Returns the surfaces of a choice, without repetitions."""
+    known = {"ses", "sas", "vdw"}
+    chosen = {surfaces} if isinstance(surfaces, str) else set(surfaces)
+    if not chosen or not chosen <= known | {"all"}:
+        raise ValueError(f"surfaces must be ses, sas, vdw or all, or several of them, not {surfaces!r}")
+    return known if "all" in chosen else chosen
+
+
 def measure(molecule: Any, radii: Any = None, *, probe_radius: float = 1.4, report: Any = None,
             waters: bool = False, hydrogens: str = "auto", unknown_radius: Optional[float] = None,
-            frame: int = 0, reference: str = "tien", van_der_waals: bool = False, derivatives: bool = False,
-            fill_cavities: Union[bool, float] = False, threads: int = 0, **options: Any) -> Measurement:
+            frame: int = 0, reference: str = "tien", surfaces: Union[str, Iterable[str]] = ("ses", "sas"),
+            van_der_waals: bool = False, derivatives: bool = False, fill_cavities: Union[bool, float] = False, threads: int = 0, **options: Any) -> Measurement:
     """Measure the surfaces of a file or of a molecule of another library.
 
     Parameters
@@ -403,8 +421,11 @@ def measure(molecule: Any, radii: Any = None, *, probe_radius: float = 1.4, repo
         See ``read_molecule``.
     reference : {'tien', 'miller', 'sander', 'wilke'}, optional
         Maximum areas of residues for ``relative_sas``; ``wilke`` is another name of ``tien``.
+    surfaces : str or iterable of str, optional
+        The surfaces that are measured: ``ses``, ``sas``, ``vdw``, or ``all``. The SAS always is, and
+        alone it takes a third of the time. Values of the SES are not a number (nan) without it.
     van_der_waals : bool, optional
-        Whether the van der Waals surface is measured, too.
+        Whether the van der Waals surface is measured, too, as by ``vdw`` in `surfaces`.
     derivatives : bool, optional
         Whether derivatives of areas and volumes are computed.
     fill_cavities : bool or float, optional
@@ -428,8 +449,10 @@ def measure(molecule: Any, radii: Any = None, *, probe_radius: float = 1.4, repo
     """
     if reference not in REFERENCES:
         raise ValueError(f"reference must be one of {', '.join(REFERENCES)}, not {reference!r}")
+    chosen = _surfaces_in(surfaces)
     found, select = _molecule._read(molecule, radii, waters, hydrogens, unknown_radius, frame, options)
     reported = _mask_of(report, len(found), select)
     surface = _core.Surface(found.centers, found.radii, probe_radius, fill_cavities=fill_cavities, threads=threads)
-    measures = surface.measure(van_der_waals=van_der_waals, by_atom=True, derivatives=derivatives, threads=threads)
+    measures = surface.measure(ses="ses" in chosen, van_der_waals=van_der_waals or "vdw" in chosen, by_atom=True,
+                               derivatives=derivatives, threads=threads)
     return Measurement(found, surface, measures, reported, reference)

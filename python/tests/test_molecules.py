@@ -390,6 +390,23 @@ def test_wide_numbers_are_refused(pdb, tmp_path):
             result.save(tmp_path / name, column, level)
 
 
+def test_only_chosen_surfaces_are_measured(pdb):
+    both, sas = eses.measure(pdb), eses.measure(pdb, surfaces="sas")
+    assert sas.sas_area == pytest.approx(both.sas_area, rel=1e-12) and both.vdw_area is None
+    assert np.isnan([sas.ses_area, sas.ses_volume]).all() and np.isnan(sas.atoms["ses"]).all()
+    for table, whole in ((sas.residues, both.residues), (sas.chains, both.chains)):
+        assert np.isnan(table["ses"]).all()
+        np.testing.assert_allclose(table["sas"], whole["sas"], rtol=1e-9)
+    assert np.isnan(eses.measure(pdb, surfaces=["sas"], report=[0, 1]).ses_area)
+    assert repr(sas).startswith("<eses_blocks.Measurement: SAS area") and "SES" not in sas._repr_html_()
+    assert eses.measure(pdb, surfaces=("sas", "vdw")).vdw_area == eses.measure(pdb, surfaces="all").vdw_area > 0
+    for wrong in ("sasa", (), ["sas", "x"]):
+        with pytest.raises(ValueError, match="surfaces must be ses, sas, vdw or all"):
+            eses.measure(pdb, surfaces=wrong)
+    with pytest.raises(ValueError, match="solvent excluded surface"):
+        eses.measure(pdb, surfaces="sas", derivatives=True)
+
+
 def test_results_pickle_and_show_themselves(pdb):
     result = eses.measure(pdb, report="//A", derivatives=True, van_der_waals=True)
     again = pickle.loads(pickle.dumps(result))
