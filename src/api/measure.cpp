@@ -5,6 +5,7 @@
 
 #include "api/arguments.hpp"
 #include "api/surface_access.hpp"
+#include "surface/atom_loops.hpp"
 #include "surface/measure_patches.hpp"
 #include "system/formatted.hpp"
 #include "system/parallel.hpp"
@@ -48,10 +49,11 @@ Measures measure(const Surface& surface, const MeasureOptions& options) {
   const double probe_radius = options.probe_radius.value_or(surface.probe_radius());
   const detail::Molecule& molecule = detail::SurfaceAccess::molecule(surface);
   require_valid_weights(options.weights, molecule.atoms().size());
+  const int threads = options.threads > 0 ? options.threads : detail::available_threads();
   detail::MeasureSettings settings{
       probe_radius,      options.by_atom,
       options.gradients, options.weights,
-      options.cavities,  options.threads > 0 ? options.threads : detail::available_threads(),
+      options.cavities,  detail::threads_for_atoms(molecule.atoms().size(), threads),
       options.check};
   settings.max_filled_void = surface.max_filled_void();
   Measures measures =

@@ -18,12 +18,19 @@ inline std::size_t loop_range_count(std::size_t atoms) {
   return (atoms + atoms_per_loop_range - 1) / atoms_per_loop_range;
 }
 
+/// With fewer atoms for each thread, starting it costs more than it saves.
+inline constexpr std::size_t min_atoms_per_thread = 1500;
+
+/// Returns the number of threads, at most `threads`, that measure `atoms` atoms.
+inline int threads_for_atoms(std::size_t atoms, int threads) {
+  return static_cast<int>(
+      std::clamp<std::size_t>(atoms / min_atoms_per_thread, 1, static_cast<std::size_t>(threads)));
+}
+
 /// Calls `body(index)` once for every index in [0, count), from at most `threads` threads.
 inline void for_each_index(std::size_t count, int threads,
                            const std::function<void(std::size_t index)>& body) {
-  const auto indices = static_cast<std::int64_t>(count);
-  const auto useful = static_cast<int>(std::clamp<std::int64_t>(indices, 1, threads));
-  parallel_for(indices, useful,
+  parallel_for(static_cast<std::int64_t>(count), threads,
                [&](std::int64_t index, int) { body(static_cast<std::size_t>(index)); });
 }
 

@@ -143,16 +143,14 @@ class PatchMeasurement {
                                          finder_ ? &*finder_ : nullptr);
     std::atomic<bool> is_regular_so_far = true;
     terms_.resize(std::max<std::size_t>(terms_.size(), end - begin));
-    parallel_for(
-        end - begin, std::min<int>(settings_.threads, static_cast<int>(end - begin)),
-        [&](std::int64_t k, int thread) {
-          const ClusterIndex cluster = begin + static_cast<ClusterIndex>(k);
-          ClusterScratch& scratch = scratch_[static_cast<std::size_t>(thread)];
-          if (surface_.has_slack && !is_regular(surface_, patches.of_cluster(cluster), scratch))
-            is_regular_so_far = false;
-          if (!is_regular_so_far) return;
-          measurement.measure(patches, cluster, scratch, terms_[static_cast<std::size_t>(k)]);
-        });
+    parallel_for(end - begin, settings_.threads, [&](std::int64_t k, int thread) {
+      const ClusterIndex cluster = begin + static_cast<ClusterIndex>(k);
+      ClusterScratch& scratch = scratch_[static_cast<std::size_t>(thread)];
+      if (surface_.has_slack && !is_regular(surface_, patches.of_cluster(cluster), scratch))
+        is_regular_so_far = false;
+      if (!is_regular_so_far) return;
+      measurement.measure(patches, cluster, scratch, terms_[static_cast<std::size_t>(k)]);
+    });
     if (!is_regular_so_far) return false;
     // The order of the sums does not depend on the threads.
     for (ClusterIndex cluster = begin; cluster < end; ++cluster) {

@@ -73,14 +73,13 @@ bool PatchSweep::build_patches(double up_to) {
     steps.clear();
     while (const auto step = schedule.take(up_to)) steps.push_back(*step);
     const auto count = static_cast<std::int64_t>(steps.size());
-    parallel_for(count, std::min<int>(threads_, static_cast<int>(count)),
-                 [&](std::int64_t k, int thread) {
-                   const BuildStep& step = steps[static_cast<std::size_t>(k)];
-                   if (step.kind == BuildStep::Kind::find_arcs)
-                     patches.find_arcs(step.cluster, scratch_[static_cast<std::size_t>(thread)]);
-                   else
-                     patches.complete(step.cluster);
-                 });
+    parallel_for(count, threads_, [&](std::int64_t k, int thread) {
+      const BuildStep& step = steps[static_cast<std::size_t>(k)];
+      if (step.kind == BuildStep::Kind::find_arcs)
+        patches.find_arcs(step.cluster, scratch_[static_cast<std::size_t>(thread)]);
+      else
+        patches.complete(step.cluster);
+    });
     for (const BuildStep& step : steps) schedule.finish(step);
     if (stops_if_irregular_ && std::any_of(steps.begin(), steps.end(), [&](const BuildStep& step) {
           return !patches.of_cluster(step.cluster).is_regular;

@@ -11,6 +11,7 @@
 #include "geometry/circle_sectors.hpp"
 #include "geometry/disc_masks.hpp"
 #include "geometry/pseudo_angle.hpp"
+#include "surface/atom_loops.hpp"
 #include "surface/crowded_atoms.hpp"
 #include "surface/patch_sweep.hpp"
 #include "surface/relevant_caps.hpp"
@@ -343,9 +344,6 @@ constexpr std::size_t atoms_per_section = 512;
 // Sections that are measured before their contributions are added.
 constexpr std::size_t sections_per_thread = 4;
 
-// With fewer atoms for each thread, starting it costs more than it saves.
-constexpr std::size_t min_atoms_per_thread = 1500;
-
 // Consecutive sections, measured in two steps: the relevant caps of all atoms, then the arcs of
 // open atoms. The arcs need to know which atoms are open, also those of earlier sections.
 class SectionSweep {
@@ -353,8 +351,7 @@ class SectionSweep {
   SectionSweep(const SurfaceModel& surface, int threads)
       : surface_(surface),
         order_(surface.cells().order()),
-        threads_(static_cast<int>(std::clamp<std::size_t>(order_.size() / min_atoms_per_thread, 1,
-                                                          static_cast<std::size_t>(threads)))),
+        threads_(threads_for_atoms(order_.size(), threads)),
         atoms_(surface.atoms.size()),
         scratch_(static_cast<std::size_t>(threads_)),
         finders_(scratch_.size(), ArcFinder(surface, middle_of(surface.atoms))),

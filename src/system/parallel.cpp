@@ -20,10 +20,17 @@ int available_threads() {
 
 void parallel_for(std::int64_t count, int threads,
                   const std::function<void(std::int64_t index, int thread)>& body) {
+  // A region of one thread costs time. Threads that wait for the next region spin for a while, so a
+  // thread without an index is worse than none. Regions within regions would have too many threads.
+  const auto useful = static_cast<int>(std::clamp<std::int64_t>(count, 1, std::max(1, threads)));
+  if (useful == 1 || omp_in_parallel() != 0) {
+    for (std::int64_t index = 0; index < count; ++index) body(index, 0);
+    return;
+  }
   std::exception_ptr failure;
   std::mutex failure_mutex;
   std::atomic<bool> has_failed = false;
-#pragma omp parallel for schedule(dynamic, 1) num_threads(threads)
+#pragma omp parallel for schedule(dynamic, 1) num_threads(useful)
   for (std::int64_t index = 0; index < count; ++index) {
     if (has_failed.load(std::memory_order_relaxed)) continue;
     try {
