@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "catch.hpp"
+#include "support/near_degenerate.hpp"
 #include "support/sandbox.hpp"
 
 namespace eses::detail::test {
@@ -48,11 +49,11 @@ std::vector<Atom> random_atoms(std::mt19937& random, int count) {
 }
 
 double sas_area(const std::vector<Atom>& atoms, const std::vector<std::uint32_t>& parts,
-                std::vector<std::uint32_t> chosen) {
+                std::vector<std::uint32_t> chosen, double probe_radius = probe) {
   std::vector<Atom> some;
   for (std::size_t i = 0; i < atoms.size(); ++i)
     if (std::find(chosen.begin(), chosen.end(), parts[i]) != chosen.end()) some.push_back(atoms[i]);
-  return measure(Surface(some)).sas_area;
+  return some.empty() ? 0 : measure(Surface(some), {.probe_radius = probe_radius}).sas_area;
 }
 
 }  // namespace
@@ -79,6 +80,23 @@ TEST_CASE("interfaces: pairs of parts have the differences of their areas") {
       CHECK((parts[buried.atom] == interface.first || parts[buried.atom] == interface.second));
     }
     CHECK(by_atom == Catch::Approx(expected).epsilon(1e-10));
+  }
+}
+
+TEST_CASE("interfaces: parts of almost degenerate sets have the differences of their areas") {
+  for (std::uint64_t seed = 0; seed < 60; ++seed) {
+    const NearDegenerateSet set = make_near_degenerate_set(seed);
+    std::vector<std::uint32_t> parts;
+    for (std::size_t i = 0; i < set.atoms.size(); ++i)
+      parts.push_back(static_cast<std::uint32_t>(i % 2));
+    INFO(set.name);
+    const auto area = [&](std::vector<std::uint32_t> chosen) {
+      return sas_area(set.atoms, parts, std::move(chosen), set.probe_radius);
+    };
+    for (const Interface& interface :
+         measure_interfaces(Surface(set.atoms, {.probe_radius = set.probe_radius}), parts))
+      CHECK(interface.sas.total() ==
+            Catch::Approx(area({0}) + area({1}) - area({0, 1})).margin(1e-5));
   }
 }
 

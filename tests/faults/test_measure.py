@@ -25,6 +25,18 @@ class Measure(FaultTest):
                 self.assertTrue(found, done.stderr)
                 self.assertEqual(self.all_files(), [])
 
+    def test_interfaces_fail_as_well(self):
+        lines = (DATA / "fas2.pqr").read_text().splitlines()
+        atoms = [line.split() for line in lines if line.startswith("ATOM")]
+        parts = self.folder / "parts.pqr"
+        parts.write_text("".join(f"{' '.join(fields[:4])} {'AB'[int(fields[4]) > 575]} {' '.join(fields[4:])}\n"
+                                 for fields in atoms))
+        self.assertDone(self.run_program("interface", parts, spoil=""))
+        done = self.run_program("interface", parts, spoil="cutter")
+        self.assertDone(done, 1)
+        self.assertEqual(done.stdout, "")
+        self.assertIn("the patches of the surface do not fit together", done.stderr)
+
     def test_grids_with_exact_values_fail_as_well(self):
         done = self.run_program(PROTEIN, "1.4", "0.8", "1.6", "--exact", spoil="cutter")
         self.assertDone(done, 1)
