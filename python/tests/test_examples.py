@@ -21,21 +21,27 @@ def run(name, *arguments):
     return list(csv.DictReader(done.stdout.splitlines()))
 
 
-def test_notebook_runs(tmp_path, monkeypatch, fasciculin_surface):
-    for name in ("nbclient", "nbformat", "ipykernel", "pandas"):
+@pytest.mark.parametrize("notebook", ["surface", "interface", "trajectory", "potential"])
+def test_notebook_runs(notebook, tmp_path, monkeypatch, fasciculin_surface):
+    needs = {"surface": (), "interface": (), "trajectory": ("MDAnalysis", "matplotlib"), "potential": ("matplotlib",)}
+    for name in ("nbclient", "nbformat", "ipykernel", "pandas", *needs[notebook]):
         pytest.importorskip(name)
     import notebook_page  # pylint: disable=import-outside-toplevel
+    assert notebook in notebook_page.PAGES
     monkeypatch.setenv("PYTHONPATH", str(pathlib.Path(eses.__file__).parents[1]))
     monkeypatch.setenv("JUPYTER_PATH", "")  # notebook_page sets it
-    done = notebook_page.run(notebook_page.SOURCE, tmp_path)
-    assert len(notebook_page.pages_in(done)) == 1
-    assert (tmp_path / "fas2.html").stat().st_size > 100000
-    surface = fasciculin_surface
-    area = surface.compute(surface.grid(0.5, 1.0), inside=False).area
-    assert done.cells[-1].outputs[-1].text.endswith(f"of {area:.0f} square angstrom\n")
+    done = notebook_page.run(notebook_page.source_of(notebook), tmp_path)
+    pictures = notebook_page.pictures_in(done)
+    assert len(pictures) == (0 if notebook == "interface" else 1)
+    if notebook == "surface":
+        assert (tmp_path / "fas2.html").stat().st_size > 100000
+        surface = fasciculin_surface
+        area = surface.compute(surface.grid(0.5, 1.0), inside=False).area
+        assert done.cells[-1].outputs[-1].text.endswith(f"of {area:.0f} square angstrom\n")
     # scripts/dev/make-notebook has made the page from the present notebook, with its outputs.
-    assert notebook_page.PAGE.read_text(encoding="utf-8") == notebook_page.markdown(done)
-    assert (notebook_page.PAGE.parent / notebook_page.PICTURE.format(1)).stat().st_size < 300000
+    assert notebook_page.page_of(notebook).read_text(encoding="utf-8") == notebook_page.markdown(notebook, done)
+    for number in range(1, len(pictures) + 1):
+        assert notebook_page.picture_of(notebook, number).stat().st_size < 300000
 
 
 def test_trajectory_prints_area_and_volume(tmp_path, ubiquitin):
