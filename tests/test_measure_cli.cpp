@@ -197,6 +197,10 @@ TEST_CASE("measure: tables have the areas of atoms, residues and chains") {
   REQUIRE(residues.size() == 3);
   // Maximum areas of Tien et al. (2013): 129 for alanine, 104 for glycine, none for haem.
   CHECK(std::stod(residues[0][9]) == Catch::Approx(sas_of_one() / 129).margin(1e-6));
+  const Outcome miller =
+      box.run({"measure", "dimer.pqr", "--table", "residues", "--reference", "miller"});
+  const Fields alanine = split(split(miller.out, '\n')[1], ',');
+  CHECK(std::stod(alanine[9]) == Catch::Approx(sas_of_one() / 113).margin(1e-6));
   CHECK(residues[1][9].empty());
   CHECK(std::stod(residues[2][9]) == Catch::Approx(free_sas() / 104).margin(1e-6));
   const auto chains = rows_of(box.directory() / "out/dimer.chains.csv");

@@ -43,6 +43,7 @@ _eses_blocks() {
       if [[ $command == interface ]]; then tables='interfaces residues atoms'; fi
       COMPREPLY=($(compgen -W "$tables" -- "$cur")) && return
       ;;
+    --reference) COMPREPLY=($(compgen -W 'tien miller sander' -- "$cur")) && return ;;
     --parts) COMPREPLY=($(compgen -W chains -- "$cur")) && return ;;
     --csv) _filedir csv && return ;;
     --color) COMPREPLY=($(compgen -W 'patch atom chain potential component' -- "$cur")) && return ;;

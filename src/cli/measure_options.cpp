@@ -26,7 +26,7 @@ on standard error; the others are measured.
 
 Tables (--write), in the output directory, named after the input file NAME:
   NAME.atoms.csv              labels, radius, areas
-  NAME.residues.csv           residues, areas, relative SAS area (Tien et al. 2013)
+  NAME.residues.csv           residues, areas, relative SAS area
   NAME.chains.csv             chains, areas
   NAME.derivatives.csv        derivatives of areas and volumes by centres and radii
   NAME.cavities.csv           cavities that hold a probe: volumes, areas, largest probe, atoms
@@ -179,6 +179,13 @@ void add_measure_options(CLI::App& app, MeasureCommandOptions& options, InputCho
   add_value(app, "--table", "NAME", "print one of these tables in place of the report",
             options.printed_table,
             Format<const Table*>{table_in, formatted("one of {}", table_names)});
+  add_value(app, "--reference", "NAME",
+            "maximum areas of residues, for relative areas: tien\n(2013), miller (1987) or sander "
+            "(1994) [tien]",
+            options.reference,
+            one_of<AreaReference>({{"tien", AreaReference::tien},
+                                   {"miller", AreaReference::miller},
+                                   {"sander", AreaReference::sander}}));
   add_value(app, "-o,--output-dir", "DIR", "directory of the tables, created if missing [.]",
             options.output_directory, any_text("a directory"));
   add_value(app, "--csv", "FILE", "write the results of all files as a table", options.csv,

@@ -112,9 +112,10 @@ struct MeasureCommandOptions {
   PocketOptions pocket_options;           ///< of the search for pockets
   TableChoice tables;
   const Table* printed_table = nullptr;  ///< printed in place of the report; null if none is
-  std::filesystem::path output_directory = ".";  ///< of the tables
-  std::filesystem::path csv;                     ///< empty if it is not given
-  int threads = 0;                               ///< 0 means all available processors
+  AreaReference reference = AreaReference::tien;  ///< of relative areas
+  std::filesystem::path output_directory = ".";   ///< of the tables
+  std::filesystem::path csv;                      ///< empty if it is not given
+  int threads = 0;                                ///< 0 means all available processors
   bool json = false;
   bool quiet = false;
   bool strict = false;  ///< whether warnings are errors

@@ -70,6 +70,7 @@ double MeasuredFile::buried(double Measures::*area) const {
 MeasuredAtoms MeasuredFile::table() const {
   MeasuredAtoms atoms{surface.atoms(),    surface.labels(),  file_indices,    measures.by_atom,
                       measures.gradients, measures.cavities, measures.pieces, pockets.pockets};
+  atoms.reference = reference;
   if (parts.empty()) return atoms;
   atoms.areas_alone = &areas_alone;
   atoms.parts = part_of_atom;
@@ -125,6 +126,7 @@ MeasuredFile measure_file(const MeasureCommandOptions& options, const std::files
   for (std::uint32_t part = 0; part < result.part_names.size(); ++part)
     result.parts.push_back(measure_part(part, measuring, result));
   result.structure = std::move(file.structure);
+  result.reference = options.reference;
   return result;
 }
 

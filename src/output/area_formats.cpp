@@ -111,9 +111,10 @@ void append_rsa(const MeasuredAtoms& atoms, BufferedText& text) {
   text.append(
       "REM  Areas on the solvent accessible surface (square angstrom) and in per cent of the "
       "maxima of\n"
-      "REM  Tien et al. 2013, doi:10.1371/journal.pone.0080635. Parts have no maxima: -99.9.\n"
+      "REM  {}. Parts have no maxima: -99.9.\n"
       "REM RES _ NUM      All-atoms   Total-Side   Main-Chain    Non-polar    All polar\n"
-      "REM                ABS   REL    ABS   REL    ABS   REL    ABS   REL    ABS   REL\n");
+      "REM                ABS   REL    ABS   REL    ABS   REL    ABS   REL    ABS   REL\n",
+      source_of(atoms.reference));
   const ResidueRuns runs = residue_runs(atoms.labels);
   const std::vector<ResidueAreas> all = residue_areas(atoms, runs);
   ResidueAreas total;
@@ -125,7 +126,7 @@ void append_rsa(const MeasuredAtoms& atoms, BufferedText& text) {
                 in_column(label.chain, 1, "chain name", label),
                 in_column(std::string(number), 4, "residue number", label),
                 in_column(std::string(icode), 1, "insertion code", label));
-    text.append("{}", area_columns_of(sum, max_sas_area(label.residue), label));
+    text.append("{}", area_columns_of(sum, max_sas_area(label.residue, atoms.reference), label));
     for (const double part : {sum - main_chain, main_chain, sum - polar, polar})
       text.append("{}", area_columns_of(part, std::nullopt, label));
     text.append("\n");

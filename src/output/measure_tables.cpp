@@ -73,8 +73,8 @@ std::string part_fields(const MeasuredAtoms& atoms, const AreaSums& sums) {
   return fields + "," + difference_text(sums.ses_alone, sums.ses.total());
 }
 
-std::string relative_sas(const AtomLabel& label, double sas_area) {
-  const std::optional<double> max = max_sas_area(label.residue);
+std::string relative_sas(const MeasuredAtoms& atoms, const AtomLabel& label, double sas_area) {
+  const std::optional<double> max = max_sas_area(label.residue, atoms.reference);
   return max ? formatted("{:.6f}", sas_area / *max) : "";
 }
 
@@ -126,15 +126,34 @@ std::vector<std::string> residues_of(const MeasuredAtoms& atoms, std::span<const
   return residues;
 }
 
-std::optional<double> max_sas_area(std::string_view residue) {
-  constexpr std::array<std::pair<std::string_view, double>, 20> areas{
-      {{"ALA", 129}, {"ARG", 274}, {"ASN", 195}, {"ASP", 193}, {"CYS", 167},
-       {"GLN", 225}, {"GLU", 223}, {"GLY", 104}, {"HIS", 224}, {"ILE", 197},
-       {"LEU", 201}, {"LYS", 236}, {"MET", 224}, {"PHE", 240}, {"PRO", 159},
-       {"SER", 155}, {"THR", 172}, {"TRP", 285}, {"TYR", 263}, {"VAL", 174}}};
-  const auto* const found = std::find_if(areas.begin(), areas.end(),
-                                         [&](const auto& entry) { return entry.first == residue; });
-  return found == areas.end() ? std::nullopt : std::optional(found->second);
+std::string_view source_of(AreaReference reference) {
+  switch (reference) {
+    case AreaReference::miller:
+      return "Miller et al. 1987, doi:10.1016/0022-2836(87)90038-6";
+    case AreaReference::sander:
+      return "Rost and Sander 1994, doi:10.1002/prot.340200303";
+    case AreaReference::tien:
+      break;
+  }
+  return "Tien et al. 2013, doi:10.1371/journal.pone.0080635";
+}
+
+std::optional<double> max_sas_area(std::string_view residue, AreaReference reference) {
+  struct Maximum {
+    std::string_view residue;
+    std::array<double, 3> areas;  // by AreaReference
+  };
+  constexpr std::array<Maximum, 20> maxima{
+      {{"ALA", {129, 113, 106}}, {"ARG", {274, 241, 248}}, {"ASN", {195, 158, 157}},
+       {"ASP", {193, 151, 163}}, {"CYS", {167, 140, 135}}, {"GLN", {225, 189, 198}},
+       {"GLU", {223, 183, 194}}, {"GLY", {104, 85, 84}},   {"HIS", {224, 194, 184}},
+       {"ILE", {197, 182, 169}}, {"LEU", {201, 180, 164}}, {"LYS", {236, 211, 205}},
+       {"MET", {224, 204, 188}}, {"PHE", {240, 218, 197}}, {"PRO", {159, 143, 136}},
+       {"SER", {155, 122, 130}}, {"THR", {172, 146, 142}}, {"TRP", {285, 259, 227}},
+       {"TYR", {263, 229, 222}}, {"VAL", {174, 160, 142}}}};
+  const auto* const found = std::ranges::find(maxima, residue, &Maximum::residue);
+  if (found == maxima.end()) return std::nullopt;
+  return found->areas[static_cast<std::size_t>(reference)];
 }
 
 void append_measured_atoms(const MeasuredAtoms& atoms, BufferedText& text) {
@@ -164,7 +183,7 @@ void append_measured_residues(const MeasuredAtoms& atoms, BufferedText& text) {
     const AtomLabel& label = runs.labels[run];
     text.append("{},{},{},{},{},{}{}\n", csv_field(label.chain), csv_field(label.residue_number),
                 csv_field(label.residue), runs.atoms[run], area_fields(atoms, sums),
-                relative_sas(label, sums.sas), part_fields(atoms, sums));
+                relative_sas(atoms, label, sums.sas), part_fields(atoms, sums));
   }
 }
 

@@ -51,6 +51,21 @@ struct TableChoice {
   bool any() const { return need_areas() || derivatives || need_cavities() || pockets; }
 };
 
+/// Maximum SAS areas of the amino acids, by which relative areas are divided.
+enum class AreaReference {
+  tien,    ///< Theoretical values of Tien et al., PLoS ONE 8, e80635, 2013.
+  miller,  ///< Miller et al., J. Mol. Biol. 196, 641, 1987.
+  sander,  ///< Rost and Sander, Proteins 20, 216, 1994.
+};
+
+/// Returns authors, year and DOI of a reference.
+std::string_view source_of(AreaReference reference);
+
+/// Maximum SAS area of an amino acid residue X in a peptide Gly-X-Gly, in square angstrom, for a
+/// probe radius of 1.4 angstrom. Nothing for other residues.
+std::optional<double> max_sas_area(std::string_view residue,
+                                   AreaReference reference = AreaReference::tien);
+
 /// The atoms of a table, their areas and derivatives. All spans by atom have the same length, if
 /// they are not empty.
 struct MeasuredAtoms {
@@ -66,13 +81,8 @@ struct MeasuredAtoms {
   const eses::AtomAreas* areas_alone = nullptr;
   std::span<const std::uint32_t> parts = {};  ///< index of the part of each atom
   std::span<const std::string> part_names = {};
+  AreaReference reference = AreaReference::tien;
 };
-
-/// Maximum SAS area of an amino acid residue X in a peptide Gly-X-Gly, in square angstrom, for a
-/// probe radius of 1.4 angstrom. Nothing for other residues. Theoretical values of table 1 of M. Z.
-/// Tien, A. G. Meyer, D. K. Sydykova, S. J. Spielman and C. O. Wilke, PLoS ONE 8, e80635, 2013,
-/// doi:10.1371/journal.pone.0080635.
-std::optional<double> max_sas_area(std::string_view residue);
 
 /// Append a whole table.
 void append_measured_atoms(const MeasuredAtoms& atoms, BufferedText& text);
