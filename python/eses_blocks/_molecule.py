@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import gzip
+import importlib
 import os
 import re
 import warnings
@@ -24,6 +25,8 @@ SOURCES = {
     "bondi": "Bondi 1964, doi:10.1021/j100785a001; Mantina et al. 2009, doi:10.1021/jp8111556; "
              "Alvarez 2013, doi:10.1039/c3dt50599e",
     "msms": "pdb_to_xyzr of MSMS, Sanner et al. 1996, doi:10.1002/(SICI)1097-0282(199603)38:3<305::AID-BIP4>3.0.CO;2-Y",
+    "protor+ccd": "Tsai et al. 1999, doi:10.1006/jmbi.1999.2829, for ligands by their bonds in the Chemical Component "
+                  "Dictionary, doi:10.1093/bioinformatics/btu789, of Biotite",
     "file": "the input file",
     "given": "the caller",
 }
@@ -259,6 +262,28 @@ def _find_radii(residue: _Texts, name: _Texts, element: _Texts, which: str) -> t
             np.array(by_element, bool)[index], np.array(by_name, bool)[index])
 
 
+def _radii_by_bonds(residue: _Texts, name: _Texts, element: _Texts, chosen: _Bools) -> Any:
+    """Returns ProtOr radii of the chosen atoms by element, number of bonds and number of hydrogens in the Chemical
+    Component Dictionary; not a number for other atoms, and for those that the dictionary or ProtOr does not have."""
+    try:
+        info: Any = importlib.import_module("biotite.structure.info")
+    except ImportError as error:
+        raise ImportError("radii='protor+ccd' needs Biotite; install it, for example with `pip install biotite`") from error
+    found: dict[tuple[str, str], float] = {}
+    radii = np.full(len(name), np.nan)
+    # Biotite takes the element from the first letter of the name.
+    for i in np.flatnonzero(chosen & np.isin(element, ["C", "N", "O", "S"])).tolist():
+        kind = str(residue[i]), str(name[i])
+        if kind not in found:
+            try:
+                radius = info.vdw_radius_protor(*kind)
+            except (KeyError, ValueError):
+                radius = None
+            found[kind] = np.nan if radius is None or kind[1][0] != element[i] else radius
+        radii[i] = found[kind]
+    return radii
+
+
 def _column(values: Any, count: int, what: str) -> _Texts:
     if values is None:
         return np.zeros(count, "U1")
@@ -290,7 +315,8 @@ def read_molecule(molecule: Any, radii: Any = None, *, waters: bool = False, hyd
         ProDy AtomGroup, Selection; an object of OpenMM with topology and positions, or the pair.
     radii : str, os.PathLike or array_like, optional
         ``protor``, ``bondi``, ``msms``, the path of a file in FreeSASA's configuration format, or N
-        radii in angstrom. By default ``protor`` for molecules with names of residues, whose
+        radii in angstrom. ``protor+ccd`` is ``protor`` with radii of ligands that follow from their bonds
+        in the Chemical Component Dictionary, which needs Biotite. By default ``protor`` for molecules with names of residues, whose
         hydrogens then belong to the united atoms, and ``bondi`` for others. PQR and xyzr files have
         radii of their own.
     waters : bool, optional
@@ -325,6 +351,8 @@ def read_molecule(molecule: Any, radii: Any = None, *, waters: bool = False, hyd
 def _read(found: Any, radii: Any, waters: bool, hydrogens: str, unknown: Optional[float], frame: int,
           options: dict[str, Any]) -> tuple[Molecule, Any]:
     """Returns the molecule and the function for selections."""
+    by_bonds = isinstance(radii, str) and radii == "protor+ccd"
+    radii = "protor" if by_bonds else radii
     source = _source_of(found, radii, unknown, waters, hydrogens, frame, options)
     columns = source.columns
     positions = np.array(columns.centers, dtype=float)
@@ -351,6 +379,7 @@ def _read(found: Any, radii: Any, waters: bool, hydrogens: str, unknown: Optiona
             keep[mask] = False
 
     nothing = np.zeros(0, np.int64)
+    by_element: Any = np.zeros(count, bool)
     if source.are_read or has_array:
         values: Any = np.array(radii if has_array else columns.radii, dtype=float)
         if values.shape != (count,):
@@ -374,6 +403,10 @@ def _read(found: Any, radii: Any, waters: bool, hydrogens: str, unknown: Optiona
             else:
                 values = np.where(np.isnan(values), unknown, values)
         guessed, missing = np.flatnonzero((by_element | by_name) & keep & ~is_unknown), np.flatnonzero(is_unknown)
+    if by_bonds and set_name == "protor":
+        of_bonds = _radii_by_bonds(residue, name, element, by_element & keep)
+        values = np.where(np.isnan(of_bonds), values, of_bonds)
+        set_name, guessed = "protor+ccd", guessed[np.isnan(of_bonds[guessed])]
     if not keep.any():
         raise ValueError("no atoms are left" + "".join(f"; {number} {what}" for what, number in left_out.items()))
     _check_unit(positions[keep])

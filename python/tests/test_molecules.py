@@ -3,6 +3,7 @@ order of the object. Libraries that are missing are skipped."""
 
 import csv
 import gzip
+import importlib.util
 import io
 import pickle
 import warnings
@@ -486,3 +487,21 @@ def test_label_chains_of_gemmi():
     gemmi = pytest.importorskip("gemmi")
     structure = gemmi.make_structure_from_block(gemmi.cif.read_string(MMCIF).sole_block())
     assert eses.measure(structure).residues["label_chain"].tolist() == list("AAB")
+
+
+def test_radii_of_ligands_follow_from_their_bonds():
+    text = "".join(f"HETATM{i:5d}  {name:3} GOL A   1    {4.0 * i:8.3f}   0.000   0.000  1.00  0.00           {name[0]}\n"
+                   for i, name in enumerate(("C1", "O1", "C2", "C9"), 1))
+    if importlib.util.find_spec("biotite") is None:
+        with pytest.raises(ImportError, match="needs Biotite"):
+            eses.measure(text, radii="protor+ccd")
+        return
+    by_element, by_bonds = eses.measure(text), eses.measure(text, radii="protor+ccd")
+    assert by_element.radii.guessed.tolist() == [0, 1, 2, 3]
+    # A methylene and a hydroxyl group and a methine; glycerol has no fourth atom of this name.
+    assert by_bonds.atoms["radius"][:3].tolist() == [1.88, 1.46, 1.88]
+    assert by_bonds.atoms["radius"][3] == by_element.atoms["radius"][3]
+    assert by_bonds.radii.guessed.tolist() == [3] and "Biotite" in by_bonds.radii.source
+    assert by_bonds.radii.name == "protor+ccd"
+    # Atoms that the set names keep their radii.
+    assert eses.measure(PDB, radii="protor+ccd").sas_area == eses.measure(PDB).sas_area
