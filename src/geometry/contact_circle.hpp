@@ -47,6 +47,24 @@ inline Cap make_cap(const SasSphere& sphere, const SasSphere& neighbour) {
           height + tolerance::accessible * neighbour.radius * inverse};
 }
 
+/// Returns a cap of the first sphere that contains the same points of its contact circle with the
+/// second one as the ball of the third one. It is bounded by the plane in which the second and the
+/// third sphere meet. If these are nearly equal, their caps on the first sphere are, too, and
+/// rounding errors of those would be divided by the small distance of the centres.
+inline Cap make_cap_from_second(const SasSphere& first, const SasSphere& second,
+                                const SasSphere& third) {
+  Cap cap = make_cap(second, third);
+  const double offset = dot(second.center - first.center, cap.axis);
+  cap.height += offset;
+  cap.blocking_height += offset;
+  return cap;
+}
+
+/// Returns whether the centres are those of nearly equal atoms.
+inline bool are_nearly_equal(const SasSphere& a, const SasSphere& b) {
+  return squared_norm(a.center - b.center) < tolerance::nearly_equal * tolerance::nearly_equal;
+}
+
 /// Returns the contact circle of two spheres that meet. `cap` is the cap that the second one cuts
 /// from the first one.
 inline ContactCircle make_contact_circle(const SasSphere& first, const SasSphere& second,

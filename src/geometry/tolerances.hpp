@@ -18,6 +18,11 @@ inline constexpr double accessible = 1e-9;
 /// larger value would expose points that do not count as accessible.
 inline constexpr double containment = accessible;
 
+/// Atoms whose centres are nearer than this are nearly equal (angstrom). Seen from a third atom,
+/// their caps are so similar that the points where their rims meet have an error of 1e-15 angstrom
+/// divided by this ratio of distances. These points are computed from one of the two atoms instead.
+inline constexpr double nearly_equal = 1e-3;
+
 /// A probe placement touches the SAS spheres within this distance (angstrom). If it touches more
 /// than three, its normal cone is not that of its three atoms. The value is 100 times `accessible`:
 /// where circles meet at a hundredth of a radian, that tolerance moves the placement this far.

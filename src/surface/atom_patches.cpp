@@ -33,6 +33,24 @@ PlacementKey make_key(AtomIndex i, AtomIndex j, AtomIndex k, const CircleEnd& en
   return key;
 }
 
+// Returns the kept caps of atom `i`, from which the accessible arcs of its circle with the atom of
+// cap `own` follow. Those of atoms nearly equal to that atom are replaced.
+const CapList& caps_on_circle(const SurfaceModel& surface, AtomIndex i, std::uint32_t own,
+                              AtomPatchScratch& scratch) {
+  const AtomIndex j = scratch.kept_neighbours[own];
+  if (!surface.molecule.has_nearly_equal(j)) return scratch.kept_caps;
+  const SasSphere first = surface.sas_sphere(i), second = surface.sas_sphere(j);
+  scratch.circle_caps = scratch.kept_caps;
+  for (std::uint32_t k = 0; k < scratch.kept_caps.size(); ++k) {
+    const SasSphere third = surface.sas_sphere(scratch.kept_neighbours[k]);
+    if (k == own || !are_nearly_equal(second, third)) continue;
+    Cap cap = make_cap_from_second(first, second, third);
+    if (!surface.has_slack) cap.blocking_height = cap.height;
+    scratch.circle_caps.set(k, cap);
+  }
+  return scratch.circle_caps;
+}
+
 void add_circle(const SurfaceModel& surface, AtomIndex i, std::uint32_t own,
                 AtomPatchScratch& scratch, BuiltPatches& patches) {
   const AtomIndex j = scratch.kept_neighbours[own];
@@ -45,7 +63,8 @@ void add_circle(const SurfaceModel& surface, AtomIndex i, std::uint32_t own,
   if (is_crowded) {
     scratch.crowded.accessible_arcs(circle, own, scratch.arc, scratch.arcs, scratch.ends);
   } else {
-    accessible_arcs(circle, scratch.kept_caps, own, scratch.arc, scratch.arcs, scratch.ends);
+    accessible_arcs(circle, caps_on_circle(surface, i, own, scratch), own, scratch.arc,
+                    scratch.arcs, scratch.ends);
   }
   for (const CircleArc& arc : scratch.arcs)
     patches.arcs.push_back({i, j, arc.kind, arc.start, arc.end});
@@ -132,7 +151,9 @@ void build_atom_patches(const SurfaceModel& surface, std::span<const AtomIndex> 
 Vec3 placement_center(const SasSphere& first, const SasSphere& second, const SasSphere& third,
                       int side) {
   const ContactCircle circle = make_contact_circle(first, second);
-  const CircleCut cut = cut_circle(circle, make_cap(first, third));
+  const CircleCut cut = cut_circle(circle, are_nearly_equal(second, third)
+                                               ? make_cap_from_second(first, second, third)
+                                               : make_cap(first, third));
   const double cosine = cut.reach > 0 ? cut.cos_half() : 1;
   const double sine = side * std::sqrt((1 - cosine) * (1 + cosine));
   return circle.center +

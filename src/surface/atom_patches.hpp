@@ -66,6 +66,7 @@ struct AtomPatchScratch {
   NeighbourScratch near;
   CapList kept_caps;  ///< caps that can bound an accessible part or cover others
   std::vector<AtomIndex> kept_neighbours;  ///< atom of each cap of `kept_caps`
+  CapList circle_caps;                     ///< those on one circle, if some differ
   BurialScratch burial;
   CrowdedCaps crowded;  ///< index of `kept_caps` if there are many
   ArcScratch arc;

@@ -21,6 +21,10 @@ constexpr double same = tolerance::touching;
 // atom in the direction of the point is hidden behind that of the nearest one.
 constexpr double equally_near = 1e-12;
 
+// A centre that only the slack exposes is moved out of this number of nearly equal balls, to find a
+// ball with a face.
+constexpr int max_moves = 10;
+
 // Directions that differ by less than this lead to the same probe (radians).
 constexpr double same_direction = 1e-6;
 
@@ -38,7 +42,8 @@ ComponentNumber WallAtom::component_at(Vec3 direction) const {
 
 CavityMap::CavityMap(const SurfaceModel& surface, const Components& components,
                      std::span<const ComponentNumber> number_of, std::vector<double> void_volumes)
-    : void_volumes_(std::move(void_volumes)),
+    : has_slack_(surface.has_slack),
+      void_volumes_(std::move(void_volumes)),
       is_filled_(void_volumes_.size() + 1),
       numbers_(void_volumes_.size() + 1),
       boxes_(void_volumes_.size(), empty_box()) {
@@ -204,7 +209,23 @@ bool CavityMap::is_filled(const WallAtom* atom) const {
                      [&](const SphereArc& arc) { return is_filled(arc.node); });
 }
 
+// Returns the component of a probe centre that is accessible up to the tolerance: 0 if it is not
+// near the cavities.
+ComponentNumber CavityMap::component_near(Vec3 center) const {
+  const bool is_near = std::any_of(boxes_.begin(), boxes_.end(), [&](const Box& box) {
+    return overlap(grown(box, same), {center, center});
+  });
+  std::vector<AtomIndex> found;
+  return is_near ? locate(center, found).component : 0;
+}
+
 ComponentNumber CavityMap::component_of(const SurfaceModel& surface, const Arc& arc) const {
+  if (surface.has_slack && !has_slack_) {
+    const SasSphere first = surface.sas_sphere(arc.first);
+    const ContactCircle circle = make_contact_circle(first, surface.sas_sphere(arc.second));
+    return component_near(first.center +
+                          first.radius * middle_of(on_first_sphere(arc, circle, first)));
+  }
   const WallAtom* const first = find(arc.first);
   const WallAtom* const second = first != nullptr ? find(arc.second) : nullptr;
   if (second == nullptr) return 0;
@@ -228,6 +249,7 @@ ComponentNumber CavityMap::component_of_placement(Vec3 center) const {
 ComponentNumber CavityMap::component_of(std::span<const Atom> atoms,
                                         const ProbePlacement& placement) const {
   if (const ComponentNumber component = component_of_placement(placement.center)) return component;
+  if (!has_slack_) return component_near(placement.center);
   std::optional<ComponentNumber> common;
   for (const AtomIndex i : placement.atoms) {
     const WallAtom* const atom = find(i);
@@ -244,6 +266,7 @@ ComponentNumber CavityMap::component_of(std::span<const Atom> atoms,
 // point of another component, but placements in cavities are known by their centres.
 ComponentNumber CavityMap::number_at(std::span<const Atom> atoms,
                                      std::span<const AtomIndex> touched, Vec3 center) const {
+  if (!has_slack_) return numbers_[component_near(center)];
   if (touched.size() > 2) return numbers_[component_of_placement(center)];
   const WallAtom* first = nullptr;
   for (const AtomIndex i : touched) {
@@ -269,10 +292,8 @@ bool CavityMap::may_be_kept(const Box& box) const {
   return !is_filled(ComponentNumber{0}) || meets_box_unlike_outside(box);
 }
 
-CavityMap::Location CavityMap::locate(Vec3 center, std::vector<AtomIndex>& found) const {
-  if (const ComponentNumber component = component_of_placement(center)) return {component, 0};
+double CavityMap::find_nearest_balls(Vec3 center, std::vector<AtomIndex>& found) const {
   const std::span<const Atom> balls = balls_->balls;
-  if (balls.empty()) return {};
   const auto gap_to = [&](AtomIndex i) { return norm(center - balls[i].center) - balls[i].radius; };
   double min_gap = std::numeric_limits<double>::infinity();
   double reach = 0.5 * first_reach;
@@ -281,9 +302,22 @@ CavityMap::Location CavityMap::locate(Vec3 center, std::vector<AtomIndex>& found
     balls_->tree.find_reaching(center, reach + same, found);
     for (const AtomIndex i : found) min_gap = std::min(min_gap, gap_to(i));
   } while (min_gap > reach);
-  Location location{0, std::max(0.0, min_gap)};
+  std::erase_if(found, [&](AtomIndex i) { return gap_to(i) > min_gap + equally_near; });
+  return min_gap;
+}
+
+CavityMap::Location CavityMap::locate(Vec3 center, std::vector<AtomIndex>& found) const {
+  if (const ComponentNumber component = component_of_placement(center)) return {component, 0};
+  const std::span<const Atom> balls = balls_->balls;
+  if (balls.empty()) return {};
+  double gap = find_nearest_balls(center, found);
+  for (int move = 0; move < max_moves && gap < -equally_near && gap > -same; ++move) {
+    const Atom& deepest = balls[found.front()];
+    center = deepest.center + deepest.radius * normalized(center - deepest.center);
+    gap = find_nearest_balls(center, found);
+  }
+  Location location{0, std::max(0.0, gap)};
   for (const AtomIndex i : found) {
-    if (gap_to(i) > min_gap + equally_near) continue;
     if (atom_of_ball_[i] == none) return {0, location.clearance};
     const Vec3 offset = center - balls[i].center;
     const ComponentNumber component =

@@ -52,7 +52,9 @@ struct WallAtom {
 class CavityMap {
  public:
   /// `number_of` has the number of each component of `components`. `void_volumes` are in the order
-  /// of the numbers.
+  /// of the numbers. The map serves surfaces with and without slack, see SurfaceModel. If the
+  /// components are those of a surface without slack, atoms have patches on other surfaces where
+  /// they have no face here.
   CavityMap(const SurfaceModel& surface, const Components& components,
             std::span<const ComponentNumber> number_of, std::vector<double> void_volumes);
 
@@ -131,8 +133,12 @@ class CavityMap {
   void add_contacts(std::span<const std::pair<AtomIndex, WallAtom::Contact>> contacts);
   void add_surroundings(const SurfaceModel& surface, const Components& components);
   void choose_boxes();
+  ComponentNumber component_near(Vec3 center) const;
+  // Replaces `found` by the nearest balls. Returns the distance from them (angstrom).
+  double find_nearest_balls(Vec3 center, std::vector<AtomIndex>& found) const;
   bool meets_box_unlike_outside(const Box& box) const;
 
+  bool has_slack_;                                 // of the surface with these components
   std::vector<double> void_volumes_;               // by cavity
   std::vector<std::uint8_t> is_filled_;            // by component
   std::vector<ComponentNumber> numbers_;           // by component: see number_at

@@ -16,14 +16,10 @@ namespace {
 // above the errors of positions.
 constexpr double end_search = 1e-5;
 
-// Placements and ends of arcs this close together are connected (angstrom), unless three arcs end
-// at each placement. Rounding may hide the arcs between them.
+// Without slack, placements and ends of arcs this close together are connected (angstrom). Rounding
+// may hide the arcs between them. With slack, three arcs end at each placement.
 constexpr double connected = tolerance::touching;
 static_assert(connected <= end_search, "placements are searched within end_search only");
-
-// A patch is hidden if a point of it is deeper than this in a SAS ball, which is not due to
-// rounding (angstrom).
-constexpr double hidden = 2e-11;
 
 // A node of an atom from here on is an index of a divided atom.
 constexpr DisjointSets::Element divided_begin = 0x80000000;
@@ -32,17 +28,11 @@ struct ArcMatch {
   std::uint32_t arc, placement;
 };
 
-// Returns whether there may be placements that no arc connects although probes pass between them.
-bool may_hide_arcs(const SurfaceModel& surface, const ClusterPatches& patches) {
-  return !surface.has_slack || !patches.is_regular;
-}
-
 // Finds the placements at the ends of the arcs of a cluster, or only of the arcs whose atoms are
 // measured in this layer.
 void find_ends(const SurfaceModel& surface, const ClusterPatches& patches, const SweepLayer& layer,
                bool has_all_arcs, std::vector<ArcMatch>& matches) {
   matches.clear();
-  const bool may_be_hidden = may_hide_arcs(surface, patches);
   for (std::uint32_t k = 0; k < patches.arcs.size(); ++k) {
     const Arc& arc = patches.arcs[k];
     if (arc.kind == ArcKind::full || !(has_all_arcs || layer.is_measured(arc))) continue;
@@ -54,7 +44,8 @@ void find_ends(const SurfaceModel& surface, const ClusterPatches& patches, const
       ArcMatch best{k, 0};
       layer.tree.for_each_within(end, end_search, [&](std::uint32_t placement) {
         const double squared = squared_norm(layer.centers[placement] - end);
-        if (may_be_hidden && squared < connected * connected) matches.push_back({k, placement});
+        if (!surface.has_slack && squared < connected * connected)
+          matches.push_back({k, placement});
         // The lowest one of several at the same distance is chosen.
         if (std::pair(squared, placement) >= std::pair(min_squared, best.placement)) return;
         const auto& atoms = layer.placements[placement]->atoms;
@@ -198,56 +189,17 @@ void ComponentFinder::connect_arcs(const SweepLayer& layer) {
   for (std::size_t k = 0; k < chosen.size(); ++k)
     for (const ArcMatch& match : matches[k])
       sets_.unite(first_node_[chosen[k]] + match.arc, placement_node_[match.placement]);
-  for (const ClusterIndex cluster : chosen)
-    if (are_connected_[cluster] != 0) find_hidden_patches(layer, cluster);
-  for_each_complete(layer, [&](ClusterIndex cluster, const ClusterPatches& patches) {
-    if (!may_hide_arcs(surface_, patches)) return;
-    const std::uint32_t first = layer.first_placement[cluster];
-    for (std::uint32_t k = first; k < first + patches.placements.size(); ++k) {
-      for_each_arc_through(surface_, layer, *layer.placements[k],
-                           [&](ClusterIndex of_arc, std::uint32_t arc) {
-                             sets_.unite(first_node_[of_arc] + arc, placement_node_[k]);
-                           });
-      layer.tree.for_each_within(layer.centers[k], connected, [&](std::uint32_t other) {
-        sets_.unite(placement_node_[k], placement_node_[other]);
-      });
-    }
-  });
   if (surface_.has_slack) return;
-  for (std::uint32_t k = 0; k < layer.placements.size(); ++k)
+  for (std::uint32_t k = 0; k < layer.placements.size(); ++k) {
+    for_each_arc_through(surface_, layer, *layer.placements[k],
+                         [&](ClusterIndex of_arc, std::uint32_t arc) {
+                           sets_.unite(first_node_[of_arc] + arc, placement_node_[k]);
+                         });
+    layer.tree.for_each_within(layer.centers[k], connected, [&](std::uint32_t other) {
+      sets_.unite(placement_node_[k], placement_node_[other]);
+    });
     sets_.unite(placement_node_[k], placement_node_[layer.first_coinciding[k]]);
-}
-
-// Between nearly equal atoms, an arc or a placement can be in the ball of another one that is
-// nearly equal, too.
-void ComponentFinder::find_hidden_patches(const SweepLayer& layer, ClusterIndex cluster) {
-  const ClusterPatches& patches = layer.schedule.patches().of_cluster(cluster);
-  if (!surface_.has_slack || !may_hide_arcs(surface_, patches)) return;
-  std::vector<AtomIndex> found;
-  const auto visit = [&](Vec3 point, Node node) {
-    surface_.tree().find_reaching(point, surface_.probe_radius + look_up_slack, found);
-    double max_depth = hidden;
-    std::optional<AtomIndex> outermost;
-    for (const AtomIndex i : found) {
-      const SasSphere sphere = surface_.sas_sphere(i);
-      const double depth = sphere.radius - norm(point - sphere.center);
-      if (depth <= max_depth || surface_.molecule.is_contained(i)) continue;
-      max_depth = depth;
-      outermost = i;
-    }
-    if (outermost)
-      hidden_.push_back({node, *outermost, normalized(point - surface_.atoms[*outermost].center)});
-  };
-  for (std::uint32_t k = 0; k < patches.arcs.size(); ++k) {
-    const SasSphere first = surface_.sas_sphere(patches.arcs[k].first);
-    const ContactCircle circle =
-        make_contact_circle(first, surface_.sas_sphere(patches.arcs[k].second));
-    visit(first.center + first.radius * middle_of(on_first_sphere(patches.arcs[k], circle, first)),
-          first_node_[cluster] + k);
   }
-  const std::uint32_t first = layer.first_placement[cluster];
-  for (std::uint32_t k = first; k < first + patches.placements.size(); ++k)
-    visit(layer.centers[k], placement_node_[k]);
 }
 
 // Sets the nodes of the atoms whose clusters are measured in this layer. All arcs of these atoms
@@ -459,8 +411,6 @@ Components ComponentFinder::finish(const std::function<FaceIntegrals(AtomIndex)>
   }
   components.placements = std::move(kept_);
   for (auto& placement : components.placements) placement.wall = labels[placement.wall];
-  components.hidden = std::move(hidden_);
-  for (auto& patch : components.hidden) patch.wall = labels[patch.wall];
   add_faces(labels, integrals_of, components);
   components.piece_of_atom = find_pieces(surface_);
   connect_walls(surface_, components);

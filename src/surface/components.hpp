@@ -61,14 +61,6 @@ class Components {
     Vec3 center;
     std::uint32_t wall = 0;
   };
-  /// An arc or a placement within a SAS ball, which only the tolerance of the accessibility
-  /// exposes. A point of it is at the face of an atom in this direction.
-  struct HiddenPatch {
-    std::uint32_t wall = 0;
-    AtomIndex atom = 0;
-    Vec3 direction;
-  };
-  std::vector<HiddenPatch> hidden;
   /// The placements that ComponentFinder::keep has kept.
   std::vector<WallPlacement> placements;
   /// Pairs of components whose voids overlap, ascending. The first one of a pair is smaller.
@@ -199,7 +191,6 @@ class ComponentFinder {
 
   void add_nodes(const SweepLayer& layer);
   void connect_arcs(const SweepLayer& layer);
-  void find_hidden_patches(const SweepLayer& layer, ClusterIndex cluster);
   void connect_faces_of_atoms(const SweepLayer& layer);
   void merge_sums();
   void find_outside();
@@ -222,7 +213,6 @@ class ComponentFinder {
   std::vector<RootSums> sums_;
   std::vector<SharedCut> cuts_;
   std::vector<Components::WallPlacement> kept_;  // with nodes instead of walls
-  std::vector<Components::HiddenPatch> hidden_;  // with nodes instead of walls
   AtomIndex lowest_atom_ = 0;                    // it has a face outside
   Node outside_root_ = no_node;                  // in the current layer, if known
 };

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <iterator>
 #include <limits>
-#include <map>
 #include <optional>
 #include <span>
 #include <utility>
@@ -105,22 +104,6 @@ class WallConnector {
         wall = components_.nearest_wall(touched[k],
                                         normalized(center - surface_.atoms[touched[k]].center));
       sets_.unite(wall ? *wall + 1 : 0, w + 1);
-    }
-  }
-
-  // A wall that the tolerance alone exposes has most of its hidden patches at the face of another
-  // wall. On other walls, rounding decides for a few.
-  void connect_hidden_patches() {
-    std::map<std::pair<std::uint32_t, std::uint32_t>, std::size_t> counts;
-    for (const Components::HiddenPatch& patch : components_.hidden)
-      if (const auto wall = components_.nearest_wall(patch.atom, patch.direction))
-        ++counts[{patch.wall, *wall}];
-    for (auto next = counts.begin(); next != counts.end();) {
-      const std::uint32_t wall = next->first.first;
-      auto most = next;
-      for (; next != counts.end() && next->first.first == wall; ++next)
-        if (next->second > most->second) most = next;
-      sets_.unite(wall + 1, most->first.second + 1);
     }
   }
 
@@ -275,7 +258,6 @@ void connect_walls(const SurfaceModel& surface, Components& components) {
   WallConnector connector(surface, components);
   connector.connect_pieces();
   connector.connect_placements();
-  connector.connect_hidden_patches();
   connector.set_components();
 }
 

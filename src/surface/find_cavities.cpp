@@ -1,29 +1,38 @@
 #include "surface/find_cavities.hpp"
 
 #include <limits>
+#include <optional>
 #include <utility>
 #include <vector>
 
 #include "surface/atom_loops.hpp"
 #include "surface/cavity_list.hpp"
 #include "surface/cluster_terms.hpp"
+#include "surface/measure_patches.hpp"
 #include "surface/patch_sweep.hpp"
 #include "surface/void_volumes.hpp"
 
 namespace eses::detail {
 namespace {
 
-// Finds the components of a surface, without the sums over faces.
-Components sweep_components(const std::shared_ptr<ScheduledSurface>& surface,
-                            const MeasureSettings& settings) {
+// Finds the components of a surface, without the sums over faces. Returns nothing if a decision
+// about its patches depends on the slack. All patches pass in any case.
+std::optional<Components> sweep_components(const std::shared_ptr<ScheduledSurface>& surface,
+                                           const MeasureSettings& settings) {
   PatchSweep sweep(surface, {0, true, false}, settings.threads, settings.check);
   ComponentFinder finder(surface->surface, middle_of(surface->surface.atoms));
   std::vector<ComponentFinder::RootSums> roots;
+  ClusterScratch scratch;
+  bool is_consistent = true;
   sweep.run([&](const SweepLayer& layer) {
+    const Patches& patches = surface->schedule.patches();
+    for (ClusterIndex k = layer.begin; k < layer.end && surface->surface.has_slack; ++k)
+      is_consistent = is_consistent && is_regular(surface->surface, patches.of_cluster(k), scratch);
+    if (!is_consistent) return true;
     finder.begin_layer(layer);
     for (ClusterIndex cluster = layer.begin; cluster < layer.end; ++cluster) {
       const std::uint32_t first = layer.first_placement[cluster];
-      const std::size_t count = surface->schedule.patches().of_cluster(cluster).placements.size();
+      const std::size_t count = patches.of_cluster(cluster).placements.size();
       roots.clear();
       for (std::uint32_t k = first; k < first + count; ++k) {
         const ComponentFinder::Node root = finder.root_of_placement(k);
@@ -35,6 +44,7 @@ Components sweep_components(const std::shared_ptr<ScheduledSurface>& surface,
     finder.end_layer();
     return true;
   });
+  if (!is_consistent) return std::nullopt;
   return finder.finish({});
 }
 
@@ -51,16 +61,19 @@ std::shared_ptr<ScheduledSurface> schedule_patches(const Molecule& molecule, dou
 
 std::shared_ptr<const CavityMap> find_cavities(const std::shared_ptr<ScheduledSurface>& surface,
                                                const MeasureSettings& settings) {
-  const Components components = sweep_components(surface, settings);
   const SurfaceModel& model = surface->surface;
-  const std::vector<Cavity> cavities = measure_voids(model, settings, components);
-  std::vector<ComponentNumber> number_of(components.count);
+  const std::optional<Components> components = sweep_components(surface, settings);
+  if (!components)
+    return find_cavities(schedule_patches(consistent_surface(model.molecule, settings), false),
+                         settings);
+  const std::vector<Cavity> cavities = measure_voids(model, settings, *components);
+  std::vector<ComponentNumber> number_of(components->count);
   std::vector<double> volumes;
   for (const std::size_t c : order_by_void(cavities)) {
     volumes.push_back(cavities[c].void_volume);
     number_of[c + 1] = static_cast<ComponentNumber>(volumes.size());
   }
-  const auto map = std::make_shared<CavityMap>(model, components, number_of, std::move(volumes));
+  const auto map = std::make_shared<CavityMap>(model, *components, number_of, std::move(volumes));
   if (settings.max_filled_void) map->fill(*settings.max_filled_void);
   if (settings.kept_component) map->keep_only(*settings.kept_component);
   return map;

@@ -108,6 +108,8 @@ class PatchMeasurement {
     if (!closure_.is_closed()) throw_open(closure_, find_open_atoms(surface_, same_placement_));
   }
 
+  const SurfaceModel& surface() const { return surface_; }
+
   // Replaces the derivatives by those of another measurement.
   void take_gradients(PatchMeasurement& other) {
     sums_.result().gradients = std::move(other.sums_.result().gradients);
@@ -188,11 +190,9 @@ std::unique_ptr<PatchMeasurement> make_measurement(const Molecule& molecule,
                                             accessibility.same_placement);
 }
 
-// Returns a measurement without slack. Where a sphere grazes a circle, the shrinkage moves ends of
-// arcs by its square root. The exact radii have no such error. They decide, unless a gap is open
-// only with the shrinkage, or rounding decides.
-std::unique_ptr<PatchMeasurement> measure_without_slack(const Molecule& molecule,
-                                                        const MeasureSettings& settings) {
+// Returns the measurement without slack and with shrinkage whose patches fit together best.
+std::unique_ptr<PatchMeasurement> measure_with_shrinkage(const Molecule& molecule,
+                                                         const MeasureSettings& settings) {
   std::unique_ptr<PatchMeasurement> best;
   for (const Accessibility& accessibility : without_slack) {
     auto next = make_measurement(molecule, settings, accessibility);
@@ -201,6 +201,15 @@ std::unique_ptr<PatchMeasurement> measure_without_slack(const Molecule& molecule
     best = std::move(next);
     if (best->closure().is_closed()) break;
   }
+  return best;
+}
+
+// Returns a measurement without slack. Where a sphere grazes a circle, the shrinkage moves ends of
+// arcs by its square root. The exact radii have no such error. They decide, unless a gap is open
+// only with the shrinkage, or rounding decides.
+std::unique_ptr<PatchMeasurement> measure_without_slack(const Molecule& molecule,
+                                                        const MeasureSettings& settings) {
+  auto best = measure_with_shrinkage(molecule, settings);
   best->require_closed();
   auto with_exact_radii = make_measurement(molecule, settings, exact);
   if (!with_exact_radii->run() || !with_exact_radii->is_near(*best)) return best;
@@ -279,6 +288,14 @@ Measures measure_kept_patches(const std::shared_ptr<ScheduledSurface>& kept,
   Measures measures = measure_consistently(molecule, settings, std::move(first))->take_result();
   kept->schedule.rewind();
   return measures;
+}
+
+SurfaceModel consistent_surface(const Molecule& molecule, const MeasureSettings& settings) {
+  MeasureSettings with_cavities = settings;
+  with_cavities.cavities = true;
+  with_cavities.largest_probes = false;
+  with_cavities.max_filled_void.reset();
+  return measure_with_shrinkage(molecule, with_cavities)->surface();
 }
 
 Components find_components(const Molecule& molecule, const MeasureSettings& settings) {

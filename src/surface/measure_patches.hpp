@@ -24,6 +24,9 @@ Measures measure_sas(const Molecule& molecule, const MeasureSettings& settings);
 Measures measure_kept_patches(const std::shared_ptr<ScheduledSurface>& kept,
                               const MeasureSettings& settings);
 
+/// Returns the surface without slack whose patches fit together best. See SurfaceModel.
+SurfaceModel consistent_surface(const Molecule& molecule, const MeasureSettings& settings);
+
 /// Returns the components of the set of accessible probe centres.
 Components find_components(const Molecule& molecule, const MeasureSettings& settings);
 

@@ -160,7 +160,10 @@ struct Molecule::Parts {
   Parts(std::vector<Atom> all_atoms, std::vector<AtomLabel> all_labels,
         const std::function<bool(const Atom&)>& is_own, int wanted_threads,
         const CheckCallback& check_callback)
-      : atoms(std::move(all_atoms)), labels(std::move(all_labels)), is_contained(atoms.size()) {
+      : atoms(std::move(all_atoms)),
+        labels(std::move(all_labels)),
+        is_contained(atoms.size()),
+        has_nearly_equal(atoms.size()) {
     require_valid(atoms);
     if (!labels.empty() && labels.size() != atoms.size())
       throw std::invalid_argument(formatted("{} labels for {} atoms", labels.size(), atoms.size()));
@@ -200,6 +203,10 @@ struct Molecule::Parts {
       }
       find_vicinity(atoms, *tree, i, first_equal, near);
       record_contained(atoms, i, near, containers);
+      has_nearly_equal[i] = std::any_of(near.begin(), near.end(), [&](AtomIndex j) {
+        return squared_norm(atoms[i].center - atoms[j].center) <
+               tolerance::nearly_equal * tolerance::nearly_equal;
+      });
       finder.inspect(i, near, tally);
     }
   }
@@ -209,6 +216,7 @@ struct Molecule::Parts {
   std::optional<AtomTree> tree;
   std::optional<CellList> cells;
   std::vector<std::uint8_t> is_contained;
+  std::vector<std::uint8_t> has_nearly_equal;
   std::vector<Diagnostic> diagnostics;
 };
 
@@ -220,7 +228,9 @@ Molecule::Molecule(std::vector<Atom> atoms, std::vector<AtomLabel> labels, int t
                                              check)) {}
 
 Molecule::Molecule(std::shared_ptr<const Parts> parts)
-    : parts_(std::move(parts)), is_contained_(parts_->is_contained) {}
+    : parts_(std::move(parts)),
+      is_contained_(parts_->is_contained),
+      has_nearly_equal_(parts_->has_nearly_equal) {}
 
 Molecule Molecule::part(std::vector<Atom> atoms, const std::function<bool(const Atom&)>& is_own,
                         int threads) {

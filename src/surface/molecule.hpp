@@ -52,6 +52,9 @@ class Molecule {
   /// atoms is not contained in the others.
   bool is_contained(AtomIndex atom) const { return is_contained_[atom] != 0; }
 
+  /// Returns whether the atom and another one are nearly equal, see tolerance::nearly_equal.
+  bool has_nearly_equal(AtomIndex atom) const { return has_nearly_equal_[atom] != 0; }
+
   /// A k-d tree of all atoms.
   const AtomTree& tree() const;
 
@@ -62,7 +65,8 @@ class Molecule {
   struct Parts;
   explicit Molecule(std::shared_ptr<const Parts> parts);
   std::shared_ptr<const Parts> parts_;
-  std::span<const std::uint8_t> is_contained_;  // by atom; data of `parts_`
+  std::span<const std::uint8_t> is_contained_;      // by atom; data of `parts_`
+  std::span<const std::uint8_t> has_nearly_equal_;  // by atom; data of `parts_`
 };
 
 }  // namespace eses::detail
