@@ -53,14 +53,19 @@ std::vector<Atom> make_ring(Random& random, double radius, double sas_radius) {
   return make_ring_of(random.integer(3, 24), sas_radius, radius);
 }
 
-// Adds copies of some atoms 1e-9 to 2e-7 angstrom away. Sets the noise to this distance.
+// Adds copies of some atoms 1e-9 to 2e-7 angstrom away, sometimes several in a row. Sets the noise
+// to the distance of the nearest copy.
 void add_nearly_equal(Random& random, double share, NearDegenerateSet& set) {
   set.noise = std::pow(10, -random.uniform(6.7, 9));
   const std::size_t count = set.atoms.size();
   for (std::size_t i = 0; i < count; ++i) {
     if (!random.chance(share)) continue;
     const Vec3 by{random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(0.1, 1)};
-    set.atoms.push_back({set.atoms[i].center + (set.noise / norm(by)) * by, set.atoms[i].radius});
+    const std::size_t copies = random.chance(0.2) ? 3 : 1;
+    for (std::size_t k = 1; k <= copies; ++k)
+      set.atoms.push_back(
+          {set.atoms[i].center + (static_cast<double>(k) * set.noise / norm(by)) * by,
+           set.atoms[i].radius});
   }
 }
 
