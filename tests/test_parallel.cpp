@@ -1,6 +1,8 @@
-// Tests of loops, of the ordered window, and of their failures.
+// Tests of loops, of waits for other threads, and of their failures.
 
+#include <algorithm>
 #include <atomic>
+#include <cstdint>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -9,13 +11,11 @@
 
 #include "catch.hpp"
 #include "eses/error.hpp"
-#include "output/ordered_output.hpp"
-#include "output/output_file.hpp"
-#include "run/in_turn.hpp"
 #include "support/atom_sets.hpp"
 #include "support/eses_files.hpp"
 #include "support/run.hpp"
 #include "support/temporary_directory.hpp"
+#include "system/monitor.hpp"
 #include "system/parallel.hpp"
 
 namespace eses::detail::test {
@@ -46,62 +46,47 @@ TEST_CASE("an exception at any index of a parallel loop reaches the caller") {
     }
 }
 
-TEST_CASE("chunks stand in a file in the order of their numbers") {
-  const TemporaryDirectory directory;
-  const auto path = directory.path() / "chunks";
-  std::string expected;
-  const auto chunk_text = [](std::int64_t chunk) {
-    return std::string(static_cast<std::size_t>(chunk * 7 % 13),
-                       static_cast<char>('a' + chunk % 26));
-  };
-  for (std::int64_t chunk = 0; chunk < 500; ++chunk) expected += chunk_text(chunk);
-  const OutputDirectory place(directory.path());
-  OutputFile file(place, "chunks");
-  OrderedOutput output(
-      [&](std::span<const char> text, std::uint64_t offset) { file.write_at(text, offset); });
-  parallel_for(500, 4, [&](std::int64_t chunk, int) { output.write(chunk, chunk_text(chunk)); });
-  CHECK(output.size() == expected.size());
-  file.close();
-  file.commit();
-  CHECK(read_bytes(path) == expected);
+TEST_CASE("threads of a loop may wait for smaller indices") {
+  for (const int threads : {1, 2, 7}) {
+    Monitor monitor;
+    std::vector<std::int64_t> order;
+    std::int64_t next = 0;
+    std::atomic<int> calls = 0;
+    parallel_for(
+        500, threads,
+        [&](std::int64_t index, int) {
+          monitor.wait_until([&] { return next == index; });
+          CHECK(++calls == 1);  // alone, as all others wait
+          order.push_back(index);
+          --calls;
+          monitor.change([&] { ++next; });
+        },
+        &monitor);
+    REQUIRE(order.size() == 500);
+    CHECK(std::is_sorted(order.begin(), order.end()));
+  }
 }
 
-TEST_CASE("a receiver gets all items in turn, one at a time") {
-  const auto text_of = [](std::int64_t piece) {
-    return std::string(static_cast<std::size_t>(piece * 7919 % 50000),
-                       static_cast<char>('a' + piece % 26));
-  };
-  std::string expected, received;
-  for (std::int64_t piece = 0; piece < 200; ++piece) expected += text_of(piece);
-  std::atomic<int> calls = 0;
-  InTurn<std::string> in_turn([&](std::string& text) {
-    CHECK(++calls == 1);
-    received += text;
-    --calls;
-  });
-  parallel_for(200, 4, [&](std::int64_t piece, int) {
-    std::string text = text_of(piece);
-    in_turn.pass(piece, text, text.size());
-  });
-  CHECK(received == expected);
-}
-
-TEST_CASE("a missing chunk does not block the others once it is abandoned") {
-  const TemporaryDirectory directory;
-  const OutputDirectory place(directory.path());
-  OutputFile file(place, "chunks");
-  OrderedOutput output(
-      [&](std::span<const char> text, std::uint64_t offset) { file.write_at(text, offset); });
-  const auto run = [&] {
-    parallel_for(8, 4, [&](std::int64_t chunk, int) {
-      if (chunk == 3) {
-        output.abandon();
-        throw Error("chunk 3 failed");
-      }
-      output.write(chunk, std::string(10, 'x'));
-    });
-  };
-  CHECK_THROWS_AS(run(), Error);
+TEST_CASE("a failure ends the waits for the failed thread") {
+  for (const std::int64_t bad : {0, 3, 49})
+    for (const int threads : {1, 4}) {
+      Monitor monitor;
+      std::int64_t next = 0;
+      const auto run = [&] {
+        parallel_for(
+            50, threads,
+            [&](std::int64_t index, int) {
+              if (index == bad) throw Error("piece failed");
+              monitor.wait_until([&] { return next == index; });
+              monitor.change([&] { ++next; });
+            },
+            &monitor);
+      };
+      CHECK_THROWS_WITH(run(), "piece failed");
+      CHECK(next <= bad);
+      if (threads > 1)
+        CHECK_THROWS_AS(monitor.wait_until([] { return true; }), Monitor::Stopped);
+    }
 }
 
 TEST_CASE("an exception in any block ends the run with its message") {

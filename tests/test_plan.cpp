@@ -15,7 +15,6 @@
 #include "grid/make_grid.hpp"
 #include "output/output_files.hpp"
 #include "run/plan.hpp"
-#include "run/task_queue.hpp"
 #include "support/atom_lists.hpp"
 #include "support/run.hpp"
 #include "support/temporary_directory.hpp"
@@ -353,35 +352,6 @@ TEST_CASE("a run that exceeds its memory limit ends and leaves no file", "[plan]
   task.output_directory = directory.path();
   CHECK_THROWS_AS(execute(task, plan, {}, alone), Error);
   CHECK(std::filesystem::is_empty(directory.path()));
-}
-
-TEST_CASE("no more blocks are solved ahead of the unwritten layer than allowed", "[plan]") {
-  for (const std::int64_t ahead : {0, 1, 3, 100}) {
-    INFO("ahead " << ahead);
-    const SurfaceModel surface(std::vector<Atom>{{{0, 0, 0}, 1.5}}, 1.4);
-    PatchSchedule patches(surface, {10, 20});  // a range without atoms
-    TaskQueue queue(patches, {{15, 15}, {20, 20}}, 4, ahead);
-    std::vector<Task> first;
-    first.reserve(4);
-    for (int b = 0; b < 4; ++b) first.push_back(queue.take().value());
-    // The last block of the first layer is not solved yet.
-    for (int b = 0; b < 3; ++b)
-      queue.finish(first[static_cast<std::size_t>(b)], 1, [](std::int64_t) {});
-    for (std::int64_t b = 0; b < std::min<std::int64_t>(ahead, 4); ++b) {
-      const Task task = queue.take().value();
-      CHECK(task.layer == 1);
-      CHECK(task.index == b);
-    }
-    queue.finish(first[3], 1, [](std::int64_t) {});
-    const Task chunk = queue.take().value();
-    CHECK(chunk.kind == Task::Kind::write);
-    queue.finish(chunk, 1, [](std::int64_t) {});
-    if (ahead < 4) {
-      const Task next = queue.take().value();
-      CHECK(next.kind == Task::Kind::solve);
-      CHECK(next.index == ahead);
-    }
-  }
 }
 
 TEST_CASE("free disk space is that of the place where the directory will be", "[plan]") {

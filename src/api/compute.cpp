@@ -16,6 +16,7 @@
 #include "output/grid_map.hpp"
 #include "run/engine.hpp"
 #include "run/run_plan.hpp"
+#include "run/sink.hpp"
 #include "run/solved_block.hpp"
 #include "surface/find_cavities.hpp"
 #include "system/formatted.hpp"
@@ -99,26 +100,28 @@ Summary solve(const PlannedRun& run, const detail::Callbacks& callbacks) {
   return std::move(summary);
 }
 
-// Returns a receiver that sets `values[row * points + x]` to `value_at(words of row, x)`. Several
-// threads call it for different rows.
+// Returns a sink that sets `values[row * points + x]` to `value_at(words of row, x)`.
 template <class Value, class ValueAt>
-detail::MapSink map_receiver(detail::MapQuantity quantity, const GridRegion& region,
-                             std::vector<Value>& values, ValueAt value_at) {
+std::unique_ptr<detail::MapSink> map_sink(detail::MapQuantity quantity, const GridRegion& region,
+                                          std::vector<Value>& values, ValueAt value_at) {
   const auto points = static_cast<std::size_t>(region.size()[0]);
   const auto row_words =
       static_cast<std::size_t>(detail::GridMap::words_of_row(quantity, region.size()));
-  return {quantity, [=, &values](std::int64_t first_row, std::span<const std::uint64_t> words) {
-            Value* value = values.data() + static_cast<std::size_t>(first_row) * points;
-            for (; !words.empty(); words = words.subspan(row_words))
-              for (std::size_t x = 0; x < points; ++x) *value++ = value_at(words, x);
-          }};
+  return std::make_unique<detail::MapSink>(
+      quantity, [=, &values](std::int64_t first_row, std::span<const std::uint64_t> words) {
+        Value* value = values.data() + static_cast<std::size_t>(first_row) * points;
+        for (; !words.empty(); words = words.subspan(row_words))
+          for (std::size_t x = 0; x < points; ++x) *value++ = value_at(words, x);
+      });
 }
 
-// Performs a run that passes the maps of `outputs` to receivers, and writes nothing.
+// Performs a run that passes the maps of `outputs` to a sink, and writes nothing.
 void solve_maps(PlannedRun& run, const Outputs& outputs, const RunOptions& options,
-                std::vector<detail::MapSink> receivers) {
+                detail::Sink& sink) {
   run.task.outputs = Outputs::none();
-  run.task.maps_in_memory = {std::move(receivers), detail::extras_of(outputs)};
+  run.task.maps_in_memory = {{}, detail::extras_of(outputs), &sink};
+  for (const detail::MapChoice& map : detail::chosen_maps(outputs))
+    run.task.maps_in_memory.quantities.push_back(map.quantity);
   solve(run, callbacks_of(options));
 }
 
@@ -418,14 +421,14 @@ std::array<std::vector<double>, 3> compute_dielectric(const Surface& surface, co
   PlannedRun run = plan_run(surface, grid, outputs, options, no_parts, 3 * sizeof(double));
   std::array<std::vector<double>, 3> values;
   for (std::vector<double>& list : values) clear_points(run, options, list);
-  std::vector<detail::MapSink> receivers;
+  detail::Sinks sinks;
   for (const detail::MapChoice& map : detail::chosen_maps(outputs))
-    receivers.push_back(map_receiver(
-        map.quantity, run.region(), values[detail::edge_axis(map.quantity)],
-        [map](std::span<const std::uint64_t> words, std::size_t x) {
-          return dielectric_of(map, detail::fraction_in(words[x / detail::fractions_per_word], x));
-        }));
-  solve_maps(run, outputs, options, std::move(receivers));
+    sinks.add(map_sink(map.quantity, run.region(), values[detail::edge_axis(map.quantity)],
+                       [map](std::span<const std::uint64_t> words, std::size_t x) {
+                         return dielectric_of(
+                             map, detail::fraction_in(words[x / detail::fractions_per_word], x));
+                       }));
+  solve_maps(run, outputs, options, sinks);
   return values;
 }
 
@@ -440,8 +443,8 @@ std::vector<std::uint8_t> compute_ion_access(const Surface& surface, const Grid&
   const auto has_access = [](std::span<const std::uint64_t> words, std::size_t x) {
     return static_cast<std::uint8_t>((words[x / 64] >> (x % 64) & 1) ^ 1);
   };
-  solve_maps(run, outputs, options,
-             {map_receiver(detail::MapQuantity::ion_access, run.region(), values, has_access)});
+  const auto sink = map_sink(detail::MapQuantity::ion_access, run.region(), values, has_access);
+  solve_maps(run, outputs, options, *sink);
   return values;
 }
 

@@ -17,45 +17,47 @@ void write_word(OutputFile& file, std::uint64_t word, std::uint64_t offset) {
 
 }  // namespace
 
-MeshFile::Section::Section(File& file, std::uint64_t begin)
-    : output([&file, begin](std::span<const char> bytes, std::uint64_t offset) {
-        file.write_at(bytes, begin + offset);
-      }) {}
-
-MeshFile::Section::Section(const std::filesystem::path& directory)
-    : scratch(directory), output([this](std::span<const char> bytes, std::uint64_t offset) {
-        scratch->write_at(bytes, offset);
-      }) {}
-
 MeshFile::MeshFile(const MeshText& text, WriteHeader write_header, OutputFile& file,
                    OutputFile* face_file, const std::filesystem::path& scratch)
     : text_(text), write_header_(std::move(write_header)), file_(file), face_file_(face_file) {
   for (std::size_t i = 0; i < text.section_count(); ++i) {
+    Section& section = sections_.emplace_back();
     if (is_first_of_file(i)) {
-      OutputFile& target = i == 0 ? file : *face_file;
-      sections_.emplace_back(target, write_header_of(i) + (text.has_columns() ? size_bytes : 0));
+      section.file = i == 0 ? &file : face_file;
+      section.begin = write_header_of(i) + (text.has_columns() ? size_bytes : 0);
     } else {
-      sections_.emplace_back(scratch);
+      section.file = &section.scratch.emplace(scratch);
     }
   }
 }
 
-void MeshFile::add(std::int64_t index, const MeshPiece& piece, Scratch& texts) {
-  texts.resize(sections_.size());
-  for (TextBuffer& text : texts) text.clear();
-  text_.append(piece, texts);
-  {
-    const std::lock_guard lock(mutex_);
-    counts_.vertices += piece.vertex_count;
-    counts_.triangles += piece.triangles.size();
-    if (const std::size_t bytes = text_.boxed_vertex_bytes(); bytes > 0)
-      box_.add_records(texts.front().text(), bytes);
-  }
-  for (std::size_t i = 0; i < texts.size(); ++i) sections_[i].output.write(index, texts[i].text());
+void MeshFile::format(const MeshPiece& piece, Texts& texts) const {
+  texts.sections.resize(sections_.size());
+  for (TextBuffer& text : texts.sections) text.clear();
+  text_.append(piece, texts.sections);
 }
 
-void MeshFile::abandon() {
-  for (Section& section : sections_) section.output.abandon();
+void MeshFile::place(const MeshPiece& piece, Texts& texts) {
+  counts_.vertices += piece.vertex_count;
+  counts_.triangles += piece.triangles.size();
+  if (const std::size_t bytes = text_.boxed_vertex_bytes(); bytes > 0)
+    box_.add_records(texts.sections.front().text(), bytes);
+  texts.offsets.clear();
+  for (std::size_t i = 0; i < sections_.size(); ++i) {
+    texts.offsets.push_back(sections_[i].size);
+    sections_[i].size += texts.sections[i].text().size();
+  }
+}
+
+void MeshFile::write(const Texts& texts) {
+  for (std::size_t i = 0; i < sections_.size(); ++i)
+    sections_[i].file->write_at(texts.sections[i].text(), sections_[i].begin + texts.offsets[i]);
+}
+
+void MeshFile::add(const MeshPiece& piece) {
+  format(piece, texts_);
+  place(piece, texts_);
+  write(texts_);
 }
 
 // Writes the header of the file that begins with a section. Returns its length.
@@ -84,11 +86,11 @@ std::uint64_t MeshFile::finish(const std::function<void()>& check) {
       end = write_header_of(i);
     }
     if (text_.has_columns()) {
-      write_word(file_, section.output.size(), end);
+      write_word(file_, section.size, end);
       end += size_bytes;
     }
-    if (section.scratch) copy_file(*section.scratch, section.output.size(), file_, end, check);
-    end += section.output.size();
+    if (section.scratch) copy_file(*section.scratch, section.size, file_, end, check);
+    end += section.size;
   }
   if (text_.has_columns()) end = write_ends(end, check);
   return length + end;

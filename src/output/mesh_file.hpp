@@ -5,7 +5,6 @@
 #include <deque>
 #include <filesystem>
 #include <functional>
-#include <mutex>
 #include <optional>
 #include <vector>
 
@@ -13,8 +12,8 @@
 #include "mesh/piece.hpp"
 #include "output/file.hpp"
 #include "output/mesh_writer.hpp"
-#include "output/ordered_output.hpp"
 #include "output/output_file.hpp"
+#include "output/text_buffer.hpp"
 
 namespace eses::detail::mesh {
 
@@ -25,21 +24,27 @@ class MeshFile {
  public:
   /// Writes the header of the mesh file. Its length does not depend on the counts and the box.
   using WriteHeader = std::function<void(BufferedText& text, const MeshCounts&, const VertexBox&)>;
-  /// Texts of the sections of a piece.
-  using Scratch = std::vector<TextBuffer>;
+  /// The sections of a piece as texts, and the offset of each in its section.
+  struct Texts {
+    std::vector<TextBuffer> sections;
+    std::vector<std::uint64_t> offsets;
+  };
 
   /// `face_file` is the file of the triangles if the format has one, else null. Keeps references to
   /// `text` and the files. Scratch files are in the directory `scratch`.
   MeshFile(const MeshText& text, WriteHeader write_header, OutputFile& file, OutputFile* face_file,
            const std::filesystem::path& scratch);
 
-  /// Adds piece number `index`. Several threads may add pieces in any order; each waits until all
-  /// pieces with smaller numbers have their place.
-  void add(std::int64_t index, const MeshPiece& piece, Scratch& texts);
-  /// Adds the next piece. One thread alone may call it.
-  void add(const MeshPiece& piece) { add(next_++, piece, texts_); }
-  /// Ends all waiting calls of `add` after a failure.
-  void abandon();
+  // A piece passes three steps.
+  /// Formats a piece. Several threads may call it.
+  void format(const MeshPiece& piece, Texts& texts) const;
+  /// Counts a piece and sets its offsets. One thread at a time calls it, in the order of the
+  /// pieces.
+  void place(const MeshPiece& piece, Texts& texts);
+  /// Writes a piece. Several threads may call it.
+  void write(const Texts& texts);
+  /// Performs all steps for the next piece.
+  void add(const MeshPiece& piece);
 
   /// The vertices and triangles that were added.
   const MeshCounts& counts() const { return counts_; }
@@ -48,14 +53,12 @@ class MeshFile {
   std::uint64_t finish(const std::function<void()>& check);
 
  private:
+  // A section of the file, or of a scratch file.
   struct Section {
-    // Writes the section to a file from `begin` on.
-    Section(File& file, std::uint64_t begin);
-    // Writes the section to a scratch file.
-    explicit Section(const std::filesystem::path& directory);
-
     std::optional<ScratchFile> scratch;
-    OrderedOutput output;
+    File* file = nullptr;
+    std::uint64_t begin = 0;  // in the file
+    std::uint64_t size = 0;   // of all pieces
   };
   bool is_first_of_file(std::size_t section) const {
     return section == 0 || (section == 1 && face_file_ != nullptr);
@@ -68,11 +71,9 @@ class MeshFile {
   OutputFile& file_;
   OutputFile* face_file_;
   std::deque<Section> sections_;
-  std::mutex mutex_;
   MeshCounts counts_;
   VertexBox box_;
-  std::int64_t next_ = 0;  // number of the next piece of one thread alone
-  Scratch texts_;
+  Texts texts_;  // for `add`
 };
 
 }  // namespace eses::detail::mesh

@@ -10,9 +10,10 @@
 #include "output/area_table_writer.hpp"
 #include "output/eses_writer.hpp"
 #include "output/grid_map.hpp"
+#include "output/mesh_writer.hpp"
 #include "run/checkpoint.hpp"
 #include "run/group_names.hpp"
-#include "run/mesh_output.hpp"
+#include "run/layer_mesh.hpp"
 #include "run/row_batches.hpp"
 #include "system/gzip.hpp"
 #include "system/resources.hpp"
@@ -167,8 +168,8 @@ double expected_memory(const SurfaceSurvey& survey, const MemoryBudget& budget, 
   const double crossings_of_plane =
       expected_crossings(survey.max_slab_area(grid.spacing), grid.spacing);
   if (outputs.mesh)
-    held += MeshOutput::memory_bytes(tiling, mesh::contents_of(required_mesh_format(*outputs.mesh)),
-                                     halo_growth(tiling) * crossings_of_plane);
+    held += LayerMesh::memory_bytes(tiling, mesh::contents_of(required_mesh_format(*outputs.mesh)),
+                                    halo_growth(tiling) * crossings_of_plane);
   // In place, the mesh is improved during the sweep. Otherwise it is improved afterwards, when
   // blocks and patches are freed.
   double improving =

@@ -12,10 +12,11 @@
 #include <vector>
 
 #include "grid/make_grid.hpp"
-#include "run/pipeline.hpp"
 #include "run/pocket_finder.hpp"
 #include "run/run_plan.hpp"
+#include "run/sink.hpp"
 #include "run/solved_block.hpp"
+#include "run/sweep.hpp"
 #include "surface/patch_schedule.hpp"
 #include "system/formatted.hpp"
 
@@ -66,20 +67,17 @@ class ProbeSweep {
   std::int64_t layer_planes() const { return plan_.tiling.block_size[2] - 1; }
   int threads() const { return plan_.threads; }
 
-  // Sweeps over the next planes.
-  void sweep(const PlaneRange& planes, std::vector<MapSink> maps, SolvedBlockCallback block,
+  // Sweeps over the next planes. The pieces have these maps.
+  void sweep(const PlaneRange& planes, std::vector<MapQuantity> maps, Sink& sink,
              ProgressReport& report) {
-    Sinks sinks;
-    sinks.maps = std::move(maps);
-    sinks.extras = extras_;
-    sinks.block = std::move(block);
     // A single process has the schedule of the run.
     Plan plan = static_cast<const Plan&>(plan_);
     plan.tiling =
         make_tiling(plan.grid, plan.tiling.block_size, with_planes(plan.tiling.region, planes));
-    Pipeline pipeline(patches_->schedule, plan, std::move(sinks), report);
-    pipeline.solve_plane_below();
-    pipeline.run();
+    Sweep sweep(patches_->schedule, plan, {.maps = std::move(maps), .extras = extras_}, {}, nullptr,
+                sink, report);
+    sweep.solve_plane_below();
+    sweep.run();
   }
 
  private:
@@ -88,7 +86,7 @@ class ProbeSweep {
   std::shared_ptr<ScheduledSurface> patches_;
 };
 
-// Planes that are swept together, and the receivers of their points and crossings.
+// Planes that are swept together.
 class PocketPlanes {
  public:
   PocketPlanes(const PlaneRange& planes, const PocketFinder& finder)
@@ -96,40 +94,66 @@ class PocketPlanes {
         planes_(static_cast<std::size_t>(planes.count()), finder.empty_plane()) {}
 
   std::vector<PocketPlane>& planes() { return planes_; }
+  PocketPlane& at(std::int64_t z) { return planes_[static_cast<std::size_t>(z - begin_)]; }
 
-  // Returns a receiver of the rows of a map.
-  MapSink receiver(MapQuantity quantity, std::vector<std::uint64_t> PocketPlane::*bits,
-                   const Grid& grid) {
-    const auto rows = static_cast<std::size_t>(grid.size[1]);
-    return {quantity,
-            [this, bits, rows](std::int64_t first_row, std::span<const std::uint64_t> words) {
-              const std::size_t row_words = (planes_.front().*bits).size() / rows;
-              for (auto row = static_cast<std::size_t>(first_row); !words.empty();
-                   ++row, words = words.subspan(row_words))
-                std::copy_n(words.begin(), row_words,
-                            (planes_[row / rows].*bits).begin() +
-                                static_cast<std::ptrdiff_t>(row % rows * row_words));
-            }};
+  // Sets the bits of consecutive rows.
+  void set(std::vector<std::uint64_t> PocketPlane::*bits, std::int64_t rows_of_plane,
+           std::int64_t first_row, std::span<const std::uint64_t> words) {
+    const auto rows = static_cast<std::size_t>(rows_of_plane);
+    const std::size_t row_words = (planes_.front().*bits).size() / rows;
+    for (auto row = static_cast<std::size_t>(first_row); !words.empty();
+         ++row, words = words.subspan(row_words))
+      std::copy_n(words.begin(), row_words,
+                  (planes_[row / rows].*bits).begin() +
+                      static_cast<std::ptrdiff_t>(row % rows * row_words));
   }
 
-  // Returns a receiver of the crossings of blocks.
-  SolvedBlockCallback receiver(std::vector<PocketPlane::Edge> PocketPlane::*edges) {
-    return [this, edges](const BlockResult& result) {
-      for_each_crossing(result, [&](const GridIndex& row_start, const BlockCrossing& crossing) {
+ private:
+  std::int64_t begin_;
+  std::vector<PocketPlane> planes_;
+};
+
+// Takes the points and crossings of the surface of one probe.
+class PocketSink final : public Sink {
+ public:
+  // `covered` is null without these points.
+  PocketSink(PocketPlanes& planes, std::int64_t rows_of_plane,
+             std::vector<std::uint64_t> PocketPlane::*inside,
+             std::vector<std::uint64_t> PocketPlane::*covered,
+             std::vector<PocketPlane::Edge> PocketPlane::*edges, ProgressReport& report)
+      : planes_(planes),
+        rows_(rows_of_plane),
+        inside_(inside),
+        covered_(covered),
+        edges_(edges),
+        report_(report) {}
+
+  void take_block(const BlockResult& block, std::size_t /*thread*/) override {
+    report_.call([&] {
+      for_each_crossing(block, [&](const GridIndex& row_start, const BlockCrossing& crossing) {
         const double share = std::fabs(crossing.normal[crossing.axis]) / area_share_unit;
-        (at(row_start[2]).*edges)
+        (planes_.at(row_start[2]).*edges_)
             .push_back({row_start[0] + crossing.x, row_start[1], crossing.axis,
                         crossing.lower_is_inside != 0, crossing.atom_count, crossing.atoms,
                         std::llround(share)});
       });
+    });
+  }
+  void store(const Piece& piece) override {
+    const auto set = [&](std::vector<std::uint64_t> PocketPlane::*bits, MapQuantity quantity) {
+      planes_.set(bits, rows_, piece.first_row, piece.map_rows[static_cast<std::size_t>(quantity)]);
     };
+    set(inside_, MapQuantity::inside);
+    if (covered_ != nullptr) set(covered_, MapQuantity::ion_access);
   }
 
  private:
-  PocketPlane& at(std::int64_t z) { return planes_[static_cast<std::size_t>(z - begin_)]; }
-
-  std::int64_t begin_;
-  std::vector<PocketPlane> planes_;
+  PocketPlanes& planes_;
+  std::int64_t rows_;  // of a plane
+  std::vector<std::uint64_t> PocketPlane::*inside_;
+  std::vector<std::uint64_t> PocketPlane::*covered_;
+  std::vector<PocketPlane::Edge> PocketPlane::*edges_;
+  ProgressReport& report_;
 };
 
 }  // namespace
@@ -176,12 +200,12 @@ Pockets sweep_pockets(const Molecule& molecule, double probe_radius, const Pocke
   for (std::int64_t z = 0; z < grid.size[2]; z += small.layer_planes()) {
     const PlaneRange planes{z, std::min(z + small.layer_planes(), grid.size[2])};
     PocketPlanes buffer(planes, finder);
-    small.sweep(planes,
-                {buffer.receiver(MapQuantity::inside, &PocketPlane::small, grid),
-                 buffer.receiver(MapQuantity::ion_access, &PocketPlane::covered, grid)},
-                buffer.receiver(&PocketPlane::walls), report);
-    large.sweep(planes, {buffer.receiver(MapQuantity::inside, &PocketPlane::large, grid)},
-                buffer.receiver(&PocketPlane::mouths), report);
+    PocketSink of_small(buffer, grid.size[1], &PocketPlane::small, &PocketPlane::covered,
+                        &PocketPlane::walls, report);
+    small.sweep(planes, {MapQuantity::inside, MapQuantity::ion_access}, of_small, report);
+    PocketSink of_large(buffer, grid.size[1], &PocketPlane::large, nullptr, &PocketPlane::mouths,
+                        report);
+    large.sweep(planes, {MapQuantity::inside}, of_large, report);
     for (PocketPlane& plane : buffer.planes()) {
       finder.add(std::move(plane));
       report.check();

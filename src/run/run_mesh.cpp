@@ -78,7 +78,7 @@ mesh::VertexMaker RunMesh::vertex_maker() const {
                             .component_of = component_of_crossing(plan_, mesh.color)});
 }
 
-std::unique_ptr<MeshSink> RunMesh::sink() {
+std::unique_ptr<Sink> RunMesh::sink() {
   if (filter_) return std::make_unique<MeshIntoFilter>(*filter_);
   return std::make_unique<MeshIntoFile>(*file_);
 }

@@ -12,8 +12,8 @@
 #include "output/mesh_writer.hpp"
 #include "output/output_files.hpp"
 #include "output/vertex_maker.hpp"
-#include "run/mesh_sinks.hpp"
 #include "run/run_plan.hpp"
+#include "run/sink.hpp"
 
 namespace eses::detail {
 
@@ -33,7 +33,7 @@ class RunMesh {
   /// Makes the vertices of the pieces.
   mesh::VertexMaker vertex_maker() const;
   /// Returns the receiver of a sweep that writes directly to the file.
-  std::unique_ptr<MeshSink> sink();
+  std::unique_ptr<Sink> sink();
   /// Adds the next piece, from a chunk. One thread alone may call it.
   void add(const mesh::MeshPiece& piece);
   /// Finishes the mesh after all pieces were added. Sets its counts and angles in the summary.

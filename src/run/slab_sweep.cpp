@@ -8,7 +8,8 @@
 #include <utility>
 
 #include "output/grid_map.hpp"
-#include "run/mesh_output.hpp"
+#include "run/layer_mesh.hpp"
+#include "run/sweep.hpp"
 #include "surface/patch_schedule.hpp"
 #include "system/resources.hpp"
 #include "system/stopwatch.hpp"
@@ -29,11 +30,11 @@ BlockTiling tiling_of(const RunPlan& plan, const PlaneRange& planes) {
   return tiling;
 }
 
-OrderedOutput::WriteAt sink_of(OutputFile& file) {
+WriteAt sink_of(OutputFile& file) {
   return [&file](std::span<const char> text, std::uint64_t offset) { file.write_at(text, offset); };
 }
 
-OrderedOutput::WriteAt sink_of(ScratchFile& file, TextChecksum& checksum) {
+WriteAt sink_of(ScratchFile& file, TextChecksum& checksum) {
   return [&file, &checksum](std::span<const char> text, std::uint64_t offset) {
     file.write_at(text, offset);
     checksum.add(text, offset);
@@ -42,8 +43,7 @@ OrderedOutput::WriteAt sink_of(ScratchFile& file, TextChecksum& checksum) {
 
 // Returns a function that writes rows as words. They are converted to values of the map when chunks
 // are merged.
-TakeRows rows_as_words(MapQuantity quantity, const GridRegion& region,
-                       OrderedOutput::WriteAt write_at) {
+MapSink::TakeRows rows_as_words(MapQuantity quantity, const GridRegion& region, WriteAt write_at) {
   const auto row_bytes = sizeof(std::uint64_t) *
                          static_cast<std::uint64_t>(GridMap::words_of_row(quantity, region.size()));
   return [row_bytes, write_at = std::move(write_at)](std::int64_t first_row,
@@ -51,6 +51,14 @@ TakeRows rows_as_words(MapQuantity quantity, const GridRegion& region,
     write_at({reinterpret_cast<const char*>(words.data()), words.size_bytes()},
              row_bytes * static_cast<std::uint64_t>(first_row));
   };
+}
+
+// Adds the seconds of the threads of a sweep.
+void add_seconds(const PhaseSeconds& of_sweep, PhaseSeconds& seconds) {
+  seconds.patches += of_sweep.patches;
+  seconds.classify += of_sweep.classify;
+  seconds.intersect += of_sweep.intersect;
+  seconds.output += of_sweep.output;
 }
 
 }  // namespace
@@ -136,7 +144,7 @@ Plan SlabSweep::plan_of(const PlaneRange& planes, std::int64_t checks) const {
 }
 
 // Returns the receiver of a text: its output file, or a new file of the chunk.
-OrderedOutput::WriteAt SlabSweep::open_text(ChunkText text, PlaneChunk& chunk) {
+WriteAt SlabSweep::open_text(ChunkText text, PlaneChunk& chunk) {
   if (plan_.is_in_place)
     return sink_of(*files_->find(text == ChunkText::grid ? RunFile::grid : RunFile::edges));
   std::unique_ptr<ScratchFile>& file = chunk.text(text);
@@ -144,21 +152,33 @@ OrderedOutput::WriteAt SlabSweep::open_text(ChunkText text, PlaneChunk& chunk) {
   return sink_of(*file, (*checksums_)[static_cast<std::size_t>(text)]);
 }
 
-// Returns the receivers of the rows of all maps.
-std::vector<MapSink> SlabSweep::map_sinks(PlaneChunk& chunk, const GridRegion& region) {
-  std::vector<MapSink> sinks = task_.maps_in_memory.sinks;
-  if (plan_.is_in_place) {
-    for (GridMap& map : maps_)
-      sinks.push_back(
-          {map.quantity(), [&map](std::int64_t first_row, std::span<const std::uint64_t> words) {
-             map.add_rows(first_row, words);
-           }});
-    return sinks;
-  }
+// Adds the sinks of all maps.
+void SlabSweep::add_map_sinks(PlaneChunk& chunk, const GridRegion& region, Sinks& sinks) {
+  if (task_.maps_in_memory.sink != nullptr) sinks.add(*task_.maps_in_memory.sink);
+  for (GridMap& map : maps_)
+    sinks.add(std::make_unique<MapSink>(
+        map.quantity(), [&map](std::int64_t first_row, std::span<const std::uint64_t> words) {
+          map.add_rows(first_row, words);
+        }));
+  if (plan_.is_in_place) return;
   for (const MapChoice& map : chosen_maps(task_.outputs))
-    sinks.push_back({map.quantity,
-                     rows_as_words(map.quantity, region, open_text(text_of(map.quantity), chunk))});
-  return sinks;
+    sinks.add(std::make_unique<MapSink>(
+        map.quantity,
+        rows_as_words(map.quantity, region, open_text(text_of(map.quantity), chunk))));
+}
+
+// Returns what the pieces have for the outputs and the maps in memory.
+SweepContents SlabSweep::contents() const {
+  const Outputs& outputs = task_.outputs;
+  const MapsInMemory& in_memory = task_.maps_in_memory;
+  SweepContents contents{
+      .grid = outputs.grid,
+      .edges = outputs.edges,
+      .gzip = outputs.gzip,
+      .maps = in_memory.quantities,
+      .extras = in_memory.sink != nullptr ? in_memory.extras : extras_of(outputs)};
+  for (const MapChoice& map : chosen_maps(outputs)) contents.maps.push_back(map.quantity);
+  return contents;
 }
 
 // Returns false if there are faults.
@@ -191,56 +211,51 @@ void SlabSweep::sweep(PatchSchedule& patches, const Plan& plan, SweepResult& res
   PlaneChunk chunk;
   chunk.info.planes = {region.begin[2], region.end[2]};
   if (plan_.checkpoint) checksums_.emplace();
-  std::unique_ptr<MeshSink> mesh_sink;
-  std::optional<MeshOutput> mesh;
+  Sinks sinks;
+  const auto set_bytes = [&](ChunkText text, std::uint64_t bytes) {
+    chunk.info.bytes[static_cast<std::size_t>(text)] = bytes;
+  };
+  PieceTextSink *grid = nullptr, *edges = nullptr, *mesh_bytes = nullptr;
+  const auto add_text = [&](ChunkText text, PieceText Piece::*of_piece) {
+    return &sinks.add(std::make_unique<PieceTextSink>(of_piece, open_text(text, chunk)));
+  };
+  if (task_.outputs.grid) grid = add_text(ChunkText::grid, &Piece::grid);
+  if (task_.outputs.edges) edges = add_text(ChunkText::edges, &Piece::edges);
+  add_map_sinks(chunk, region, sinks);
+  std::optional<LayerMesh> mesh;
   if (mesh_ != nullptr) {
-    mesh_sink = plan_.is_in_place
-                    ? mesh_->sink()
-                    : std::make_unique<MeshIntoChunk>(open_text(ChunkText::mesh, chunk));
     mesh.emplace(plan, plan_.tiling.region_with_halo, mesh_->swept_contents(),
-                 mesh_->vertex_maker(), *mesh_sink);
+                 mesh_->vertex_maker());
+    if (plan_.is_in_place)
+      sinks.add(mesh_->sink());
+    else
+      mesh_bytes = &sinks.add(std::make_unique<MeshIntoChunk>(open_text(ChunkText::mesh, chunk)));
   }
   std::optional<Verifier> verifier;
   if (plan.parameters.verify > 0) {
     const Stopwatch drawing;
     verifier.emplace(plan_.slab.molecule.atoms(), plan, plan_.filled().get());
     summary.seconds.verify += drawing.seconds();
+    sinks.add(std::make_unique<BlocksIntoVerifier>(*verifier));
   }
-  const auto into = [&](ChunkText text, bool is_chosen) {
-    return is_chosen ? open_text(text, chunk) : OrderedOutput::WriteAt();
-  };
-  Pipeline pipeline(patches, plan,
-                    {.grid = into(ChunkText::grid, task_.outputs.grid),
-                     .edges = into(ChunkText::edges, task_.outputs.edges),
-                     .gzip = task_.outputs.gzip,
-                     .maps = map_sinks(chunk, region),
-                     .extras = task_.maps_in_memory.sinks.empty() ? extras_of(task_.outputs)
-                                                                  : task_.maps_in_memory.extras,
-                     .mesh = mesh ? &*mesh : nullptr,
-                     .verifier = verifier ? &*verifier : nullptr,
-                     .block = callbacks_.block,
-                     .file_indices = plan_.slab.file_indices()},
-                    report_);
-  if (region.begin[2] > plan_.tiling.region.begin[2]) pipeline.solve_plane_below();
-  pipeline.run();
-  pipeline.add_seconds(summary.seconds);
-  chunk.info.totals = pipeline.totals();
-  const auto set_bytes = [&](ChunkText text, std::uint64_t bytes) {
-    chunk.info.bytes[static_cast<std::size_t>(text)] = bytes;
-  };
-  set_bytes(ChunkText::grid, pipeline.grid_bytes());
-  set_bytes(ChunkText::edges, pipeline.edge_bytes());
+  if (callbacks_.block) sinks.add(std::make_unique<BlocksIntoCallback>(callbacks_.block, report_));
+  Sweep sweep(patches, plan, contents(), plan_.slab.file_indices(), mesh ? &*mesh : nullptr, sinks,
+              report_);
+  if (region.begin[2] > plan_.tiling.region.begin[2]) sweep.solve_plane_below();
+  SweepSums sums = sweep.run();
+  add_seconds(sums.seconds, summary.seconds);
+  chunk.info.totals = sums.totals;
+  chunk.info.mesh = sums.mesh;
+  if (grid != nullptr) set_bytes(ChunkText::grid, grid->size());
+  if (edges != nullptr) set_bytes(ChunkText::edges, edges->size());
+  if (mesh_bytes != nullptr) set_bytes(ChunkText::mesh, mesh_bytes->size());
   for (const MapChoice& map : chosen_maps(task_.outputs))
     set_bytes(text_of(map.quantity), GridMap::row_bytes(map.quantity, region));
-  if (mesh) {
-    set_bytes(ChunkText::mesh, mesh_sink->chunk_bytes());
-    chunk.info.mesh = {mesh->vertex_count(), pipeline.triangle_count()};
-  }
   const bool has_faults = verifier && !verify(*verifier, chunk.info, summary);
   if (!plan_.checkpoint)
-    result = {std::move(chunk), pipeline.take_atom_shares()};
+    result = {std::move(chunk), std::move(sums.atom_shares)};
   else if (!has_faults)
-    save_chunk(chunk, pipeline.take_atom_shares());
+    save_chunk(chunk, sums.atom_shares);
 }
 
 }  // namespace eses::detail

@@ -11,11 +11,10 @@
 
 #include "output/output_files.hpp"
 #include "run/checkpoint.hpp"
-#include "run/mesh_output.hpp"
-#include "run/pipeline.hpp"
 #include "run/progress_report.hpp"
 #include "run/run_mesh.hpp"
 #include "run/run_plan.hpp"
+#include "run/sink.hpp"
 #include "run/verifier.hpp"
 #include "surface/patch_schedule.hpp"
 
@@ -52,8 +51,9 @@ class SlabSweep {
  private:
   Plan plan_of(const PlaneRange& planes, std::int64_t checks) const;
   SurfaceModel make_surface() const;
-  OrderedOutput::WriteAt open_text(ChunkText text, PlaneChunk& chunk);
-  std::vector<MapSink> map_sinks(PlaneChunk& chunk, const GridRegion& region);
+  WriteAt open_text(ChunkText text, PlaneChunk& chunk);
+  void add_map_sinks(PlaneChunk& chunk, const GridRegion& region, Sinks& sinks);
+  SweepContents contents() const;
   void sweep(PatchSchedule& patches, const Plan& plan, SweepResult& result, Summary& summary);
   bool verify(Verifier& verifier, ChunkInfo& info, Summary& summary);
   void save_chunk(PlaneChunk& chunk, std::span<const AreaShare> shares) const;

@@ -62,19 +62,13 @@ struct InputFile {
   StructureOptions structure = {};  ///< options for PDB and mmCIF files
 };
 
-/// Receives consecutive rows of a map. See GridMap::add_rows.
-using TakeRows = std::function<void(std::int64_t first_row, std::span<const std::uint64_t> words)>;
+class Sink;
 
-/// The receiver of the rows of a map. Several threads call it for different rows.
-struct MapSink {
-  MapQuantity quantity = MapQuantity::inside;
-  TakeRows take_rows;
-};
-
-/// Maps that the caller of a run in a single process receives.
+/// Maps that a sink of the caller receives. The run has a single process.
 struct MapsInMemory {
-  std::vector<MapSink> sinks;
-  BlockExtras extras;  ///< what the maps need besides points
+  std::vector<MapQuantity> quantities;
+  BlockExtras extras;    ///< what the maps need besides points
+  Sink* sink = nullptr;  ///< outlives the run
 };
 
 /// Memory that the caller of a run needs for the results, besides the memory of the run.

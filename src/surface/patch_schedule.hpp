@@ -18,7 +18,7 @@ struct BuildStep {
 
 /// The schedule of the steps, in ascending order of heights. A step is returned when the steps on
 /// which it depends are finished. Clusters are opened shortly before their first step and closed
-/// when the sweep has passed them. The class is not thread-safe: TaskQueue serializes all calls.
+/// when the sweep has passed them. The class is not thread-safe: Sweep serializes all calls.
 /// Steps may run concurrently.
 class PatchSchedule {
  public:

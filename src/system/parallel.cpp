@@ -19,7 +19,8 @@ int available_threads() {
 }
 
 void parallel_for(std::int64_t count, int threads,
-                  const std::function<void(std::int64_t index, int thread)>& body) {
+                  const std::function<void(std::int64_t index, int thread)>& body,
+                  Monitor* monitor) {
   // A region of one thread costs time. Threads that wait for the next region spin for a while, so a
   // thread without an index is worse than none. Regions within regions would have too many threads.
   const auto useful = static_cast<int>(std::clamp<std::int64_t>(count, 1, std::max(1, threads)));
@@ -30,15 +31,21 @@ void parallel_for(std::int64_t count, int threads,
   std::exception_ptr failure;
   std::mutex failure_mutex;
   std::atomic<bool> has_failed = false;
-#pragma omp parallel for schedule(dynamic, 1) num_threads(useful)
-  for (std::int64_t index = 0; index < count; ++index) {
-    if (has_failed.load(std::memory_order_relaxed)) continue;
+  std::atomic<std::int64_t> next = 0;
+#pragma omp parallel num_threads(useful)
+  while (!has_failed.load(std::memory_order_relaxed)) {
+    const std::int64_t index = next++;
+    if (index >= count) break;
     try {
       body(index, omp_get_thread_num());
+    } catch (const Monitor::Stopped&) {  // another thread has failed
     } catch (...) {
-      const std::lock_guard lock(failure_mutex);
-      if (!failure) failure = std::current_exception();
-      has_failed = true;
+      {
+        const std::lock_guard lock(failure_mutex);
+        if (!failure) failure = std::current_exception();
+        has_failed = true;
+      }
+      if (monitor != nullptr) monitor->stop();
     }
   }
   if (failure) std::rethrow_exception(failure);

@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <functional>
 
+#include "system/monitor.hpp"
+
 namespace eses::detail {
 
 /// Returns the number of threads that this process may use: OMP_NUM_THREADS or else the number of
@@ -16,10 +18,12 @@ int available_threads();
 /// called before any file is written.
 void start_threads(int threads);
 
-/// Calls `body(index, thread)` once for every index in [0, count), in roughly ascending order, from
-/// `threads` threads; `thread` is 0-based. The first exception of `body` stops the loop and is
-/// rethrown when all threads have stopped.
+/// Calls `body(index, thread)` once for every index in [0, count) from `threads` threads; `thread`
+/// is 0-based. Threads take the indices in ascending order, so a body may wait for the work of
+/// smaller indices. The first exception of `body` stops the loop and is rethrown when all threads
+/// have stopped. It also stops `monitor`, if there is one, so that all waits end.
 void parallel_for(std::int64_t count, int threads,
-                  const std::function<void(std::int64_t index, int thread)>& body);
+                  const std::function<void(std::int64_t index, int thread)>& body,
+                  Monitor* monitor = nullptr);
 
 }  // namespace eses::detail

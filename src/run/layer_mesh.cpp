@@ -1,16 +1,17 @@
-#include "run/mesh_output.hpp"
+#include "run/layer_mesh.hpp"
 
 #include <algorithm>
 #include <cstddef>
 #include <span>
 #include <utility>
 
+#include "output/mesh_writer.hpp"
 #include "system/resources.hpp"
 
 namespace eses::detail {
 
 /// A layer with the index of its rows.
-struct MeshOutput::LayerView {
+struct LayerMesh::LayerView {
   LayerView(const BlockTiling& tiling, const Layer& layer)
       : first_z(layer.first_z()),
         rows(tiling, layer, Extent::with_halo),
@@ -21,18 +22,17 @@ struct MeshOutput::LayerView {
   LayerCrossings crossings;
 };
 
-MeshOutput::MeshOutput(const Plan& plan, const GridRegion& region, mesh::PieceContents contents,
-                       mesh::VertexMaker make_vertex, MeshSink& sink)
+LayerMesh::LayerMesh(const Plan& plan, const GridRegion& region, mesh::PieceContents contents,
+                     mesh::VertexMaker make_vertex)
     : plan_(plan),
       region_(region),
       rows_y_(region_.size()[1]),
       has_cells_(std::ranges::min(region_.size()) > 1),
       contents_(contents),
-      make_vertex_(std::move(make_vertex)),
-      sink_(sink) {}
+      make_vertex_(std::move(make_vertex)) {}
 
-double MeshOutput::memory_bytes(const BlockTiling& tiling, const mesh::PieceContents& contents,
-                                double plane_crossings) {
+double LayerMesh::memory_bytes(const BlockTiling& tiling, const mesh::PieceContents& contents,
+                               double plane_crossings) {
   const auto planes = static_cast<double>(std::min(tiling.block_size[2], tiling.grid_size[2]));
   const GridIndex size = tiling.region.size();
   const auto rows = static_cast<double>(size[1]);
@@ -45,13 +45,13 @@ double MeshOutput::memory_bytes(const BlockTiling& tiling, const mesh::PieceCont
 
 // Returns the number of planes of a layer. The last layer has the plane of the halo as well, if it
 // belongs to this part of the mesh.
-std::int64_t MeshOutput::planes_of(const Layer& layer) const {
+std::int64_t LayerMesh::planes_of(const Layer& layer) const {
   const std::int64_t end = layer.first_z() + layer.owned_planes();
   const BlockTiling& tiling = plan_.tiling;
   return (end == tiling.region.end[2] ? tiling.region_with_halo.end[2] : end) - layer.first_z();
 }
 
-void MeshOutput::number_rows(const Layer& layer) {
+void LayerMesh::number_rows(const Layer& layer) {
   const std::lock_guard lock(mutex_);
   if (is_numbered_) return;
   const RowRange rows{0, planes_of(layer) * rows_y_};
@@ -68,13 +68,13 @@ void MeshOutput::number_rows(const Layer& layer) {
 }
 
 // Returns the index in the grid of a point. `x` is its index in the grid.
-GridIndex MeshOutput::index_of(const LayerView& view, std::int64_t x, std::int64_t y,
-                               std::int64_t z) const {
+GridIndex LayerMesh::index_of(const LayerView& view, std::int64_t x, std::int64_t y,
+                              std::int64_t z) const {
   return {x, region_.begin[1] + y, view.first_z + z};
 }
 
-void MeshOutput::make_row(const LayerView& view, std::int64_t y, std::int64_t z,
-                          mesh::Row& row) const {
+void LayerMesh::make_row(const LayerView& view, std::int64_t y, std::int64_t z,
+                         mesh::Row& row) const {
   view.rows.merge_row(y, z, row.inside);
   row.edges.clear();
   row.patches.clear();
@@ -98,32 +98,32 @@ void MeshOutput::make_row(const LayerView& view, std::int64_t y, std::int64_t z,
   row.first_vertex = row_begin_[static_cast<std::size_t>(z * rows_y_ + y)];
 }
 
-const mesh::Row& MeshOutput::lower_row(const MeshScratch::RowPair& pair, std::int64_t y,
-                                       std::int64_t z) const {
+const mesh::Row& LayerMesh::lower_row(const MeshScratch::RowPair& pair, std::int64_t y,
+                                      std::int64_t z) const {
   return z > 0 ? pair.lower : below_[static_cast<std::size_t>(y)];
 }
 
-void MeshOutput::make_rows(const LayerView& view, std::int64_t row,
-                           MeshScratch::RowPair& pair) const {
+void LayerMesh::make_rows(const LayerView& view, std::int64_t row,
+                          MeshScratch::RowPair& pair) const {
   const std::int64_t y = row % rows_y_, z = row / rows_y_;
   make_row(view, y, z, pair.upper);
   if (z > 0) make_row(view, y, z - 1, pair.lower);
 }
 
-bool MeshOutput::is_crossed(std::int64_t y, std::int64_t z) const {
+bool LayerMesh::is_crossed(std::int64_t y, std::int64_t z) const {
   if (z < 0) return !below_[static_cast<std::size_t>(y)].edges.empty();
   const auto row = static_cast<std::size_t>(z * rows_y_ + y);
   return row_begin_[row] < row_begin_[row + 1];
 }
 
 // Returns whether there may be triangles in the cells that end at a row.
-bool MeshOutput::has_triangles(std::int64_t y, std::int64_t z) const {
+bool LayerMesh::has_triangles(std::int64_t y, std::int64_t z) const {
   return is_crossed(y - 1, z - 1) || is_crossed(y, z - 1) || is_crossed(y - 1, z) ||
          is_crossed(y, z);
 }
 
-void MeshOutput::add_vertices(const LayerView& view, const RowRange& rows,
-                              mesh::MeshPiece& piece) const {
+void LayerMesh::add_vertices(const LayerView& view, const RowRange& rows,
+                             mesh::MeshPiece& piece) const {
   piece.vertex_count = row_begin_[static_cast<std::size_t>(rows.end)] -
                        row_begin_[static_cast<std::size_t>(rows.begin)];
   if (!contents_.vertices) return;
@@ -137,9 +137,9 @@ void MeshOutput::add_vertices(const LayerView& view, const RowRange& rows,
   });
 }
 
-void MeshOutput::add_triangles(const LayerView& view, const RowRange& rows,
-                               MeshScratch& scratch) const {
-  auto& [front, back, edge_vertices, piece, sink_scratch, count] = scratch;
+void LayerMesh::add_triangles(const LayerView& view, const RowRange& rows, MeshScratch& scratch,
+                              mesh::MeshPiece& piece) const {
+  auto& [front, back, edge_vertices, count] = scratch;
   std::int64_t made = -1;  // the row whose pair is `back`
   for (std::int64_t row = rows.begin; row < rows.end; ++row) {
     const std::int64_t y = row % rows_y_, z = row / rows_y_;
@@ -164,22 +164,19 @@ void MeshOutput::add_triangles(const LayerView& view, const RowRange& rows,
   count += piece.triangles.size();
 }
 
-void MeshOutput::write(const Layer& layer, std::int64_t batch, const BatchOfLayer& of_layer,
-                       MeshScratch& scratch) {
-  scratch.piece.clear();
-  if (has_cells_) {
-    number_rows(layer);
-    const LayerView view(plan_.tiling, layer);
-    const std::int64_t count = planes_of(layer) * rows_y_;
-    const RowRange rows{of_layer.index * count / of_layer.count,
-                        (of_layer.index + 1) * count / of_layer.count};
-    add_vertices(view, rows, scratch.piece);
-    add_triangles(view, rows, scratch);
-  }
-  sink_.take(batch, scratch.piece, scratch.sink);
+void LayerMesh::make(const Layer& layer, const BatchOfLayer& batch, MeshScratch& scratch,
+                     mesh::MeshPiece& piece) {
+  piece.clear();
+  if (!has_cells_) return;
+  number_rows(layer);
+  const LayerView view(plan_.tiling, layer);
+  const std::int64_t count = planes_of(layer) * rows_y_;
+  const RowRange rows{batch.index * count / batch.count, (batch.index + 1) * count / batch.count};
+  add_vertices(view, rows, piece);
+  add_triangles(view, rows, scratch, piece);
 }
 
-void MeshOutput::release(const Layer& layer) {
+void LayerMesh::release(const Layer& layer) {
   if (!has_cells_) return;
   const LayerView view(plan_.tiling, layer);
   below_.resize(static_cast<std::size_t>(rows_y_));
@@ -189,7 +186,7 @@ void MeshOutput::release(const Layer& layer) {
   is_numbered_ = false;
 }
 
-void MeshOutput::go_on_from(const Layer& below) {
+void LayerMesh::go_on_from(const Layer& below) {
   if (!has_cells_) return;
   number_rows(below);
   // The first vertex above has index 0. The indices below wrap around.

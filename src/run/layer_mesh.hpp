@@ -1,5 +1,5 @@
 #pragma once
-/// Output of the mesh from layers of blocks.
+/// The mesh of layers of blocks.
 
 #include <cstdint>
 #include <mutex>
@@ -7,10 +7,8 @@
 
 #include "mesh/piece.hpp"
 #include "mesh/triangulate.hpp"
-#include "output/mesh_file.hpp"
 #include "output/vertex_maker.hpp"
 #include "run/layer.hpp"
-#include "run/mesh_sinks.hpp"
 #include "run/plan.hpp"
 #include "run/row_batches.hpp"
 
@@ -24,21 +22,19 @@ struct MeshScratch {
   };
   RowPair front, back;  ///< rows y and y + 1
   mesh::EdgeVertices edge_vertices;
-  mesh::MeshPiece piece;
-  mesh::MeshFile::Scratch sink;
   std::uint64_t triangle_count = 0;  ///< total number of triangles of this thread
 };
 
 /// The mesh of a region. The cells between two planes are triangulated when the upper plane is
-/// written, so the last plane of a written layer is kept. The cells of a region are the cells whose
+/// made, so the last plane of a finished layer is kept. The cells of a region are the cells whose
 /// lowest corner is in the region, so that regions that divide the grid have each cell once. There
 /// are no vertices without cells.
-class MeshOutput {
+class LayerMesh {
  public:
-  /// Makes the output of the cells that have all their corners in `region`, as far as they belong
-  /// to `plan.tiling`, as pieces with `contents`. Keeps references to `plan` and `sink`.
-  MeshOutput(const Plan& plan, const GridRegion& region, mesh::PieceContents contents,
-             mesh::VertexMaker make_vertex, MeshSink& sink);
+  /// Makes pieces with `contents` of the cells that have all their corners in `region`, as far as
+  /// they belong to `plan.tiling`. Keeps a reference to `plan`.
+  LayerMesh(const Plan& plan, const GridRegion& region, mesh::PieceContents contents,
+            mesh::VertexMaker make_vertex);
 
   /// Returns the estimated memory in bytes of the vertex numbers of a layer's rows, and of the
   /// plane that is kept. `plane_crossings` is the expected number of crossings of a plane.
@@ -50,18 +46,16 @@ class MeshOutput {
     std::int64_t index, count;
   };
 
-  /// Writes a batch of the layer's rows, which has the index `batch` in the region: the vertices on
-  /// edges that start in these rows, and the cells below and before them. Needs the halo crossings
-  /// of blocks. Several threads may call it for batches of the same layer. Layers must be written
-  /// in order, with a call of `release` after each.
-  void write(const Layer& layer, std::int64_t batch, const BatchOfLayer& of_layer,
-             MeshScratch& scratch);
-  /// Keeps the last plane of a written layer.
+  /// Makes a piece of the layer: the vertices on edges that start in the rows of a batch, and the
+  /// cells below and before them. Needs the halo crossings of blocks. Several threads may call it
+  /// for batches of the same layer. Layers must be made in order, with a call of `release` after
+  /// each.
+  void make(const Layer& layer, const BatchOfLayer& batch, MeshScratch& scratch,
+            mesh::MeshPiece& piece);
+  /// Keeps the last plane of a finished layer.
   void release(const Layer& layer);
   /// Sets the plane below the first layer, whose vertices belong to another part of the mesh.
   void go_on_from(const Layer& below);
-  /// Ends all waiting calls of `write` after a failure.
-  void abandon() { sink_.abandon(); }
 
   std::uint64_t vertex_count() const { return layer_begin_; }
 
@@ -78,7 +72,8 @@ class MeshOutput {
   bool is_crossed(std::int64_t y, std::int64_t z) const;
   bool has_triangles(std::int64_t y, std::int64_t z) const;
   void add_vertices(const LayerView& view, const RowRange& rows, mesh::MeshPiece& piece) const;
-  void add_triangles(const LayerView& view, const RowRange& rows, MeshScratch& scratch) const;
+  void add_triangles(const LayerView& view, const RowRange& rows, MeshScratch& scratch,
+                     mesh::MeshPiece& piece) const;
 
   const Plan& plan_;
   GridRegion region_;    // region of the mesh; rows are relative to it
@@ -86,7 +81,6 @@ class MeshOutput {
   bool has_cells_;
   mesh::PieceContents contents_;
   mesh::VertexMaker make_vertex_;
-  MeshSink& sink_;
   std::mutex mutex_;
   bool is_numbered_ = false;       // whether the rows of the current layer are numbered
   std::uint64_t layer_begin_ = 0;  // index of the first vertex of the current layer

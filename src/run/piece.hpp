@@ -1,0 +1,80 @@
+#pragma once
+/// Pieces of the results: a few rows of a layer as texts, words and numbers.
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "input/file_index.hpp"
+#include "mesh/piece.hpp"
+#include "output/eses_writer.hpp"
+#include "output/map_writer.hpp"
+#include "output/mesh_file.hpp"
+#include "output/text_buffer.hpp"
+#include "run/layer.hpp"
+#include "run/row_batches.hpp"
+#include "solve/block_solver.hpp"
+#include "system/gzip.hpp"
+
+namespace eses::detail {
+
+/// The bytes of a piece for a file, and their offset in the file.
+struct PieceText {
+  TextBuffer buffer;
+  std::uint64_t offset = 0;  ///< see Sink::place
+};
+
+/// The results of consecutive rows in canonical order.
+struct Piece {
+  PieceText grid, edges;       ///< for grid_info.txt and intersection_info.txt
+  std::int64_t first_row = 0;  ///< number of the first row in the region
+  /// Rows of words for GridMap, by MapQuantity.
+  std::array<std::vector<std::uint64_t>, map_quantities> map_rows;
+  mesh::MeshPiece mesh;
+  mesh::MeshFile::Texts mesh_texts;  ///< see MeshIntoFile
+  PieceText mesh_bytes;              ///< see MeshIntoChunk
+};
+
+/// What the pieces and blocks of a sweep have.
+struct SweepContents {
+  bool grid = false, edges = false;
+  bool gzip = false;  ///< whether both texts are members of gzip files
+  std::vector<MapQuantity> maps;
+  BlockExtras extras;  ///< what the maps need besides points
+};
+
+/// Makes pieces from layers, without their meshes.
+class PieceMaker {
+ public:
+  /// Scratch memory of a thread.
+  struct Scratch {
+    RowBits row;
+    std::optional<Gzip> gzip;
+  };
+
+  /// Keeps references to `grid` and `tiling`. `file_indices` are those of the atoms.
+  PieceMaker(const Grid& grid, const BlockTiling& tiling, SweepContents contents,
+             FileIndices file_indices);
+
+  const SweepContents& contents() const { return contents_; }
+  /// The rows of the pieces.
+  const RowBatches& batches() const { return batches_; }
+
+  /// Makes the texts and map rows of these rows of a layer.
+  void make(const Layer& layer, const RowRange& rows, Scratch& scratch, Piece& piece) const;
+
+ private:
+  void append_points(const Layer& layer, const RowRange& rows, Scratch& scratch,
+                     TextBuffer& text) const;
+  void append_crossings(const Layer& layer, const RowRange& rows, TextBuffer& text) const;
+  void compress(TextBuffer& text, Scratch& scratch) const;
+
+  const BlockTiling& tiling_;
+  SweepContents contents_;
+  GridText text_;
+  RowBatches batches_;
+};
+
+}  // namespace eses::detail

@@ -1,0 +1,156 @@
+#pragma once
+/// Sinks: the receivers of the results of a sweep.
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "mesh/quality_filter.hpp"
+#include "output/mesh_file.hpp"
+#include "run/piece.hpp"
+#include "run/progress_report.hpp"
+#include "run/verifier.hpp"
+
+namespace eses::detail {
+
+/// Receives solved blocks and pieces. Threads call `take_block`, `prepare` and `store` at the same
+/// time for different blocks and pieces.
+class Sink {
+ public:
+  Sink() = default;
+  Sink(const Sink&) = delete;
+  Sink& operator=(const Sink&) = delete;
+  virtual ~Sink() = default;
+
+  /// Takes a block, in any order, before the pieces of its layer. `thread` is the calling thread.
+  virtual void take_block(const BlockResult& /*block*/, std::size_t /*thread*/) {}
+
+  // A piece passes three steps.
+  /// Does what does not depend on other pieces.
+  virtual void prepare(Piece& /*piece*/) {}
+  /// Gives the piece its place. One thread at a time calls it, in canonical order.
+  virtual void place(Piece& /*piece*/) {}
+  /// Writes the piece at its place.
+  virtual void store(const Piece& /*piece*/) {}
+};
+
+/// Passes everything to other sinks.
+class Sinks final : public Sink {
+ public:
+  /// Adds a sink, and returns it.
+  template <class Kind>
+  Kind& add(std::unique_ptr<Kind> sink) {
+    Kind& added = *sink;
+    add(added);
+    owned_.push_back(std::move(sink));
+    return added;
+  }
+  /// Adds a sink that outlives this object.
+  void add(Sink& sink) { sinks_.push_back(&sink); }
+
+  void take_block(const BlockResult& block, std::size_t thread) override;
+  void prepare(Piece& piece) override;
+  void place(Piece& piece) override;
+  void store(const Piece& piece) override;
+
+ private:
+  std::vector<Sink*> sinks_;
+  std::vector<std::unique_ptr<Sink>> owned_;
+};
+
+/// Writes bytes at an offset. Several threads may call it for disjoint ranges.
+using WriteAt = std::function<void(std::span<const char> bytes, std::uint64_t offset)>;
+
+/// Writes a text of the pieces.
+class PieceTextSink : public Sink {
+ public:
+  PieceTextSink(PieceText Piece::*text, WriteAt write_at)
+      : text_(text), write_at_(std::move(write_at)) {}
+  void place(Piece& piece) override;
+  void store(const Piece& piece) override;
+  /// Length of all pieces in bytes.
+  std::uint64_t size() const { return size_; }
+
+ private:
+  PieceText Piece::*text_;
+  WriteAt write_at_;
+  std::uint64_t size_ = 0;
+};
+
+/// Passes on the rows of a map.
+class MapSink final : public Sink {
+ public:
+  /// Receives consecutive rows. See GridMap::add_rows. Several threads call it for different rows.
+  using TakeRows =
+      std::function<void(std::int64_t first_row, std::span<const std::uint64_t> words)>;
+
+  MapSink(MapQuantity quantity, TakeRows take_rows)
+      : quantity_(quantity), take_rows_(std::move(take_rows)) {}
+  void store(const Piece& piece) override;
+
+ private:
+  MapQuantity quantity_;
+  TakeRows take_rows_;
+};
+
+/// Writes the mesh to its file.
+class MeshIntoFile final : public Sink {
+ public:
+  explicit MeshIntoFile(mesh::MeshFile& file) : file_(file) {}
+  void prepare(Piece& piece) override { file_.format(piece.mesh, piece.mesh_texts); }
+  void place(Piece& piece) override { file_.place(piece.mesh, piece.mesh_texts); }
+  void store(const Piece& piece) override { file_.write(piece.mesh_texts); }
+
+ private:
+  mesh::MeshFile& file_;
+};
+
+/// Improves the triangles of the mesh.
+class MeshIntoFilter final : public Sink {
+ public:
+  explicit MeshIntoFilter(mesh::QualityFilter& filter) : filter_(filter) {}
+  void place(Piece& piece) override { filter_.add(piece.mesh); }
+
+ private:
+  mesh::QualityFilter& filter_;
+};
+
+/// Writes the mesh to a chunk, see append_piece.
+class MeshIntoChunk final : public PieceTextSink {
+ public:
+  explicit MeshIntoChunk(WriteAt write_at)
+      : PieceTextSink(&Piece::mesh_bytes, std::move(write_at)) {}
+  void prepare(Piece& piece) override;
+};
+
+/// Passes blocks to the verification.
+class BlocksIntoVerifier final : public Sink {
+ public:
+  explicit BlocksIntoVerifier(Verifier& verifier) : verifier_(verifier) {}
+  void take_block(const BlockResult& block, std::size_t thread) override {
+    verifier_.take(block, thread);
+  }
+
+ private:
+  Verifier& verifier_;
+};
+
+/// Passes blocks to a callback of the run.
+class BlocksIntoCallback final : public Sink {
+ public:
+  BlocksIntoCallback(const SolvedBlockCallback& callback, ProgressReport& report)
+      : callback_(callback), report_(report) {}
+  void take_block(const BlockResult& block, std::size_t /*thread*/) override {
+    report_.call([&] { callback_(block); });
+  }
+
+ private:
+  const SolvedBlockCallback& callback_;
+  ProgressReport& report_;
+};
+
+}  // namespace eses::detail

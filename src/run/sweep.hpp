@@ -1,0 +1,101 @@
+#pragma once
+/// The sweep: layers of blocks in, pieces in canonical order out.
+
+#include <array>
+#include <cstdint>
+#include <mutex>
+#include <vector>
+
+#include "run/layer.hpp"
+#include "run/layer_mesh.hpp"
+#include "run/piece.hpp"
+#include "run/plan.hpp"
+#include "run/progress_report.hpp"
+#include "run/sink.hpp"
+#include "run/work_order.hpp"
+#include "solve/block_solver.hpp"
+#include "solve/region_totals.hpp"
+#include "surface/patch_schedule.hpp"
+#include "system/monitor.hpp"
+
+namespace eses::detail {
+
+/// The sums of a sweep. They do not depend on the division of its region into blocks.
+struct SweepSums {
+  RegionTotals totals;
+  std::vector<AreaShare> atom_shares;  ///< by atom of the surface
+  MeshCounts mesh;
+  PhaseSeconds seconds;  ///< of all threads
+};
+
+/// A sweep over the region of a plan. It builds patches, solves the blocks layer by layer, and
+/// makes pieces of each layer.
+class Sweep {
+ public:
+  /// Keeps references to all arguments but `contents`. `mesh` is null without a mesh. Several
+  /// sweeps may use the same patches, one after the other, in ascending order of their planes.
+  /// `file_indices` are those of the atoms of the surface.
+  Sweep(PatchSchedule& patches, const Plan& plan, SweepContents contents, FileIndices file_indices,
+        LayerMesh* mesh, Sink& sink, ProgressReport& progress);
+
+  /// Solves the plane below the region, if the grid has it. It is required before `run` if the
+  /// plan's region continues the region of another sweep: its points are neighbours of the first
+  /// plane, and the mesh has cells between the two planes.
+  void solve_plane_below();
+
+  /// Performs the sweep. May be called once.
+  SweepSums run();
+
+ private:
+  // Scratch memory and sums of a thread.
+  struct Worker {
+    std::size_t thread = 0;
+    Patches::Scratch patches;
+    BlockWorkspace block;
+    PieceMaker::Scratch piece_maker;
+    MeshScratch mesh;
+    Piece piece;
+    PointCounts counts;
+    double build_seconds = 0, write_seconds = 0;
+  };
+  // The state of a layer that threads wait for.
+  struct LayerState {
+    std::int64_t unsolved_blocks = 0, unfinished_batches = 0;
+  };
+
+  double top_of(std::int64_t layer) const;
+  Layer& layer_at(std::int64_t layer) { return layers_[static_cast<std::size_t>(layer % 2)]; }
+  LayerState& state_of(std::int64_t layer) { return states_[static_cast<std::size_t>(layer)]; }
+  BlockResult solve_block(const BlockBounds& block, const BlockBounds& with_halo,
+                          BlockWorkspace& workspace) const;
+  void build_patches(double height, Worker& worker);
+  void solve(const WorkItem& block, Worker& worker);
+  void pass_solved_layers();
+  void make_piece(const WorkItem& batch, Worker& worker);
+  void deliver(std::int64_t number, Piece& piece);
+  void release(std::int64_t layer);
+  void count_points_of(const WorkItem& batch, const Layer& layer, PointCounts& counts) const;
+  SweepSums sums();
+
+  PatchSchedule& patches_;
+  const Plan& plan_;
+  LayerMesh* mesh_;
+  Sink& sink_;
+  ProgressReport& progress_;
+  PieceMaker piece_maker_;
+  WorkOrder order_;
+  std::vector<Worker> workers_;  // by thread
+  std::array<Layer, 2> layers_;  // the current layer and the next one; see layer_at
+  Plane below_;                  // the plane below the current layer
+
+  Monitor monitor_;                 // of the following state, and of `patches_`
+  std::vector<LayerState> states_;  // by layer
+  std::int64_t solved_layers_ = 0;  // all layers before it are solved
+  std::int64_t current_layer_ = 0;  // all layers before it have been delivered
+  std::int64_t delivered_ = 0;      // number of pieces that have their place
+
+  std::mutex shares_mutex_;
+  std::vector<AreaShare> atom_shares_;  // by atom of the surface
+};
+
+}  // namespace eses::detail
