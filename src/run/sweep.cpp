@@ -24,7 +24,7 @@ std::int64_t planes_of_layer(const BlockTiling& tiling, std::int64_t layer) {
   return tiling.block(0, 0, layer).owned[2];
 }
 
-WorkOrder order_of(const Plan& plan, const RowBatches& batches) {
+WorkList work_of(const Plan& plan, const RowBatches& batches) {
   const BlockTiling& tiling = plan.tiling;
   const std::int64_t layers = tiling.blocks[2];
   return {layers, tiling.blocks[0] * tiling.blocks[1], batches.count(planes_of_layer(tiling, 0)),
@@ -41,8 +41,8 @@ Sweep::Sweep(PatchSchedule& patches, const Plan& plan, SweepContents contents,
       sink_(sink),
       progress_(progress),
       piece_maker_(plan.grid, plan.tiling, std::move(contents), file_indices),
-      order_(order_of(plan, piece_maker_.batches())),
       workers_(static_cast<std::size_t>(plan.threads)),
+      work_(work_of(plan, piece_maker_.batches())),
       atom_shares_(patches.patches().surface().atoms.size()) {
   const std::int64_t blocks = plan.tiling.blocks[0] * plan.tiling.blocks[1];
   for (std::size_t thread = 0; thread < workers_.size(); ++thread) {
@@ -50,8 +50,6 @@ Sweep::Sweep(PatchSchedule& patches, const Plan& plan, SweepContents contents,
     workers_[thread].block.extras = piece_maker_.contents().extras;
   }
   for (Layer& layer : layers_) layer.blocks.resize(static_cast<std::size_t>(blocks));
-  for (std::int64_t layer = 0; layer < plan.tiling.blocks[2]; ++layer)
-    states_.push_back({blocks, order_.batches_of(layer)});
   // The sweep starts at the plane below the region, as it may be solved first.
   patches_.skip_to(
       plan.grid.coordinate(2, std::max<std::int64_t>(0, plan.tiling.region.begin[2] - 1)));
@@ -79,16 +77,36 @@ void Sweep::solve_plane_below() {
 }
 
 SweepSums Sweep::run() {
-  const auto work = [this](std::int64_t number, int thread) {
+  const auto work = [this](std::int64_t, int thread) {
     Worker& worker = workers_[static_cast<std::size_t>(thread)];
-    const WorkItem item = order_.item(number);
-    if (item.kind == WorkItem::Kind::block)
-      solve(item, worker);
-    else
-      make_piece(item, worker);
+    while (const auto item = take_work(worker)) {
+      if (item->kind == WorkItem::Kind::block)
+        solve(*item, worker);
+      else
+        make_piece(*item, worker);
+    }
   };
-  parallel_for(order_.count(), plan_.threads, work, &monitor_);
+  parallel_for(plan_.threads, plan_.threads, work, &monitor_);
   return sums();
+}
+
+// Returns the next item, and waits for it if necessary. Returns nothing when all are finished.
+// While the patches of the next block are missing, the thread builds them.
+std::optional<WorkItem> Sweep::take_work(Worker& worker) {
+  for (;;) {
+    std::optional<WorkItem> item;
+    std::optional<BuildStep> step;
+    monitor_.wait_until([&] {
+      item = work_.next();
+      if (!item) return work_.is_finished();
+      if (item->kind == WorkItem::Kind::block && !is_ready(top_of(item->layer), step))
+        return step.has_value();
+      work_.take(*item);
+      return true;
+    });
+    if (!step) return item;
+    build(*step, worker);
+  }
 }
 
 SweepSums Sweep::sums() {
@@ -113,28 +131,37 @@ double Sweep::top_of(std::int64_t layer) const {
   return plan_.grid.coordinate(2, block.first[2] + block.points[2] - 1);
 }
 
+// Returns whether the patches up to this height are complete. If not, sets the next step of
+// building them, unless it must wait for others.
+bool Sweep::is_ready(double height, std::optional<BuildStep>& step) {
+  if (!patches_.is_ready(height)) step = patches_.take(height);
+  return !step && patches_.is_ready(height);
+}
+
+void Sweep::build(const BuildStep& step, Worker& worker) {
+  const Stopwatch watch;
+  Patches& patches = patches_.patches();
+  switch (step.kind) {
+    case BuildStep::Kind::find_arcs:
+      patches.find_arcs(step.cluster, worker.patches);
+      break;
+    case BuildStep::Kind::complete:
+      patches.complete(step.cluster);
+      break;
+  }
+  worker.build_seconds += watch.seconds();
+  require_memory_within(plan_.parameters.max_memory);
+  progress_.check();
+  monitor_.change([&] { patches_.finish(step); });
+}
+
 // Builds the patches up to this height, together with other threads.
 void Sweep::build_patches(double height, Worker& worker) {
   for (;;) {
     std::optional<BuildStep> step;
-    monitor_.wait_until([&] {
-      if (!patches_.is_ready(height)) step = patches_.take(height);
-      return step || patches_.is_ready(height);
-    });
+    monitor_.wait_until([&] { return is_ready(height, step) || step; });
     if (!step) return;
-    const Stopwatch watch;
-    switch (step->kind) {
-      case BuildStep::Kind::find_arcs:
-        patches_.patches().find_arcs(step->cluster, worker.patches);
-        break;
-      case BuildStep::Kind::complete:
-        patches_.patches().complete(step->cluster);
-        break;
-    }
-    worker.build_seconds += watch.seconds();
-    require_memory_within(plan_.parameters.max_memory);
-    progress_.check();
-    monitor_.change([&] { patches_.finish(*step); });
+    build(*step, worker);
   }
 }
 
@@ -147,8 +174,6 @@ BlockResult Sweep::solve_block(const BlockBounds& block, const BlockBounds& with
 
 void Sweep::solve(const WorkItem& block, Worker& worker) {
   const BlockTiling& tiling = plan_.tiling;
-  monitor_.wait_until([&] { return current_layer_ > order_.layer_before(block); });
-  build_patches(top_of(block.layer), worker);
   const std::int64_t bx = block.index % tiling.blocks[0], by = block.index / tiling.blocks[0];
   BlockResult& result = layer_at(block.layer).blocks[static_cast<std::size_t>(block.index)];
   const Stopwatch watch;
@@ -163,54 +188,47 @@ void Sweep::solve(const WorkItem& block, Worker& worker) {
   require_memory_within(plan_.parameters.max_memory);
   progress_.add(1);
   monitor_.change([&] {
-    --state_of(block.layer).unsolved_blocks;
-    pass_solved_layers();
+    std::int64_t layer = work_.solved_layers();
+    work_.finish(block);
+    for (; layer < work_.solved_layers(); ++layer) pass(layer);
   });
 }
 
-// Frees the patches below all layers that are solved. A layer may be solved before the one below
-// it, whose blocks still need their patches. The next layer begins with the plane above the last
-// owned one. If the next layer belongs to another sweep, that one solves this last plane again.
-void Sweep::pass_solved_layers() {
-  const auto layers = static_cast<std::int64_t>(states_.size());
-  for (; solved_layers_ < layers && state_of(solved_layers_).unsolved_blocks == 0;
-       ++solved_layers_) {
-    const BlockBounds block = plan_.tiling.block(0, 0, solved_layers_);
-    patches_.pass(plan_.grid.coordinate(2, block.first[2] + block.owned[2] - 1));
-  }
+// Frees the patches that only a solved layer needs. The next layer begins with the plane above the
+// last owned one. If it belongs to another sweep, that one solves this last plane again.
+void Sweep::pass(std::int64_t layer) {
+  const BlockBounds block = plan_.tiling.block(0, 0, layer);
+  patches_.pass(plan_.grid.coordinate(2, block.first[2] + block.owned[2] - 1));
 }
 
 void Sweep::make_piece(const WorkItem& batch, Worker& worker) {
-  monitor_.wait_until(
-      [&] { return current_layer_ == batch.layer && solved_layers_ > batch.layer; });
   const Stopwatch watch;
   const Layer& layer = layer_at(batch.layer);
   const RowRange rows =
       piece_maker_.batches().rows(batch.index, planes_of_layer(plan_.tiling, batch.layer));
   piece_maker_.make(layer, rows, worker.piece_maker, worker.piece);
   if (mesh_ != nullptr)
-    mesh_->make(layer, {batch.index, order_.batches_of(batch.layer)}, worker.mesh,
+    mesh_->make(layer, {batch.index, work_.batches_of(batch.layer)}, worker.mesh,
                 worker.piece.mesh);
   count_points_of(batch, layer, worker.counts);
-  deliver(order_.number_of_batch(batch), worker.piece);
+  deliver(work_.number_of(batch), worker.piece);
   worker.write_seconds += watch.seconds();
   progress_.check();
   monitor_.change([&] {
-    if (--state_of(batch.layer).unfinished_batches == 0) release(batch.layer);
+    if (work_.finish(batch)) release(batch.layer);
   });
 }
 
 // Passes a piece to the sink. The pieces get their places in the order of their numbers.
 void Sweep::deliver(std::int64_t number, Piece& piece) {
   sink_.prepare(piece);
-  monitor_.wait_until([&] { return delivered_ == number; });
+  monitor_.wait_until([&] { return placed_ == number; });
   sink_.place(piece);
-  monitor_.change([&] { ++delivered_; });
+  monitor_.change([&] { ++placed_; });
   sink_.store(piece);
 }
 
-// Frees the current layer, whose pieces are all delivered, and makes room for the layer after the
-// next one.
+// Frees a layer, whose pieces are all delivered, and makes room for the layer after the next one.
 void Sweep::release(std::int64_t layer) {
   Layer& finished = layer_at(layer);
   below_ = last_plane(finished);
@@ -218,13 +236,12 @@ void Sweep::release(std::int64_t layer) {
   const std::size_t blocks = finished.blocks.size();
   finished = Layer();
   finished.blocks.resize(blocks);
-  ++current_layer_;
 }
 
 // Counts the points of a part of the layer's blocks with each batch.
 void Sweep::count_points_of(const WorkItem& batch, const Layer& layer, PointCounts& counts) const {
   const auto blocks = static_cast<std::int64_t>(layer.blocks.size());
-  const std::int64_t batches = order_.batches_of(batch.layer);
+  const std::int64_t batches = work_.batches_of(batch.layer);
   counts.add(count_points(plan_.tiling, below_, layer, batch.index * blocks / batches,
                           (batch.index + 1) * blocks / batches));
 }

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <mutex>
+#include <optional>
 #include <vector>
 
 #include "run/layer.hpp"
@@ -12,7 +13,7 @@
 #include "run/plan.hpp"
 #include "run/progress_report.hpp"
 #include "run/sink.hpp"
-#include "run/work_order.hpp"
+#include "run/work_list.hpp"
 #include "solve/block_solver.hpp"
 #include "solve/region_totals.hpp"
 #include "surface/patch_schedule.hpp"
@@ -58,19 +59,16 @@ class Sweep {
     PointCounts counts;
     double build_seconds = 0, write_seconds = 0;
   };
-  // The state of a layer that threads wait for.
-  struct LayerState {
-    std::int64_t unsolved_blocks = 0, unfinished_batches = 0;
-  };
-
   double top_of(std::int64_t layer) const;
   Layer& layer_at(std::int64_t layer) { return layers_[static_cast<std::size_t>(layer % 2)]; }
-  LayerState& state_of(std::int64_t layer) { return states_[static_cast<std::size_t>(layer)]; }
   BlockResult solve_block(const BlockBounds& block, const BlockBounds& with_halo,
                           BlockWorkspace& workspace) const;
+  bool is_ready(double height, std::optional<BuildStep>& step);
+  void build(const BuildStep& step, Worker& worker);
   void build_patches(double height, Worker& worker);
+  std::optional<WorkItem> take_work(Worker& worker);
   void solve(const WorkItem& block, Worker& worker);
-  void pass_solved_layers();
+  void pass(std::int64_t layer);
   void make_piece(const WorkItem& batch, Worker& worker);
   void deliver(std::int64_t number, Piece& piece);
   void release(std::int64_t layer);
@@ -83,16 +81,13 @@ class Sweep {
   Sink& sink_;
   ProgressReport& progress_;
   PieceMaker piece_maker_;
-  WorkOrder order_;
   std::vector<Worker> workers_;  // by thread
   std::array<Layer, 2> layers_;  // the current layer and the next one; see layer_at
   Plane below_;                  // the plane below the current layer
 
-  Monitor monitor_;                 // of the following state, and of `patches_`
-  std::vector<LayerState> states_;  // by layer
-  std::int64_t solved_layers_ = 0;  // all layers before it are solved
-  std::int64_t current_layer_ = 0;  // all layers before it have been delivered
-  std::int64_t delivered_ = 0;      // number of pieces that have their place
+  Monitor monitor_;  // of `patches_` and of the following members
+  WorkList work_;
+  std::int64_t placed_ = 0;  // number of pieces that have their place
 
   std::mutex shares_mutex_;
   std::vector<AreaShare> atom_shares_;  // by atom of the surface
