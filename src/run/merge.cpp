@@ -8,24 +8,15 @@
 
 #include "eses/error.hpp"
 #include "output/grid_map.hpp"
-#include "output/output_files.hpp"
+#include "output/mesh_writer.hpp"
 #include "run/piece_bytes.hpp"
 #include "system/formatted.hpp"
-#include "system/gzip.hpp"
 
 namespace eses::detail {
 namespace {
 
 // Bytes that are read at a time. The run can end after each part.
 constexpr std::uint64_t bytes_per_read = std::uint64_t{1} << 22;
-
-// Writes a gzip file without text. A valid gzip file has at least one member.
-std::uint64_t write_empty_member(OutputFile& file) {
-  Gzip gzip;
-  const std::span<const char> member = gzip.member({});
-  file.write_at(member, 0);
-  return member.size();
-}
 
 // Calls `take(bytes, offset)` for parts of a scratch file of this length, whose lengths are
 // multiples of `unit`. `loaded(bytes, offset)` is called before, from another thread if there are
@@ -53,25 +44,32 @@ void read_parts(const ScratchFile& from, std::uint64_t length, std::uint64_t uni
 
 }  // namespace
 
-Merge::Merge(const RunTask& task, const RunPlan& plan, std::vector<PlaneChunk> chunks,
-             std::function<void()> check)
-    : task_(task), plan_(plan), check_(std::move(check)), chunks_(std::move(chunks)) {
-  add_up();
+Merge::Merge(const RunPlan& plan, std::function<void()> check)
+    : plan_(plan), check_(std::move(check)) {
+  read_chunks();
 }
 
-void Merge::add_up() {
+void Merge::read_chunks() {
   std::int64_t next = plan_.tiling.region.begin[2];
-  std::uint64_t vertices = 0;
-  for (const PlaneChunk& chunk : chunks_) {
+  sums_.atom_shares.resize(plan_.atoms);
+  for (const PlaneRange& planes : plan_.checkpoint->complete()) {
+    PlaneChunk& chunk = chunks_.emplace_back(plan_.checkpoint->read(planes));
+    chunk.is_restored =
+        std::ranges::find(plan_.finished_planes, planes) != plan_.finished_planes.end();
     const ChunkInfo& info = chunk.info;
     if (info.planes.begin != next)
       throw Error("the checkpoint has gaps or overlaps; remove its directory and run again");
     next = info.planes.end;
-    totals_.add(info.totals);
-    vertices += info.mesh.vertices;
+    sums_.totals.add(info.totals);
+    sums_.mesh.vertices += info.mesh.vertices;
+    sums_.mesh.triangles += info.mesh.triangles;
+    sums_.verified_points += info.verified_points;
+    sums_.verified_edges += info.verified_edges;
+    for (const AtomSum& sum : std::exchange(chunk.sums, {}))
+      sums_.atom_shares.at(as_number(sum.atom)) += sum.share;
   }
   if (next != plan_.tiling.region.end[2]) throw Error("chunks of the run are missing");
-  mesh::require_vertex_count(vertices);
+  mesh::require_vertex_count(sums_.mesh.vertices);
 }
 
 ScratchFile& Merge::open(PlaneChunk& chunk, ChunkText text) const {
@@ -80,8 +78,7 @@ ScratchFile& Merge::open(PlaneChunk& chunk, ChunkText text) const {
   return *file;
 }
 
-// Closes the file of a text, as the number of open files is limited. This deletes the file, except
-// in a checkpoint.
+// Closes the file of a text, as the number of open files is limited.
 void Merge::close(PlaneChunk& chunk, ChunkText text) const { chunk.text(text).reset(); }
 
 void Merge::require_sound(const PlaneChunk& chunk, ChunkText text, std::uint32_t checksum) const {
@@ -123,10 +120,10 @@ void Merge::copy(PlaneChunk& chunk, ChunkText text, OutputFile& to, std::uint64_
 std::uint64_t Merge::write_text(OutputFile& file, ChunkText text) {
   std::uint64_t bytes = 0;
   for (PlaneChunk& chunk : chunks_) {
-    if (!plan_.is_in_place) copy(chunk, text, file, bytes);
+    copy(chunk, text, file, bytes);
     bytes += chunk.info.bytes_of(text);
   }
-  return task_.outputs.gzip && bytes == 0 ? write_empty_member(file) : bytes;
+  return bytes;
 }
 
 void Merge::add_rows(GridMap& map) {

@@ -10,31 +10,29 @@
 #include "run/checkpoint.hpp"
 #include "run/run_mesh.hpp"
 #include "run/run_plan.hpp"
-#include "solve/region_totals.hpp"
+#include "run/sweep.hpp"
 
 namespace eses::detail {
 
-/// The merge of all chunks. A run in place has one chunk, most of whose texts are already in the
-/// output files.
+/// The merge of all chunks of a checkpoint.
 class Merge {
  public:
-  /// `check` is called repeatedly, and may end the run by an exception. Keeps references to the
-  /// other arguments. Throws Error if the chunks do not cover the region exactly, or if the mesh
-  /// has too many vertices.
-  Merge(const RunTask& task, const RunPlan& plan, std::vector<PlaneChunk> chunks,
-        std::function<void()> check);
+  /// Reads the sums of all chunks. `check` is called repeatedly, and may end the run by an
+  /// exception. Keeps a reference to `plan`. Throws Error if the chunks do not cover the region
+  /// exactly, or if the mesh has too many vertices.
+  Merge(const RunPlan& plan, std::function<void()> check);
 
-  const RegionTotals& totals() const { return totals_; }
+  /// The sums of all chunks, with the area share of each atom of the file.
+  SweepSums& sums() { return sums_; }
   /// Adds the pieces of all chunks to the mesh.
   void add_pieces(RunMesh& mesh);
   /// Adds the rows of all chunks to a map.
   void add_rows(GridMap& map);
-
-  /// These functions complete a file and return its length in bytes.
+  /// Copies the texts of all chunks to a file. Returns their length in bytes.
   std::uint64_t write_text(OutputFile& file, ChunkText text);
 
  private:
-  void add_up();
+  void read_chunks();
   ScratchFile& open(PlaneChunk& chunk, ChunkText text) const;
   void close(PlaneChunk& chunk, ChunkText text) const;
   template <class Take>
@@ -42,11 +40,10 @@ class Merge {
   void require_sound(const PlaneChunk& chunk, ChunkText text, std::uint32_t checksum) const;
   void copy(PlaneChunk& chunk, ChunkText text, OutputFile& to, std::uint64_t begin) const;
 
-  const RunTask& task_;
   const RunPlan& plan_;
   std::function<void()> check_;
   std::vector<PlaneChunk> chunks_;  // sorted by planes
-  RegionTotals totals_;
+  SweepSums sums_;
 };
 
 }  // namespace eses::detail

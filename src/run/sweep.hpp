@@ -26,7 +26,9 @@ struct SweepSums {
   RegionTotals totals;
   std::vector<AreaShare> atom_shares;  ///< by atom of the surface
   MeshCounts mesh;
-  PhaseSeconds seconds;  ///< of all threads
+  std::int64_t verified_points = 0, verified_edges = 0;  ///< see SlabSweep
+  std::size_t fault_count = 0;                           ///< of the verification
+  PhaseSeconds seconds;                                  ///< of all threads
 };
 
 /// A sweep over the region of a plan. It builds patches, solves the blocks layer by layer, and

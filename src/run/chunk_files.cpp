@@ -1,0 +1,67 @@
+#include "run/chunk_files.hpp"
+
+#include <memory>
+#include <span>
+#include <utility>
+
+#include "output/grid_map.hpp"
+
+namespace eses::detail {
+
+ChunkFiles::ChunkFiles(const Checkpoint& checkpoint, const Outputs& outputs,
+                       const GridRegion& region)
+    : checkpoint_(checkpoint), region_(region) {
+  chunk_.info.planes = {region.begin[2], region.end[2]};
+  const auto add_text = [&](ChunkText text, std::unique_ptr<PieceTextSink> sink) {
+    texts_[static_cast<std::size_t>(text)] = &sinks_.add(std::move(sink));
+  };
+  if (outputs.grid)
+    add_text(ChunkText::grid,
+             std::make_unique<PieceTextSink>(&Piece::grid, create(ChunkText::grid)));
+  if (outputs.edges)
+    add_text(ChunkText::edges,
+             std::make_unique<PieceTextSink>(&Piece::edges, create(ChunkText::edges)));
+  if (outputs.mesh)
+    add_text(ChunkText::mesh, std::make_unique<MeshIntoChunk>(create(ChunkText::mesh)));
+  for (const MapChoice& map : chosen_maps(outputs)) add_map(map.quantity);
+}
+
+// Creates the file of a text. Returns a function that writes it.
+WriteAt ChunkFiles::create(ChunkText text) {
+  std::unique_ptr<ScratchFile>& file = chunk_.text(text);
+  file = checkpoint_.create(chunk_.info.planes, text);
+  TextChecksum& checksum = checksums_[static_cast<std::size_t>(text)];
+  return [&to = *file, &checksum](std::span<const char> bytes, std::uint64_t offset) {
+    to.write_at(bytes, offset);
+    checksum.add(bytes, offset);
+  };
+}
+
+// The words of rows are converted to values of the map when chunks are merged.
+void ChunkFiles::add_map(MapQuantity quantity) {
+  const auto row_bytes = sizeof(std::uint64_t) * static_cast<std::uint64_t>(GridMap::words_of_row(
+                                                     quantity, region_.size()));
+  sinks_.add(std::make_unique<MapSink>(
+      quantity, [row_bytes, write_at = create(text_of(quantity))](
+                    std::int64_t first_row, std::span<const std::uint64_t> words) {
+        write_at(as_chars(words), row_bytes * static_cast<std::uint64_t>(first_row));
+      }));
+  chunk_.info.bytes[static_cast<std::size_t>(text_of(quantity))] =
+      GridMap::row_bytes(quantity, region_);
+}
+
+void ChunkFiles::finish(const SweepSums& sums, const Slab& slab) {
+  ChunkInfo& info = chunk_.info;
+  info.totals = sums.totals;
+  info.mesh = sums.mesh;
+  info.verified_points = sums.verified_points;
+  info.verified_edges = sums.verified_edges;
+  for (std::size_t text = 0; text < chunk_text_count; ++text) {
+    if (texts_[text] != nullptr) info.bytes[text] = texts_[text]->size();
+    info.checksums[text] = checksums_[text].value();
+  }
+  slab.for_each_sum(sums.atom_shares, [&](const AtomSum& sum) { chunk_.sums.push_back(sum); });
+  checkpoint_.finish(chunk_);
+}
+
+}  // namespace eses::detail
