@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "eses/atoms.hpp"
-#include "run/task.hpp"
+#include "run/request.hpp"
 
 namespace eses::detail::fuzz {
 

@@ -21,7 +21,7 @@
 #include "grid/make_grid.hpp"
 #include "input/eses_reader.hpp"
 #include "run/plan.hpp"
-#include "run/run_plan.hpp"
+#include "run/planned_run.hpp"
 #include "support/atom_sets.hpp"
 #include "support/eses_files.hpp"
 #include "support/run.hpp"
@@ -318,13 +318,13 @@ TEST_CASE("invalid chosen grids are refused", "[grid]") {
 TEST_CASE("a checkpoint of another grid is not resumed", "[grid][processes]") {
   const TemporaryDirectory directory;
   write_file(directory.path() / "a.xyzr", "0 0 0 1.5\n");
-  RunTask task;
+  Request task;
   task.atoms = InputFile{directory.path() / "a.xyzr"};
   task.output_directory = directory.path();
   task.resume = true;
   task.parameters.grid = Grid{{-2, -2, -2}, 0.5, {9, 9, 9}};
   const auto keep_piece = [&] {
-    const RunPlan plan = plan_run(task, Processes());
+    const PlannedRun plan = plan_run(task, Processes());
     plan.checkpoint->prepare();
     PlaneChunk chunk;
     chunk.info.planes = {0, 4};

@@ -308,14 +308,14 @@ TEST_CASE("mesh components: a run of other components is not resumed", "[mesh][p
     text += std::to_string(atom.center.x) + " " + std::to_string(atom.center.y) + " " +
             std::to_string(atom.center.z) + " 2.2\n";
   write_file(directory.path() / "a.xyzr", text);
-  RunTask task{.atoms = InputFile{directory.path() / "a.xyzr"},
+  Request task{.atoms = InputFile{directory.path() / "a.xyzr"},
                .parameters = parameters_for(0.9, 0.5),
                .outputs = Outputs::none(),
                .output_directory = directory.path(),
                .resume = true};
   task.outputs.mesh = MeshOptions{.file = directory.path() / "a.ply", .component = 0};
   const auto keep_chunk = [&] {
-    const RunPlan plan = plan_run(task, Processes());
+    const PlannedRun plan = plan_run(task, Processes());
     plan.checkpoint->prepare();
     PlaneChunk chunk;
     chunk.info.planes = {0, 4};

@@ -160,7 +160,7 @@ std::vector<Atom> make_hollow_set(Random& random, std::uint64_t seed) {
 }
 
 /// Chooses a mesh, and which cavities count as inside.
-RunTask random_mesh_task(Random& random, std::uint64_t seed) {
+Request random_mesh_task(Random& random, std::uint64_t seed) {
   const std::vector<Atom> atoms = make_hollow_set(random, seed);
   Parameters parameters{.probe_radius = random.uniform(0.8, 1.5)};
   const double spacing = random.uniform(0.3, 0.8);
@@ -175,13 +175,13 @@ RunTask random_mesh_task(Random& random, std::uint64_t seed) {
   } else if (random.chance(0.5)) {
     parameters.max_filled_void = random.uniform(0, 60);
   }
-  RunTask task{.atoms = atoms, .parameters = parameters, .outputs = Outputs::none()};
+  Request task{.atoms = atoms, .parameters = parameters, .outputs = Outputs::none()};
   task.outputs.mesh = choice;
   return task;
 }
 
 /// Chooses options that must not change the mesh.
-void add_random_options(Random& random, RunTask& task) {
+void add_random_options(Random& random, Request& task) {
   task.parameters.threads = static_cast<int>(random.integer(1, 3));
   task.parameters.block_size = static_cast<std::int64_t>(random.integer(2, 40));
   task.resume = random.chance(0.6);
@@ -194,7 +194,7 @@ void add_random_options(Random& random, RunTask& task) {
 
 /// Performs a run in a directory and returns the mesh. The first attempt of a run that can be
 /// resumed is interrupted after some blocks.
-std::string mesh_bytes_of(RunTask task, Random& random, const std::filesystem::path& directory) {
+std::string mesh_bytes_of(Request task, Random& random, const std::filesystem::path& directory) {
   task.output_directory = directory;
   task.outputs.mesh->file = directory / "mesh.ply";
   const Processes alone;
@@ -205,12 +205,14 @@ std::string mesh_bytes_of(RunTask task, Random& random, const std::filesystem::p
       if (static_cast<double>(done) > part * static_cast<double>(all)) throw Interruption();
     }};
     try {
-      execute(task, plan_run(task, alone), callbacks, alone);
+      PlannedRun run = plan_run(task, alone);
+      execute(task, run, callbacks, alone);
     } catch (const Interruption&) {
       CHECK_FALSE(std::filesystem::exists(task.outputs.mesh->file));
     }
   }
-  execute(task, plan_run(task, alone), {}, alone);
+  PlannedRun run = plan_run(task, alone);
+  execute(task, run, {}, alone);
   return read_bytes(task.outputs.mesh->file);
 }
 
@@ -319,7 +321,7 @@ TEST_CASE("mesh intersections: none with random combinations of options", "[mesh
   for (std::uint64_t seed = 0; seed < set_count() / 10; ++seed) {
     INFO("seed " << seed);
     Random random(seed);
-    RunTask task = random_mesh_task(random, seed);
+    Request task = random_mesh_task(random, seed);
     const TemporaryDirectory plain, varied;
     const std::string expected = mesh_bytes_of(task, random, plain.path());
     write_file(plain.path() / "atoms.xyzr", xyzr_of(std::get<Molecule>(task.atoms).atoms()));

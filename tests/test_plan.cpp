@@ -344,9 +344,9 @@ TEST_CASE("a tight limit gives smaller blocks and holds fewer of them", "[plan]"
 
 TEST_CASE("a run that exceeds its memory limit ends and leaves no file", "[plan]") {
   const std::vector<Atom> atoms = column_of_atoms(40);
-  RunTask task{.atoms = Molecule(atoms)};
+  Request task{.atoms = Molecule(atoms)};
   const Processes alone;
-  const RunPlan plan = plan_run(task, alone);
+  PlannedRun plan = plan_run(task, alone);
   task.parameters.max_memory = 1000;
   const TemporaryDirectory directory;
   task.output_directory = directory.path();

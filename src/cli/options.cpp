@@ -194,10 +194,10 @@ bool is_prefix(const std::string& text) {
   return !name.empty() && !name.starts_with('.');
 }
 
-std::optional<Part> part_in(const std::string& text) {
+std::optional<Share> part_in(const std::string& text) {
   const auto numbers = numbers_in<2>(text, '/', 1, std::numeric_limits<int>::max());
   if (!numbers || (*numbers)[0] > (*numbers)[1]) return std::nullopt;
-  return Part{(*numbers)[0], (*numbers)[1]};
+  return Share{(*numbers)[0] - 1, (*numbers)[1]};
 }
 
 std::optional<std::uint32_t> component_in(const std::string& text) {

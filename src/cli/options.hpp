@@ -8,7 +8,7 @@
 #include <variant>
 
 #include "cli/command.hpp"
-#include "run/task.hpp"
+#include "run/request.hpp"
 
 namespace eses::detail::cli {
 
@@ -21,9 +21,9 @@ struct GridChoice {
 };
 
 /// The values of all options: the request of a run, the choice of its grid, and what is printed.
-struct Options : RunTask {
+struct Options : Request {
   GridChoice grid;
-  bool is_join = false;      ///< whether to compute nothing; see RunTask::join
+  bool is_join = false;      ///< whether to compute nothing; see Request::join
   bool independent = false;  ///< whether not to share the run with other processes
   bool quiet = false;
   bool json = false;

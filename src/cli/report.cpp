@@ -142,7 +142,7 @@ std::string planes_text(const Report& report) {
   constexpr double min_height = 50;  // angstrom
   const auto& [index, count] = *report.options.part;
   const double height = report.plan.grid.spacing * static_cast<double>(report.planes.count());
-  return formatted("part: {} of {}, {} planes, {:.4g} angstrom high{}\n", index, count,
+  return formatted("part: {} of {}, {} planes, {:.4g} angstrom high{}\n", index + 1, count,
                    report.planes.count(), height,
                    height < min_height ? "; fewer parts would be more efficient" : "");
 }
@@ -421,7 +421,7 @@ std::string plan_text(const Report& report) {
 std::string part_text(const Report& report, bool is_locked) {
   const auto& [index, count] = *report.options.part;
   return formatted(
-      "part {} of {} is complete: {} planes\n{}", index, count, report.planes.count(),
+      "part {} of {} is complete: {} planes\n{}", index + 1, count, report.planes.count(),
       is_locked ? "" : "note: when all parts are complete, write the files with --join\n");
 }
 
@@ -469,7 +469,7 @@ std::string json_text(const Report& report) {
                 {"plan", plan_json(plan, report.disk)},
                 {"dry_run", report.options.dry_run}};
   if (const auto& part = report.options.part)
-    document.update({{"part", {{"index", part->index}, {"count", part->count}}},
+    document.update({{"part", {{"index", part->index + 1}, {"count", part->count}}},
                      {"peak_memory_bytes", report.peak_memory_bytes},
                      {"processes", report.processes}});
   else if (!report.options.dry_run)

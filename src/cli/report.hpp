@@ -11,7 +11,7 @@
 #include "cli/options.hpp"
 #include "output/output_files.hpp"
 #include "run/engine.hpp"
-#include "run/task.hpp"
+#include "run/request.hpp"
 
 namespace eses::detail::cli {
 

@@ -6,7 +6,7 @@
 
 #include "cli/arguments.hpp"
 #include "eses/read_atoms.hpp"
-#include "run/task.hpp"
+#include "run/request.hpp"
 
 namespace eses::detail::cli {
 

@@ -93,13 +93,13 @@ void check_request(const Options& options) {
   require_writable_files(options.outputs, options.output_directory);
 }
 
-Report report_of(const Options& options, const RunPlan& plan, const Processes& processes) {
+Report report_of(const Options& options, const PlannedRun& run, const Processes& processes) {
   return {.options = options,
-          .atoms = plan.atoms,
-          .diagnostics = describe(plan.diagnostics, options.input().path),
-          .structure = plan.structure,
-          .plan = plan,
-          .planes = plan.slab.planes,
+          .atoms = run.atoms,
+          .diagnostics = describe(run.diagnostics, options.input().path),
+          .structure = run.structure,
+          .plan = run.plan,
+          .planes = run.slab.planes,
           .process_count = processes.count()};
 }
 
@@ -170,7 +170,7 @@ void add_result(RunResult result, std::vector<ProcessFigures> processes, bool is
 }
 
 // Computes the surface and adds the results to the report.
-void run_with_progress(const Options& options, const RunPlan& plan, const Processes& processes,
+void run_with_progress(const Options& options, PlannedRun& run, const Processes& processes,
                        Report& report) {
   const OutputPaths paths = options.part ? OutputPaths() : paths_of(options, processes);
   InterruptibleRun interruptible(paths);
@@ -184,12 +184,12 @@ void run_with_progress(const Options& options, const RunPlan& plan, const Proces
   };
   const auto remove_files = [&] {
     interruptible.remove_leftovers();
-    plan.checkpoint->remove_temporary();
+    run.checkpoint->remove_temporary();
   };
   try {
     RunResult result =
-        execute(options, plan, {.progress = show_blocks, .verification = show_checks}, processes);
-    add_result(std::move(result), gather_figures(plan, processes), plan.is_in_place, report);
+        execute(options, run, {.progress = show_blocks, .verification = show_checks}, processes);
+    add_result(std::move(result), gather_figures(run, processes), run.is_in_place, report);
     interruptible.check();
   } catch (const SharedError&) {
     throw;
@@ -219,11 +219,11 @@ Options with_chosen_grid(Options options, const Processes& processes) {
 }
 
 int perform_run(const Options& options, const Processes& processes) {
-  const RunPlan plan = plan_run(options, processes);
-  Report report = report_of(options, plan, processes);
+  PlannedRun run = plan_run(options, processes);
+  Report report = report_of(options, run, processes);
   on_rank_zero(processes, [&] { present_plan(report); });
   if (options.dry_run) return exit_done;
-  run_with_progress(options, plan, processes, report);
+  run_with_progress(options, run, processes, report);
   on_rank_zero(processes, [&] { present_result(report); });
   return has_faults(report.summary) ? exit_failure : exit_done;
 }
@@ -246,13 +246,13 @@ int perform_part(const Options& options, const Processes& processes) {
   Report report;
   bool is_locked = false, is_last = false;
   {
-    const RunPlan plan = plan_run(options, processes);
-    report = report_of(options, plan, processes);
+    PlannedRun run = plan_run(options, processes);
+    report = report_of(options, run, processes);
     present_plan(report);
     if (options.dry_run) return exit_done;
-    run_with_progress(options, plan, processes, report);
-    is_locked = plan.checkpoint->is_locked();
-    is_last = remaining(region_planes(plan), plan.checkpoint->complete()).empty();
+    run_with_progress(options, run, processes, report);
+    is_locked = run.checkpoint->is_locked();
+    is_last = remaining(region_planes(run.plan), run.checkpoint->complete()).empty();
   }
   if (has_faults(report.summary)) {
     for (const std::string& fault : fault_lines(report.summary)) print_message("error", fault);

@@ -10,7 +10,7 @@
 #include "input/other_formats.hpp"
 #include "input/radii_set.hpp"
 #include "output/buffered_text.hpp"
-#include "run/task.hpp"
+#include "run/request.hpp"
 #include "system/formatted.hpp"
 
 namespace eses::detail::cli {

@@ -13,9 +13,9 @@ namespace eses::detail {
 namespace {
 
 // Returns the label of an atom of the file. It is empty if the input has no names.
-AtomLabel label_of(const RunPlan& plan, std::size_t atom) {
-  if (plan.names.has_atoms()) return plan.names.label(atom);
-  const std::span<const AtomLabel> labels = plan.slab.molecule.labels();
+AtomLabel label_of(const PlannedRun& run, std::size_t atom) {
+  if (run.names.has_atoms()) return run.names.label(atom);
+  const std::span<const AtomLabel> labels = run.slab.molecule.labels();
   return labels.empty() ? AtomLabel() : labels[atom];
 }
 
@@ -48,12 +48,12 @@ std::uint64_t write_areas(std::span<const double> areas, bool gzip, OutputFile& 
   return file.size();
 }
 
-std::uint64_t write_area_tables(std::span<const double> areas, const RunPlan& plan,
+std::uint64_t write_area_tables(std::span<const double> areas, const PlannedRun& run,
                                 OutputFile& residues, OutputFile& chains) {
   AreaTables tables;
   BufferedText residue_table(appender(residues));
   append_residue_header(residue_table);
-  add_residues(tables, plan.names.residues(), areas, residue_table);
+  add_residues(tables, run.names.residues(), areas, residue_table);
   end_residues(tables, residue_table);
   residue_table.flush();
   BufferedText chain_table(appender(chains));
@@ -62,16 +62,16 @@ std::uint64_t write_area_tables(std::span<const double> areas, const RunPlan& pl
   return residues.size() + chains.size();
 }
 
-std::uint64_t write_atom_table(std::span<const double> areas, const RunPlan& plan, OutputFile& file,
-                               const std::function<void()>& check) {
+std::uint64_t write_atom_table(std::span<const double> areas, const PlannedRun& run,
+                               OutputFile& file, const std::function<void()>& check) {
   BufferedText table([&](std::string_view text) {
     check();
     file.append(text);
   });
   append_atom_header(table);
   for (std::size_t i = 0; i < areas.size(); ++i) {
-    const double radius = plan.radii.empty() ? plan.slab.molecule.atoms()[i].radius : plan.radii[i];
-    append_atom(table, {i + 1, label_of(plan, i), radius, areas[i]});
+    const double radius = run.radii.empty() ? run.slab.molecule.atoms()[i].radius : run.radii[i];
+    append_atom(table, {i + 1, label_of(run, i), radius, areas[i]});
   }
   table.flush();
   return file.size();

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "output/output_file.hpp"
-#include "run/run_plan.hpp"
+#include "run/planned_run.hpp"
 #include "solve/area_shares.hpp"
 
 namespace eses::detail {
@@ -23,11 +23,11 @@ std::uint64_t write_areas(std::span<const double> areas, bool gzip, OutputFile& 
                           const std::function<void()>& check);
 
 /// Writes the tables of residues and chains.
-std::uint64_t write_area_tables(std::span<const double> areas, const RunPlan& plan,
+std::uint64_t write_area_tables(std::span<const double> areas, const PlannedRun& run,
                                 OutputFile& residues, OutputFile& chains);
 
 /// Writes atoms.csv.
-std::uint64_t write_atom_table(std::span<const double> areas, const RunPlan& plan, OutputFile& file,
-                               const std::function<void()>& check);
+std::uint64_t write_atom_table(std::span<const double> areas, const PlannedRun& run,
+                               OutputFile& file, const std::function<void()>& check);
 
 }  // namespace eses::detail

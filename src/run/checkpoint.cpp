@@ -125,9 +125,9 @@ Checkpoint::~Checkpoint() {
 
 void Checkpoint::lock() { lock_.emplace(path_); }
 
-void Checkpoint::lock_part(const Part& part) {
+void Checkpoint::lock_part(const Share& part) {
   lock_.emplace(path_, "", OutputDirectory::Access::shared);
-  part_lock_.emplace(path_, formatted("part-{}-of-{}", part.index, part.count));
+  part_lock_.emplace(path_, formatted("part-{}-of-{}", part.index + 1, part.count));
   if (std::error_code error; std::filesystem::exists(path_ / run_name, error)) require_same_run();
 }
 
@@ -178,7 +178,7 @@ bool Checkpoint::is_complete(const PlaneRange& planes) const {
   }
 }
 
-void Checkpoint::remove_others(std::span<const PlaneRange> complete) const {
+void Checkpoint::remove_others(std::span<const PlaneRange> complete) {
   std::set<std::string> kept;
   for (const PlaneRange& planes : complete) {
     kept.insert(name_of(planes, sums_suffix));
@@ -194,12 +194,12 @@ void Checkpoint::remove_others(std::span<const PlaneRange> complete) const {
   for (const auto& path : others) std::filesystem::remove(path, error);
 }
 
-void Checkpoint::drop(const PlaneRange& planes) const {
+void Checkpoint::drop(const PlaneRange& planes) {
   std::error_code error;  // if the file remains, reading it detects the damage
   std::filesystem::remove(sums_path(planes), error);
 }
 
-void Checkpoint::prepare() const {
+void Checkpoint::prepare() {
   const std::string run = with_checksum(identity_);
   if (read_all(path_ / run_name) == run) return;
   write_complete(run_name, {std::span<const char>(run)});
@@ -207,7 +207,7 @@ void Checkpoint::prepare() const {
 
 // Writes a file that gets its name when it is on disk, so that it is complete if it exists.
 void Checkpoint::write_complete(const std::string& name,
-                                std::initializer_list<std::span<const char>> parts) const {
+                                std::initializer_list<std::span<const char>> parts) {
   const std::string temporary = temporary_name(name);
   {
     ScratchFile file(path_, temporary, ScratchFile::Kept::fresh);
@@ -221,7 +221,7 @@ void Checkpoint::write_complete(const std::string& name,
 }
 
 // Existing sums belong to an old text and are removed first.
-std::unique_ptr<ScratchFile> Checkpoint::create(const PlaneRange& planes, ChunkText text) const {
+std::unique_ptr<ScratchFile> Checkpoint::create(const PlaneRange& planes, ChunkText text) {
   drop(planes);
   const char* const suffix = text_suffixes[static_cast<std::size_t>(text)];
   return std::make_unique<ScratchFile>(path_, name_of(planes, suffix), ScratchFile::Kept::fresh);
@@ -237,7 +237,7 @@ std::string Checkpoint::sums_path(const PlaneRange& planes) const {
 }
 
 // The file of the sums is written last, so that its existence implies that the chunk is complete.
-void Checkpoint::finish(const PlaneChunk& chunk) const {
+void Checkpoint::finish(const PlaneChunk& chunk) {
   for (const auto& text : chunk.texts)
     if (text) text->sync();
   const auto sums = as_chars(std::span(chunk.sums));
@@ -278,7 +278,7 @@ void Checkpoint::remove() {
   lock_.reset();
 }
 
-void Checkpoint::remove_temporary() const noexcept {
+void Checkpoint::remove_temporary() noexcept {
   if (chunks_ == Chunks::temporary) remove_checkpoint_directory(path_);
 }
 

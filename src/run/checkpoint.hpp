@@ -20,7 +20,7 @@
 #include "output/file.hpp"
 #include "output/map_writer.hpp"
 #include "output/output_directory.hpp"
-#include "run/task.hpp"
+#include "run/request.hpp"
 #include "solve/region_totals.hpp"
 
 namespace eses::detail {
@@ -108,7 +108,7 @@ class Checkpoint {
   void lock();
   /// Does the same, but lets runs of other parts use the directory at the same time. Throws Error
   /// if it belongs to another run, even if that run has no complete chunk.
-  void lock_part(const Part& part);
+  void lock_part(const Share& part);
   /// Whether the file system supports locks.
   bool is_locked() const { return lock_ && lock_->is_locked(); }
   /// Returns the planes of the complete chunks, ascending and disjoint. A chunk with damaged sums
@@ -116,16 +116,16 @@ class Checkpoint {
   /// with another identity, or if the file with the identity is damaged.
   std::vector<PlaneRange> complete() const;
   /// Removes the files of all chunks except `complete`.
-  void remove_others(std::span<const PlaneRange> complete) const;
+  void remove_others(std::span<const PlaneRange> complete);
   /// Marks a chunk as incomplete.
-  void drop(const PlaneRange& planes) const;
+  void drop(const PlaneRange& planes);
   /// Writes the identity. Must be called before the first chunk is written.
-  void prepare() const;
+  void prepare();
 
   /// Creates the scratch file of a text, and marks the chunk as incomplete.
-  std::unique_ptr<ScratchFile> create(const PlaneRange& planes, ChunkText text) const;
+  std::unique_ptr<ScratchFile> create(const PlaneRange& planes, ChunkText text);
   /// Writes the sums of a chunk, which makes it complete.
-  void finish(const PlaneChunk& chunk) const;
+  void finish(const PlaneChunk& chunk);
   /// Reads a complete chunk without its texts.
   PlaneChunk read(const PlaneRange& planes) const;
   /// Opens the scratch file of a text.
@@ -133,14 +133,13 @@ class Checkpoint {
   /// Removes the checkpoint.
   void remove();
   /// Removes temporary chunks before a failed process ends all others.
-  void remove_temporary() const noexcept;
+  void remove_temporary() noexcept;
 
  private:
   bool is_complete(const PlaneRange& planes) const;
   void require_same_run() const;
   std::string sums_path(const PlaneRange& planes) const;
-  void write_complete(const std::string& name,
-                      std::initializer_list<std::span<const char>> parts) const;
+  void write_complete(const std::string& name, std::initializer_list<std::span<const char>> parts);
 
   std::filesystem::path path_;
   std::string identity_;

@@ -8,8 +8,7 @@
 
 namespace eses::detail {
 
-ChunkFiles::ChunkFiles(const Checkpoint& checkpoint, const Outputs& outputs,
-                       const GridRegion& region)
+ChunkFiles::ChunkFiles(Checkpoint& checkpoint, const Outputs& outputs, const GridRegion& region)
     : checkpoint_(checkpoint), region_(region) {
   chunk_.info.planes = {region.begin[2], region.end[2]};
   const auto add_text = [&](ChunkText text, std::unique_ptr<PieceTextSink> sink) {

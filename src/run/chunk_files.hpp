@@ -17,7 +17,7 @@ namespace eses::detail {
 class ChunkFiles {
  public:
   /// Creates the files. `region` has the points of the chunk. Keeps a reference to `checkpoint`.
-  ChunkFiles(const Checkpoint& checkpoint, const Outputs& outputs, const GridRegion& region);
+  ChunkFiles(Checkpoint& checkpoint, const Outputs& outputs, const GridRegion& region);
 
   /// The sink of the sweep over the region.
   Sink& sink() { return sinks_; }
@@ -29,7 +29,7 @@ class ChunkFiles {
   WriteAt create(ChunkText text);
   void add_map(MapQuantity quantity);
 
-  const Checkpoint& checkpoint_;
+  Checkpoint& checkpoint_;
   GridRegion region_;
   PlaneChunk chunk_;
   std::array<TextChecksum, chunk_text_count> checksums_;

@@ -32,14 +32,14 @@ namespace eses::detail {
 namespace {
 
 // Checks that all processes have the checkpoint of the first one.
-void require_shared_directory(const RunTask& task, const Processes& processes) {
+void require_shared_directory(const Request& request, const Processes& processes) {
   if (processes.count() == 1) return;
-  const std::string path = path_in(path_in(task.output_directory, checkpoint_name), run_name);
+  const std::string path = path_in(path_in(request.output_directory, checkpoint_name), run_name);
   processes.all_or_throw([&] {
     if (!FileDescriptor(::open(path.c_str(), O_RDONLY | O_CLOEXEC)).is_open())
       throw Error(
           formatted("cannot write into {}{}: {}; is it the same directory for all processes?",
-                    task.output_directory.string(), processes.on_machine(),
+                    request.output_directory.string(), processes.on_machine(),
                     std::generic_category().message(errno)));
   });
 }
@@ -70,89 +70,89 @@ void combine_verifications(Verification& found, const Processes& processes) {
 }
 
 // Measures the surface in closed form.
-Measures measure_surface(const RunTask& task, const RunPlan& plan,
+Measures measure_surface(const Request& request, PlannedRun& run,
                          const std::function<void()>& check) {
-  const MeasureSettings settings{.probe_radius = task.parameters.probe_radius,
-                                 .threads = plan.process_schedule.threads,
+  const MeasureSettings settings{.probe_radius = request.parameters.probe_radius,
+                                 .threads = run.process_schedule.threads,
                                  .check = check,
-                                 .max_filled_void = task.parameters.max_filled_void};
-  return plan.patches ? measure_kept_patches(plan.patches, settings)
-                      : measure_patches(plan.slab.molecule, settings);
+                                 .max_filled_void = request.parameters.max_filled_void};
+  return run.patches ? measure_kept_patches(run.patches, settings)
+                     : measure_patches(run.slab.molecule, settings);
 }
 
 // Compares the number of inside points with the exact volume, if the grid encloses the molecule and
 // no cavities are filled.
-void verify_volume(const RunTask& task, const RunPlan& plan, const std::function<void()>& check,
-                   Summary& summary) {
-  if (plan.filled() || !plan.is_whole_surface()) return;
+void verify_volume(const Request& request, const PlannedRun& run,
+                   const std::function<void()>& check, Summary& summary) {
+  if (run.filled() || !run.plan.is_whole_surface()) return;
   const Stopwatch watch;
   const VolumeBounds bounds =
-      bound_inside_cells(plan.slab.molecule, task.parameters.probe_radius, plan.grid.spacing,
-                         plan.process_schedule.threads, check);
-  if (const auto fault = find_volume_fault(summary.inside_points, plan.grid.spacing, bounds))
+      bound_inside_cells(run.slab.molecule, request.parameters.probe_radius, run.plan.grid.spacing,
+                         run.process_schedule.threads, check);
+  if (const auto fault = find_volume_fault(summary.inside_points, run.plan.grid.spacing, bounds))
     summary.verification->faults.push_back(*fault);
   summary.seconds.verify += watch.seconds();
 }
 
 // Sweeps the ranges of this process. Returns the sums of a sweep in place. Other sweeps leave
 // chunks in the checkpoint; a chunk with faults is not completed.
-std::optional<SweepSums> sweep_ranges(const RunTask& task, const RunPlan& plan,
+std::optional<SweepSums> sweep_ranges(const Request& request, PlannedRun& run,
                                       std::span<const PlaneRange> ranges, RunFiles& files,
                                       const Callbacks& callbacks, ProgressReport& report,
                                       Summary& summary) {
-  SlabSweep slab(task, plan, ranges, files.mesh(), callbacks, report);
-  if (plan.is_in_place) return slab.sweep(ranges.front(), files.sink(), summary);
+  SlabSweep slab(request, run, ranges, files.mesh(), callbacks, report);
+  if (run.is_in_place) return slab.sweep(ranges.front(), files.sink(), summary);
   for (const PlaneRange& planes : ranges) {
-    ChunkFiles chunk(*plan.checkpoint, task.outputs, with_planes(plan.tiling.region, planes));
+    ChunkFiles chunk(*run.checkpoint, request.outputs, with_planes(run.plan.tiling.region, planes));
     const SweepSums sums = slab.sweep(planes, chunk.sink(), summary);
-    if (sums.fault_count == 0) chunk.finish(sums, plan.slab);
+    if (sums.fault_count == 0) chunk.finish(sums, run.slab);
   }
   return std::nullopt;
 }
 
 // Gives the areas of the slab's atoms to the atoms of the file.
-void number_by_file(const RunPlan& plan, SweepSums& sums) {
-  std::vector<AreaShare> by_file(plan.atoms);
-  plan.slab.for_each_sum(sums.atom_shares,
-                         [&](const AtomSum& sum) { by_file[as_number(sum.atom)] = sum.share; });
+void number_by_file(const PlannedRun& run, SweepSums& sums) {
+  std::vector<AreaShare> by_file(run.atoms);
+  run.slab.for_each_sum(sums.atom_shares,
+                        [&](const AtomSum& sum) { by_file[as_number(sum.atom)] = sum.share; });
   sums.atom_shares = std::move(by_file);
 }
 
 // Sets the results in the summary. Frees the area shares.
-void set_results(const RunTask& task, const RunPlan& plan, SweepSums& sums, Summary& summary) {
-  const bool is_void = task.outputs.mesh && task.outputs.mesh->component.value_or(0) > 0;
-  fill_totals(is_void ? complement(sums.totals, plan.tiling.region.point_count()) : sums.totals,
-              plan.grid.spacing, summary);
-  summary.atom_areas = areas_of(std::exchange(sums.atom_shares, {}), plan.grid.spacing);
+void set_results(const Request& request, const PlannedRun& run, SweepSums& sums, Summary& summary) {
+  const bool is_void = request.outputs.mesh && request.outputs.mesh->component.value_or(0) > 0;
+  fill_totals(is_void ? complement(sums.totals, run.plan.tiling.region.point_count()) : sums.totals,
+              run.plan.grid.spacing, summary);
+  summary.atom_areas = areas_of(std::exchange(sums.atom_shares, {}), run.plan.grid.spacing);
   summary.area = std::accumulate(summary.atom_areas.begin(), summary.atom_areas.end(), 0.0);
 }
 
 // Completes the summary and the output files. `swept` are the sums of a sweep in place; otherwise
 // the chunks of all processes are merged.
-void finish(const RunTask& task, const RunPlan& plan, std::optional<SweepSums>& swept,
+void finish(const Request& request, PlannedRun& run, std::optional<SweepSums>& swept,
             RunFiles& files, const std::function<void()>& check, RunResult& result) {
   Summary& summary = result.summary;
   // The heap memory of patches and blocks is too fragmented for the long lists of areas.
-  if (plan.memory_bytes > small_memory_bytes) release_free_memory();
+  if (run.plan.memory_bytes > small_memory_bytes) release_free_memory();
   std::optional<Merge> merge;
   if (swept)
-    number_by_file(plan, *swept);
+    number_by_file(run, *swept);
   else
-    merge.emplace(plan, check);
+    merge.emplace(run, check);
   SweepSums& sums = swept ? *swept : merge->sums();
-  if (task.join != Join::none && summary.verification) {
+  if (request.join != Join::none && summary.verification) {
     summary.verification->points += sums.verified_points;
     summary.verification->edges += sums.verified_edges;
   }
-  set_results(task, plan, sums, summary);
-  if (result.exact && summary.verification) verify_volume(task, plan, check, summary);
+  set_results(request, run, sums, summary);
+  if (result.exact && summary.verification) verify_volume(request, run, check, summary);
   if (!has_faults(summary)) files.finish(merge ? &*merge : nullptr, check, summary);
 }
 
 }  // namespace
 
-std::vector<ProcessFigures> gather_figures(const RunPlan& plan, const Processes& processes) {
-  const ProcessFigures figures{plan.slab.planes, plan.slab.molecule.atoms().size(), cpu_seconds(),
+std::vector<ProcessFigures> gather_figures(const PlannedRun& run, const Processes& processes) {
+  const ProcessFigures figures{run.slab.planes, run.slab.molecule.atoms().size(), cpu_seconds(),
                                peak_memory()};
   return processes.gather<ProcessFigures>({&figures, 1});
 }
@@ -161,43 +161,43 @@ bool has_faults(const Summary& summary) {
   return summary.verification && !summary.verification->faults.empty();
 }
 
-OutputPaths paths_of(const RunTask& task, const Processes& processes) {
+OutputPaths paths_of(const Request& request, const Processes& processes) {
   OutputPaths paths;
-  if (processes.is_first()) paths = output_paths(task.outputs, task.output_directory);
+  if (processes.is_first()) paths = output_paths(request.outputs, request.output_directory);
   for (auto* const lines : {&paths.final, &paths.temporaries, &paths.locks})
     *lines = processes.gather_texts(*lines);
   return paths;
 }
 
-RunResult execute(const RunTask& task, const RunPlan& plan, const Callbacks& callbacks,
+RunResult execute(const Request& request, PlannedRun& run, const Callbacks& callbacks,
                   const Processes& processes) {
   const Stopwatch total;
-  processes.all_or_throw([&] { start_threads(plan.process_schedule.threads); });
+  processes.all_or_throw([&] { start_threads(run.process_schedule.threads); });
   std::optional<RunFiles> files;
   processes.all_or_throw([&] {
-    files.emplace(task, plan, processes.is_first());
-    if (plan.checkpoint && processes.is_first()) plan.checkpoint->prepare();
+    files.emplace(request, run, processes.is_first());
+    if (run.checkpoint && processes.is_first()) run.checkpoint->prepare();
   });
-  require_shared_directory(task, processes);
+  require_shared_directory(request, processes);
 
-  const std::vector<PlaneRange> ranges = ranges_to_sweep(task, plan);
-  ProgressReport report(callbacks.progress, count_blocks(plan, ranges));
+  const std::vector<PlaneRange> ranges = ranges_to_sweep(request, run);
+  ProgressReport report(callbacks.progress, count_blocks(run, ranges));
   const std::function<void()> check = [&report] { report.check(); };
   check();  // the first check tells the caller that the files are locked
 
   RunResult result;
   Summary& summary = result.summary;
-  if (task.parameters.max_filled_void) summary.filled_cavities = plan.cavities->filled();
-  if (task.parameters.verify > 0) summary.verification.emplace();
+  if (request.parameters.max_filled_void) summary.filled_cavities = run.cavities->filled();
+  if (request.parameters.verify > 0) summary.verification.emplace();
   // The sweep takes the patches that are kept.
-  if (task.parameters.exact) result.exact = measure_surface(task, plan, check);
+  if (request.parameters.exact) result.exact = measure_surface(request, run, check);
   std::optional<SweepSums> swept =
-      sweep_ranges(task, plan, ranges, *files, callbacks, report, summary);
+      sweep_ranges(request, run, ranges, *files, callbacks, report, summary);
   processes.wait_for_all();  // until all chunks are complete
   if (summary.verification) combine_verifications(*summary.verification, processes);
-  if (!task.part && (!plan.checkpoint || !has_faults(summary)))
+  if (!request.part && (!run.checkpoint || !has_faults(summary)))
     processes.all_or_throw([&] {
-      if (processes.is_first()) finish(task, plan, swept, *files, check, result);
+      if (processes.is_first()) finish(request, run, swept, *files, check, result);
     });
   summary.seconds.total = total.seconds();
   combine_seconds(summary.seconds, processes);

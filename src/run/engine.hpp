@@ -1,5 +1,5 @@
 #pragma once
-/// The engine: one run, from the plan of run_plan.hpp to its files and its summary.
+/// The engine: one run, from the plan of planned_run.hpp to its files and its summary.
 ///
 /// A run is a sweep over ranges of planes that delivers rows, crossings and triangles in canonical
 /// order. A single process has one range and writes its texts directly to the output files.
@@ -16,8 +16,8 @@
 #include "eses/measure.hpp"
 #include "grid/plane_range.hpp"
 #include "output/output_directory.hpp"
-#include "run/run_plan.hpp"
-#include "run/task.hpp"
+#include "run/planned_run.hpp"
+#include "run/request.hpp"
 
 namespace eses::detail {
 
@@ -38,18 +38,18 @@ struct RunResult {
 };
 
 /// Returns the figures of all processes, by rank. All processes must call it.
-std::vector<ProcessFigures> gather_figures(const RunPlan& plan, const Processes& processes);
+std::vector<ProcessFigures> gather_figures(const PlannedRun& run, const Processes& processes);
 
 /// Returns whether the verification has found faults. Then no file was written.
 bool has_faults(const Summary& summary);
 
 /// Returns the paths of the first process, which makes the files. All processes must call it.
-OutputPaths paths_of(const RunTask& task, const Processes& processes);
+OutputPaths paths_of(const Request& request, const Processes& processes);
 
-/// Computes the surface and writes the files of a plan. All processes must call it. A SharedError
+/// Computes the surface and writes the files of a run. All processes must call it. A SharedError
 /// is thrown in all processes. Any other exception is thrown only in the process that failed, whose
 /// caller must then abort the other processes.
-RunResult execute(const RunTask& task, const RunPlan& plan, const Callbacks& callbacks,
+RunResult execute(const Request& request, PlannedRun& run, const Callbacks& callbacks,
                   const Processes& processes);
 
 }  // namespace eses::detail

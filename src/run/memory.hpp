@@ -6,7 +6,7 @@
 #include <functional>
 #include <span>
 
-#include "run/task.hpp"
+#include "run/request.hpp"
 #include "surface/survey.hpp"
 
 namespace eses::detail {
@@ -15,7 +15,7 @@ namespace eses::detail {
 struct Schedule {
   BlockTiling tiling;
   int threads = 1;
-  std::int64_t blocks_ahead = 0;  ///< see TaskQueue
+  std::int64_t blocks_ahead = 0;  ///< see WorkList
 };
 
 /// Numbers and lengths of names. A run is a sequence of consecutive atoms with the same residue or

@@ -44,18 +44,17 @@ void read_parts(const ScratchFile& from, std::uint64_t length, std::uint64_t uni
 
 }  // namespace
 
-Merge::Merge(const RunPlan& plan, std::function<void()> check)
-    : plan_(plan), check_(std::move(check)) {
+Merge::Merge(PlannedRun& run, std::function<void()> check) : run_(run), check_(std::move(check)) {
   read_chunks();
 }
 
 void Merge::read_chunks() {
-  std::int64_t next = plan_.tiling.region.begin[2];
-  sums_.atom_shares.resize(plan_.atoms);
-  for (const PlaneRange& planes : plan_.checkpoint->complete()) {
-    PlaneChunk& chunk = chunks_.emplace_back(plan_.checkpoint->read(planes));
+  std::int64_t next = run_.plan.tiling.region.begin[2];
+  sums_.atom_shares.resize(run_.atoms);
+  for (const PlaneRange& planes : run_.checkpoint->complete()) {
+    PlaneChunk& chunk = chunks_.emplace_back(run_.checkpoint->read(planes));
     chunk.is_restored =
-        std::ranges::find(plan_.finished_planes, planes) != plan_.finished_planes.end();
+        std::ranges::find(run_.finished_planes, planes) != run_.finished_planes.end();
     const ChunkInfo& info = chunk.info;
     if (info.planes.begin != next)
       throw Error("the checkpoint has gaps or overlaps; remove its directory and run again");
@@ -68,13 +67,13 @@ void Merge::read_chunks() {
     for (const AtomSum& sum : std::exchange(chunk.sums, {}))
       sums_.atom_shares.at(as_number(sum.atom)) += sum.share;
   }
-  if (next != plan_.tiling.region.end[2]) throw Error("chunks of the run are missing");
+  if (next != run_.plan.tiling.region.end[2]) throw Error("chunks of the run are missing");
   mesh::require_vertex_count(sums_.mesh.vertices);
 }
 
 ScratchFile& Merge::open(PlaneChunk& chunk, ChunkText text) const {
   auto& file = chunk.text(text);
-  if (!file) file = plan_.checkpoint->open(chunk.info.planes, text);
+  if (!file) file = run_.checkpoint->open(chunk.info.planes, text);
   return *file;
 }
 
@@ -83,7 +82,7 @@ void Merge::close(PlaneChunk& chunk, ChunkText text) const { chunk.text(text).re
 
 void Merge::require_sound(const PlaneChunk& chunk, ChunkText text, std::uint32_t checksum) const {
   if (checksum == chunk.info.checksums[static_cast<std::size_t>(text)]) return;
-  plan_.checkpoint->drop(chunk.info.planes);
+  run_.checkpoint->drop(chunk.info.planes);
   throw Error(
       formatted("cannot resume: the checkpoint of planes {} to {} is damaged; the next run "
                 "that is resumed computes them again",
@@ -98,7 +97,7 @@ void Merge::read(PlaneChunk& chunk, ChunkText text, std::uint64_t unit, Take&& t
   if (length == 0) return;
   TextChecksum checksum;
   read_parts(
-      open(chunk, text), length, unit, plan_.process_schedule.threads, check_,
+      open(chunk, text), length, unit, run_.process_schedule.threads, check_,
       [&](std::span<const char> bytes, std::uint64_t offset) {
         if (chunk.is_restored) checksum.add(bytes, offset);
       },
@@ -127,7 +126,7 @@ std::uint64_t Merge::write_text(OutputFile& file, ChunkText text) {
 }
 
 void Merge::add_rows(GridMap& map) {
-  const GridRegion& region = plan_.tiling.region;
+  const GridRegion& region = run_.plan.tiling.region;
   const ChunkText text = text_of(map.quantity());
   const std::uint64_t row_bytes =
       sizeof(std::uint64_t) *

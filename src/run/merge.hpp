@@ -8,8 +8,8 @@
 #include "output/grid_map.hpp"
 #include "output/output_file.hpp"
 #include "run/checkpoint.hpp"
+#include "run/planned_run.hpp"
 #include "run/run_mesh.hpp"
-#include "run/run_plan.hpp"
 #include "run/sweep.hpp"
 
 namespace eses::detail {
@@ -18,9 +18,9 @@ namespace eses::detail {
 class Merge {
  public:
   /// Reads the sums of all chunks. `check` is called repeatedly, and may end the run by an
-  /// exception. Keeps a reference to `plan`. Throws Error if the chunks do not cover the region
+  /// exception. Keeps a reference to `run`. Throws Error if the chunks do not cover the region
   /// exactly, or if the mesh has too many vertices.
-  Merge(const RunPlan& plan, std::function<void()> check);
+  Merge(PlannedRun& run, std::function<void()> check);
 
   /// The sums of all chunks, with the area share of each atom of the file.
   SweepSums& sums() { return sums_; }
@@ -40,7 +40,7 @@ class Merge {
   void require_sound(const PlaneChunk& chunk, ChunkText text, std::uint32_t checksum) const;
   void copy(PlaneChunk& chunk, ChunkText text, OutputFile& to, std::uint64_t begin) const;
 
-  const RunPlan& plan_;
+  PlannedRun& run_;
   std::function<void()> check_;
   std::vector<PlaneChunk> chunks_;  // sorted by planes
   SweepSums sums_;

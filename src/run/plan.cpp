@@ -252,7 +252,7 @@ void choose_schedule(const SurfaceSurvey& survey, const MemoryBudget& budget,
                           Verifier::memory_bytes(p.verify, schedule.threads, plan.crossings);
     smallest = std::min(smallest, memory);
     if (memory > limit || !is_available(memory)) continue;
-    static_cast<Schedule&>(plan) = schedule;
+    plan.take(schedule);
     plan.memory_bytes = whole_bytes(memory);
     return;
   }

@@ -10,15 +10,17 @@
 #include "grid/tiling.hpp"
 #include "output/file_sizes.hpp"
 #include "run/memory.hpp"
-#include "run/task.hpp"
+#include "run/request.hpp"
 
 namespace eses::detail {
 
-/// The plan of a run, made before anything is allocated or written. The region of the tiling has
-/// the points to compute.
-struct Plan : Schedule {
+/// The plan of a run, made before anything is allocated or written.
+struct Plan {
   Parameters parameters;
   Grid grid;
+  BlockTiling tiling;                  ///< of the region to compute
+  int threads = 1;                     ///< number of threads
+  std::int64_t blocks_ahead = 0;       ///< see WorkList
   std::array<double, 6> cut_depths{};  ///< see eses::detail::depths_inside
   double cut_depth = 0;  ///< see eses::detail::cut_depth; > 0 if the grid cuts the surface
   double crossings = 0;  ///< expected number of crossings
@@ -27,6 +29,13 @@ struct Plan : Schedule {
   std::uint64_t memory_bytes = 0;
   FileSizes files = {};
 
+  Schedule schedule() const { return {tiling, threads, blocks_ahead}; }
+  /// Takes the choices of a schedule.
+  void take(const Schedule& schedule) {
+    tiling = schedule.tiling;
+    threads = schedule.threads;
+    blocks_ahead = schedule.blocks_ahead;
+  }
   /// Whether the region to compute contains the whole surface.
   bool is_whole_surface() const { return cut_depth <= 0 && tiling.region == grid.whole(); }
 };

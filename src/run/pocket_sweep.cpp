@@ -12,8 +12,8 @@
 #include <vector>
 
 #include "grid/make_grid.hpp"
+#include "run/planned_run.hpp"
 #include "run/pocket_finder.hpp"
-#include "run/run_plan.hpp"
 #include "run/sink.hpp"
 #include "run/solved_block.hpp"
 #include "run/sweep.hpp"
@@ -44,34 +44,34 @@ class ProbeSweep {
   // also finds the points where the centre of the probe cannot be.
   ProbeSweep(const Molecule& molecule, const Grid& grid, double probe_radius, bool finds_covered,
              const PocketOptions& options, const CallerMemory& caller) {
-    RunTask task{.atoms = molecule,
-                 .parameters = {.probe_radius = probe_radius,
-                                .grid = grid,
-                                .block_size = options.block_size,
-                                .threads = options.threads,
-                                .max_filled_void = std::numeric_limits<double>::infinity()},
-                 .outputs = Outputs::none(),
-                 .caller_memory = caller};
-    if (finds_covered) task.outputs.ion_access = IonAccessMap{"covered.dx", probe_radius};
-    extras_ = extras_of(task.outputs);
-    plan_ = plan_run(task, Processes());
-    patches_ = std::move(plan_.patches);
+    Request request{.atoms = molecule,
+                    .parameters = {.probe_radius = probe_radius,
+                                   .grid = grid,
+                                   .block_size = options.block_size,
+                                   .threads = options.threads,
+                                   .max_filled_void = std::numeric_limits<double>::infinity()},
+                    .outputs = Outputs::none(),
+                    .caller_memory = caller};
+    if (finds_covered) request.outputs.ion_access = IonAccessMap{"covered.dx", probe_radius};
+    extras_ = extras_of(request.outputs);
+    run_ = plan_run(request, Processes());
+    patches_ = std::move(run_.patches);
     if (patches_) return;
     SurfaceModel surface(molecule, probe_radius);
-    surface.cavities = plan_.cavities;
+    surface.cavities = run_.cavities;
     patches_ = std::make_shared<ScheduledSurface>(std::move(surface),
                                                   HeightRange{grid.origin.z, grid.upper().z});
   }
 
   // Planes of a layer of blocks.
-  std::int64_t layer_planes() const { return plan_.tiling.block_size[2] - 1; }
-  int threads() const { return plan_.threads; }
+  std::int64_t layer_planes() const { return run_.plan.tiling.block_size[2] - 1; }
+  int threads() const { return run_.plan.threads; }
 
   // Sweeps over the next planes. The pieces have these maps.
   void sweep(const PlaneRange& planes, std::vector<MapQuantity> maps, Sink& sink,
              ProgressReport& report) {
     // A single process has the schedule of the run.
-    Plan plan = static_cast<const Plan&>(plan_);
+    Plan plan = run_.plan;
     plan.tiling =
         make_tiling(plan.grid, plan.tiling.block_size, with_planes(plan.tiling.region, planes));
     Sweep sweep(patches_->schedule, plan, {.maps = std::move(maps), .extras = extras_}, {}, nullptr,
@@ -82,7 +82,7 @@ class ProbeSweep {
 
  private:
   BlockExtras extras_;
-  RunPlan plan_;
+  PlannedRun run_;
   std::shared_ptr<ScheduledSurface> patches_;
 };
 

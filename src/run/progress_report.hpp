@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <mutex>
 
-#include "run/task.hpp"
+#include "run/request.hpp"
 
 namespace eses::detail {
 

@@ -21,13 +21,15 @@ std::uint64_t write_empty_member(OutputFile& file) {
 
 }  // namespace
 
-RunFiles::RunFiles(const RunTask& task, const RunPlan& plan, bool is_first)
-    : task_(task), plan_(plan) {
-  const bool has_files = plan.checkpoint || task.outputs.mesh || !file_names(task.outputs).empty();
-  if (is_first && !task.part && has_files)
-    files_ = std::make_unique<OutputFiles>(task.outputs, task.output_directory, plan.files);
-  if (task.outputs.mesh) mesh_.emplace(task, plan, files_.get());
-  if (plan.is_in_place) add_sinks();
+RunFiles::RunFiles(const Request& request, PlannedRun& run, bool is_first)
+    : request_(request), run_(run) {
+  const bool has_files =
+      run.checkpoint || request.outputs.mesh || !file_names(request.outputs).empty();
+  if (is_first && !request.part && has_files)
+    files_ =
+        std::make_unique<OutputFiles>(request.outputs, request.output_directory, run.plan.files);
+  if (request.outputs.mesh) mesh_.emplace(request, run, files_.get());
+  if (run.is_in_place) add_sinks();
 }
 
 void RunFiles::add_sinks() {
@@ -37,10 +39,10 @@ void RunFiles::add_sinks() {
           to.write_at(bytes, offset);
         }));
   };
-  if (task_.outputs.grid) grid_ = add_text(RunFile::grid, &Piece::grid);
-  if (task_.outputs.edges) edges_ = add_text(RunFile::edges, &Piece::edges);
-  for (const MapChoice& choice : chosen_maps(task_.outputs)) {
-    GridMap& map = maps_.emplace_back(choice, plan_.grid, plan_.tiling.region);
+  if (request_.outputs.grid) grid_ = add_text(RunFile::grid, &Piece::grid);
+  if (request_.outputs.edges) edges_ = add_text(RunFile::edges, &Piece::edges);
+  for (const MapChoice& choice : chosen_maps(request_.outputs)) {
+    GridMap& map = maps_.emplace_back(choice, run_.plan.grid, run_.plan.tiling.region);
     sinks_.add(std::make_unique<MapSink>(
         map.quantity(), [&map](std::int64_t first_row, std::span<const std::uint64_t> words) {
           map.add_rows(first_row, words);
@@ -55,18 +57,18 @@ std::uint64_t RunFiles::write_text(Merge* merge, RunFile which, ChunkText text,
                                    const PieceTextSink* sink) {
   const std::uint64_t bytes =
       merge != nullptr ? merge->write_text(file(which), text) : sink->size();
-  return task_.outputs.gzip && bytes == 0 ? write_empty_member(file(which)) : bytes;
+  return request_.outputs.gzip && bytes == 0 ? write_empty_member(file(which)) : bytes;
 }
 
 std::uint64_t RunFiles::write_maps(Merge* merge, const std::function<void()>& check) {
   std::uint64_t bytes = 0;
   const auto write = [&](GridMap& map) {
-    bytes += map.write(file(file_of(map.quantity())), plan_.process_schedule.threads, check);
+    bytes += map.write(file(file_of(map.quantity())), run_.process_schedule.threads, check);
   };
   for (GridMap& map : maps_) write(map);
   if (merge == nullptr) return bytes;
-  for (const MapChoice& choice : chosen_maps(task_.outputs)) {
-    GridMap map(choice, plan_.grid, plan_.tiling.region);
+  for (const MapChoice& choice : chosen_maps(request_.outputs)) {
+    GridMap map(choice, run_.plan.grid, run_.plan.tiling.region);
     merge->add_rows(map);
     write(map);
   }
@@ -75,20 +77,20 @@ std::uint64_t RunFiles::write_maps(Merge* merge, const std::function<void()>& ch
 
 std::uint64_t RunFiles::write_areas_of(std::span<const double> areas,
                                        const std::function<void()>& check) {
-  const Outputs& outputs = task_.outputs;
+  const Outputs& outputs = request_.outputs;
   std::uint64_t bytes = 0;
   if (outputs.areas) bytes += write_areas(areas, outputs.gzip, file(RunFile::areas), check);
   if (outputs.residues)
-    bytes += write_area_tables(areas, plan_, file(RunFile::residues), file(RunFile::chains));
-  if (outputs.atoms) bytes += write_atom_table(areas, plan_, file(RunFile::atoms), check);
+    bytes += write_area_tables(areas, run_, file(RunFile::residues), file(RunFile::chains));
+  if (outputs.atoms) bytes += write_atom_table(areas, run_, file(RunFile::atoms), check);
   return bytes;
 }
 
 std::uint64_t RunFiles::write_box() {
   OutputFile* const box = files_->find(RunFile::box);
   if (box == nullptr) return 0;
-  const std::string text = bounding_box_text(plan_.grid);
-  if (task_.outputs.gzip)
+  const std::string text = bounding_box_text(run_.plan.grid);
+  if (request_.outputs.gzip)
     box->append(Gzip().member(text));
   else
     box->append(text);
@@ -102,16 +104,16 @@ void RunFiles::finish(Merge* merge, const std::function<void()>& check, Summary&
   }
   if (!files_) return;
   std::uint64_t bytes = 0;
-  if (task_.outputs.grid) bytes += write_text(merge, RunFile::grid, ChunkText::grid, grid_);
-  if (task_.outputs.edges) bytes += write_text(merge, RunFile::edges, ChunkText::edges, edges_);
+  if (request_.outputs.grid) bytes += write_text(merge, RunFile::grid, ChunkText::grid, grid_);
+  if (request_.outputs.edges) bytes += write_text(merge, RunFile::edges, ChunkText::edges, edges_);
   if (mesh_) bytes += mesh_->write(check);
   bytes += write_maps(merge, check);
   bytes += write_areas_of(summary.atom_areas, check);
   bytes += write_box();
-  require_memory_within(task_.parameters.max_memory);
+  require_memory_within(request_.parameters.max_memory);
   files_->commit(check);
-  if (plan_.checkpoint)
-    plan_.checkpoint->remove();
+  if (run_.checkpoint)
+    run_.checkpoint->remove();
   else
     files_->remove_checkpoint();
   summary.bytes_written = bytes;

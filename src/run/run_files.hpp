@@ -11,10 +11,10 @@
 #include "output/grid_map.hpp"
 #include "output/output_files.hpp"
 #include "run/merge.hpp"
+#include "run/planned_run.hpp"
+#include "run/request.hpp"
 #include "run/run_mesh.hpp"
-#include "run/run_plan.hpp"
 #include "run/sink.hpp"
-#include "run/task.hpp"
 
 namespace eses::detail {
 
@@ -22,9 +22,9 @@ namespace eses::detail {
 /// make pieces of the mesh.
 class RunFiles {
  public:
-  /// Opens the files if `is_first`, and nothing for a part of a run. Keeps references to `task` and
-  /// `plan`.
-  RunFiles(const RunTask& task, const RunPlan& plan, bool is_first);
+  /// Opens the files if `is_first`, and nothing for a part of a run. Keeps references to `request`
+  /// and `run`.
+  RunFiles(const Request& request, PlannedRun& run, bool is_first);
 
   /// The mesh, or null if there is none.
   RunMesh* mesh() { return mesh_ ? &*mesh_ : nullptr; }
@@ -44,8 +44,8 @@ class RunFiles {
   std::uint64_t write_areas_of(std::span<const double> areas, const std::function<void()>& check);
   std::uint64_t write_box();
 
-  const RunTask& task_;
-  const RunPlan& plan_;
+  const Request& request_;
+  PlannedRun& run_;
   std::unique_ptr<OutputFiles> files_;
   std::optional<RunMesh> mesh_;
   Sinks sinks_;

@@ -6,21 +6,21 @@
 namespace eses::detail {
 namespace {
 
-mesh::MeshText make_text(const MeshOptions& mesh, const RunPlan& plan) {
-  const double spacing = plan.grid.spacing;
+mesh::MeshText make_text(const MeshOptions& mesh, const PlannedRun& run) {
+  const double spacing = run.plan.grid.spacing;
   const double vertices_per_area =
       mesh.quality ? mesh::quality_vertices_per_area : mesh::plain_vertices_per_area;
   return {
       required_mesh_format(mesh),
       mesh.color,
-      {.has_groups = plan.groups.are_known,
-       .chain_count = plan.groups.chain_count,
-       .residue_count = plan.groups.residue_count,
-       .atom_count = plan.atoms,
-       .probe_radius = plan.parameters.probe_radius,
+      {.has_groups = run.groups.are_known,
+       .chain_count = run.groups.chain_count,
+       .residue_count = run.groups.residue_count,
+       .atom_count = run.atoms,
+       .probe_radius = run.plan.parameters.probe_radius,
        .density = vertices_per_area / (spacing * spacing),
-       .grid = plan.grid,
-       .center = 0.5 * (plan.grid.origin + plan.grid.upper()),
+       .grid = run.plan.grid,
+       .center = 0.5 * (run.plan.grid.origin + run.plan.grid.upper()),
        .potential_limit = mesh.potential ? std::optional(mesh.potential->limit) : std::nullopt}};
 }
 
@@ -36,10 +36,10 @@ void write_header(const mesh::MeshText& text, const GroupNames& names, const Mes
 }
 
 // Returns a function without a target if the mesh has no components.
-mesh::ComponentOfCrossing component_of_crossing(const RunPlan& plan, MeshColor color) {
+mesh::ComponentOfCrossing component_of_crossing(const PlannedRun& run, MeshColor color) {
   if (color != MeshColor::component) return {};
-  return [&cavities = *plan.cavities, atoms = plan.slab.molecule.atoms(),
-          probe = plan.parameters.probe_radius](const BlockCrossing& crossing, Vec3 position) {
+  return [&cavities = *run.cavities, atoms = run.slab.molecule.atoms(),
+          probe = run.plan.parameters.probe_radius](const BlockCrossing& crossing, Vec3 position) {
     return cavities.number_at(atoms, std::span(crossing.atoms).first(crossing.atom_count),
                               position + probe * crossing.normal);
   };
@@ -47,35 +47,35 @@ mesh::ComponentOfCrossing component_of_crossing(const RunPlan& plan, MeshColor c
 
 }  // namespace
 
-RunMesh::RunMesh(const RunTask& task, const RunPlan& plan, OutputFiles* files)
-    : task_(task),
-      plan_(plan),
-      filter_is_used_(task.outputs.mesh->quality),
-      text_(make_text(*task.outputs.mesh, plan)) {
+RunMesh::RunMesh(const Request& request, const PlannedRun& run, OutputFiles* files)
+    : request_(request),
+      run_(run),
+      filter_is_used_(request.outputs.mesh->quality),
+      text_(make_text(*request.outputs.mesh, run)) {
   if (files == nullptr) return;
   file_.emplace(
       text_,
       [this](BufferedText& header, const MeshCounts& counts, const mesh::VertexBox& box) {
-        write_header(text_, plan_.groups, counts, box, header);
+        write_header(text_, run_.groups, counts, box, header);
       },
       *files->find(RunFile::mesh), files->find(RunFile::mesh_faces),
-      mesh_directory_of(*task.outputs.mesh));
+      mesh_directory_of(*request.outputs.mesh));
   if (filter_is_used_)
-    filter_.emplace(plan.grid, plan.tiling.region_with_halo, text_.piece_contents(),
+    filter_.emplace(run.plan.grid, run.plan.tiling.region_with_halo, text_.piece_contents(),
                     [this](const mesh::MeshPiece& piece) { file_->add(piece); });
 }
 
 mesh::VertexMaker RunMesh::vertex_maker() const {
-  const MeshOptions& mesh = *task_.outputs.mesh;
-  return mesh::VertexMaker({.grid = plan_.grid,
+  const MeshOptions& mesh = *request_.outputs.mesh;
+  return mesh::VertexMaker({.grid = run_.plan.grid,
                             .clearance = mesh.quality ? mesh::coincidence : mesh::clearance,
-                            .file_indices = plan_.slab.file_indices(),
-                            .atoms = plan_.slab.molecule.atoms(),
+                            .file_indices = run_.slab.file_indices(),
+                            .atoms = run_.slab.molecule.atoms(),
                             .names_closest_atom = text_.names_closest_atom(),
-                            .groups = plan_.slab.groups,
-                            .potential = plan_.potential ? &*plan_.potential : nullptr,
+                            .groups = run_.slab.groups,
+                            .potential = run_.potential ? &*run_.potential : nullptr,
                             .potential_offset = mesh.potential ? mesh.potential->offset : 0,
-                            .component_of = component_of_crossing(plan_, mesh.color)});
+                            .component_of = component_of_crossing(run_, mesh.color)});
 }
 
 std::unique_ptr<Sink> RunMesh::sink() {

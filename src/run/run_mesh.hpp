@@ -12,7 +12,7 @@
 #include "output/mesh_writer.hpp"
 #include "output/output_files.hpp"
 #include "output/vertex_maker.hpp"
-#include "run/run_plan.hpp"
+#include "run/planned_run.hpp"
 #include "run/sink.hpp"
 
 namespace eses::detail {
@@ -22,7 +22,7 @@ namespace eses::detail {
 class RunMesh {
  public:
   /// Keeps references to all arguments. Writes the header of the file.
-  RunMesh(const RunTask& task, const RunPlan& plan, OutputFiles* files);
+  RunMesh(const Request& request, const PlannedRun& run, OutputFiles* files);
   RunMesh(const RunMesh&) = delete;
   RunMesh& operator=(const RunMesh&) = delete;
 
@@ -42,8 +42,8 @@ class RunMesh {
   std::uint64_t write(const std::function<void()>& check) { return file_->finish(check); }
 
  private:
-  const RunTask& task_;
-  const RunPlan& plan_;
+  const Request& request_;
+  const PlannedRun& run_;
   bool filter_is_used_;
   mesh::MeshText text_;
   std::optional<mesh::MeshFile> file_;

@@ -17,12 +17,12 @@ namespace {
 constexpr std::int64_t max_ranges = 64;
 
 // Returns the blocks of a range of planes.
-BlockTiling tiling_of(const RunPlan& plan, const PlaneRange& planes) {
-  BlockTiling tiling = make_tiling(plan.grid, plan.process_schedule.tiling.block_size,
-                                   with_planes(plan.tiling.region, planes));
+BlockTiling tiling_of(const PlannedRun& run, const PlaneRange& planes) {
+  BlockTiling tiling = make_tiling(run.plan.grid, run.process_schedule.tiling.block_size,
+                                   with_planes(run.plan.tiling.region, planes));
   // The cells between this range and the next one belong to the next one, which computes the last
   // plane of this range again.
-  if (planes.end < plan.tiling.region.end[2]) tiling.region_with_halo.end[2] = planes.end;
+  if (planes.end < run.plan.tiling.region.end[2]) tiling.region_with_halo.end[2] = planes.end;
   return tiling;
 }
 
@@ -36,13 +36,13 @@ void add_seconds(const PhaseSeconds& of_sweep, PhaseSeconds& seconds) {
 
 }  // namespace
 
-std::vector<PlaneRange> ranges_to_sweep(const RunTask& task, const RunPlan& plan) {
+std::vector<PlaneRange> ranges_to_sweep(const Request& request, const PlannedRun& run) {
   std::vector<PlaneRange> ranges;
-  for (const PlaneRange& range : remaining(plan.slab.planes, plan.finished_planes)) {
+  for (const PlaneRange& range : remaining(run.slab.planes, run.finished_planes)) {
     std::int64_t planes = range.count();
-    if (task.keeps_chunks()) {
-      const std::int64_t layer = plan.process_schedule.tiling.block_size[2] - 1;
-      const std::int64_t layers = (plan.slab.planes.count() + layer - 1) / layer;
+    if (request.keeps_chunks()) {
+      const std::int64_t layer = run.process_schedule.tiling.block_size[2] - 1;
+      const std::int64_t layers = (run.slab.planes.count() + layer - 1) / layer;
       planes = layer * ((layers + max_ranges - 1) / max_ranges);
     }
     for (std::int64_t begin = range.begin; begin < range.end; begin += planes)
@@ -51,31 +51,31 @@ std::vector<PlaneRange> ranges_to_sweep(const RunTask& task, const RunPlan& plan
   return ranges;
 }
 
-std::int64_t count_blocks(const RunPlan& plan, std::span<const PlaneRange> ranges) {
+std::int64_t count_blocks(const PlannedRun& run, std::span<const PlaneRange> ranges) {
   std::int64_t blocks = 0;
-  for (const PlaneRange& planes : ranges) blocks += tiling_of(plan, planes).block_count();
+  for (const PlaneRange& planes : ranges) blocks += tiling_of(run, planes).block_count();
   return blocks;
 }
 
-SlabSweep::SlabSweep(const RunTask& task, const RunPlan& plan, std::span<const PlaneRange> ranges,
+SlabSweep::SlabSweep(const Request& request, PlannedRun& run, std::span<const PlaneRange> ranges,
                      const RunMesh* mesh, const Callbacks& callbacks, ProgressReport& report)
-    : task_(task),
-      plan_(plan),
+    : request_(request),
+      run_(run),
       mesh_(mesh),
       callbacks_(callbacks),
       report_(report),
-      surface_(plan.patches),
+      surface_(run.patches),
       all_planes_(plane_count(ranges)) {
-  const auto [index, count] = plan.share;
-  const auto checks_before = [&](std::int64_t i) { return task.parameters.verify * i / count; };
+  const auto [index, count] = run.share;
+  const auto checks_before = [&](std::int64_t i) { return request.parameters.verify * i / count; };
   check_count_ = static_cast<double>(checks_before(index + 1) - checks_before(index));
 }
 
 SurfaceModel SlabSweep::make_surface() const {
-  SurfaceModel surface(plan_.slab.molecule, task_.parameters.probe_radius);
-  surface.cavities = plan_.filled();
-  if (!plan_.is_whole_surface() || plan_.slab.planes != region_planes(plan_))
-    surface.confine_to(slab_box(plan_, plan_.slab.planes));
+  SurfaceModel surface(run_.slab.molecule, request_.parameters.probe_radius);
+  surface.cavities = run_.filled();
+  if (!run_.plan.is_whole_surface() || run_.slab.planes != region_planes(run_.plan))
+    surface.confine_to(slab_box(run_.plan, run_.slab.planes));
   return surface;
 }
 
@@ -86,9 +86,9 @@ Plan SlabSweep::plan_of(const PlaneRange& planes) {
     return std::llround(check_count_ * static_cast<double>(before) /
                         static_cast<double>(all_planes_));
   };
-  Plan plan = static_cast<const Plan&>(plan_);
-  static_cast<Schedule&>(plan) = plan_.process_schedule;
-  plan.tiling = tiling_of(plan_, planes);
+  Plan plan = run_.plan;
+  plan.take(run_.process_schedule);
+  plan.tiling = tiling_of(run_, planes);
   const std::int64_t before = checks_before(swept_planes_);
   swept_planes_ += planes.count();
   plan.parameters.verify = checks_before(swept_planes_) - before;
@@ -97,8 +97,8 @@ Plan SlabSweep::plan_of(const PlaneRange& planes) {
 
 // Returns what the pieces have for the outputs and the maps in memory.
 SweepContents SlabSweep::contents() const {
-  const Outputs& outputs = task_.outputs;
-  const MapsInMemory& in_memory = task_.maps_in_memory;
+  const Outputs& outputs = request_.outputs;
+  const MapsInMemory& in_memory = request_.maps_in_memory;
   SweepContents contents{
       .grid = outputs.grid,
       .edges = outputs.edges,
@@ -130,28 +130,28 @@ SweepSums SlabSweep::sweep(const PlaneRange& planes, Sink& sink, Summary& summar
   const double verified_before = summary.seconds.verify;
   const Plan plan = plan_of(planes);
   if (!surface_) {
-    const Box slab = slab_box(plan_, plan_.slab.planes);
+    const Box slab = slab_box(run_.plan, run_.slab.planes);
     surface_ =
         std::make_shared<ScheduledSurface>(make_surface(), HeightRange{slab.low.z, slab.high.z});
   }
   Sinks sinks;
   sinks.add(sink);
-  if (task_.maps_in_memory.sink != nullptr) sinks.add(*task_.maps_in_memory.sink);
+  if (request_.maps_in_memory.sink != nullptr) sinks.add(*request_.maps_in_memory.sink);
   if (callbacks_.block) sinks.add(std::make_unique<BlocksIntoCallback>(callbacks_.block, report_));
   std::optional<Verifier> verifier;
   if (plan.parameters.verify > 0) {
     const Stopwatch drawing;
-    verifier.emplace(plan_.slab.molecule.atoms(), plan, plan_.filled().get());
+    verifier.emplace(run_.slab.molecule.atoms(), plan, run_.filled().get());
     summary.seconds.verify += drawing.seconds();
     sinks.add(std::make_unique<BlocksIntoVerifier>(*verifier));
   }
   std::optional<LayerMesh> mesh;
   if (mesh_ != nullptr)
-    mesh.emplace(plan, plan_.tiling.region_with_halo, mesh_->swept_contents(),
+    mesh.emplace(plan, run_.plan.tiling.region_with_halo, mesh_->swept_contents(),
                  mesh_->vertex_maker());
-  Sweep sweep(surface_->schedule, plan, contents(), plan_.slab.file_indices(),
+  Sweep sweep(surface_->schedule, plan, contents(), run_.slab.file_indices(),
               mesh ? &*mesh : nullptr, sinks, report_);
-  if (planes.begin > plan_.tiling.region.begin[2]) sweep.solve_plane_below();
+  if (planes.begin > run_.plan.tiling.region.begin[2]) sweep.solve_plane_below();
   SweepSums sums = sweep.run();
   add_seconds(sums.seconds, summary.seconds);
   if (verifier) verify(*verifier, sums, summary);

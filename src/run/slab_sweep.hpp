@@ -6,9 +6,9 @@
 #include <span>
 #include <vector>
 
+#include "run/planned_run.hpp"
 #include "run/progress_report.hpp"
 #include "run/run_mesh.hpp"
-#include "run/run_plan.hpp"
 #include "run/sink.hpp"
 #include "run/sweep.hpp"
 #include "run/verifier.hpp"
@@ -18,16 +18,16 @@ namespace eses::detail {
 
 /// Returns the ranges of planes that this process sweeps, ascending. A run that can be resumed has
 /// several ranges, as an interruption loses the current range.
-std::vector<PlaneRange> ranges_to_sweep(const RunTask& task, const RunPlan& plan);
+std::vector<PlaneRange> ranges_to_sweep(const Request& request, const PlannedRun& run);
 
 /// Returns the number of blocks in these ranges.
-std::int64_t count_blocks(const RunPlan& plan, std::span<const PlaneRange> ranges);
+std::int64_t count_blocks(const PlannedRun& run, std::span<const PlaneRange> ranges);
 
 /// Sweeps the planes of this process's slab.
 class SlabSweep {
  public:
   /// `mesh` is null without a mesh. Keeps references to all arguments.
-  SlabSweep(const RunTask& task, const RunPlan& plan, std::span<const PlaneRange> ranges,
+  SlabSweep(const Request& request, PlannedRun& run, std::span<const PlaneRange> ranges,
             const RunMesh* mesh, const Callbacks& callbacks, ProgressReport& report);
 
   /// Sweeps the next range into a sink, and then verifies its share of the points and edges. Adds
@@ -40,8 +40,8 @@ class SlabSweep {
   SweepContents contents() const;
   void verify(Verifier& verifier, SweepSums& sums, Summary& summary);
 
-  const RunTask& task_;
-  const RunPlan& plan_;
+  const Request& request_;
+  const PlannedRun& run_;
   const RunMesh* mesh_;
   const Callbacks& callbacks_;
   ProgressReport& report_;

@@ -6,7 +6,7 @@
 #include <variant>
 
 #include "run/engine.hpp"
-#include "run/run_plan.hpp"
+#include "run/planned_run.hpp"
 #include "run/solved_block.hpp"
 
 namespace eses::detail::test {
@@ -22,18 +22,20 @@ inline const GridOptions& grid_options(const Parameters& parameters) {
 /// Returns the plan of a run.
 inline Plan make_plan(const Molecule& molecule, const Parameters& parameters,
                       const Outputs& outputs) {
-  return plan_run({.atoms = molecule, .parameters = parameters, .outputs = outputs}, Processes());
+  return plan_run({.atoms = molecule, .parameters = parameters, .outputs = outputs}, Processes())
+      .plan;
 }
 
 /// Performs a run that writes its files into `directory`.
 inline Summary run(const Molecule& molecule, const Parameters& parameters, const Outputs& outputs,
                    const std::filesystem::path& directory, const Callbacks& callbacks = {}) {
-  const RunTask task{.atoms = molecule,
+  const Request task{.atoms = molecule,
                      .parameters = parameters,
                      .outputs = outputs,
                      .output_directory = directory};
   const Processes alone;
-  return execute(task, plan_run(task, alone), callbacks, alone).summary;
+  PlannedRun planned = plan_run(task, alone);
+  return execute(task, planned, callbacks, alone).summary;
 }
 
 /// Performs a run without files.

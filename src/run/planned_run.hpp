@@ -15,22 +15,18 @@
 #include "run/file_diagnostics.hpp"
 #include "run/group_names.hpp"
 #include "run/plan.hpp"
+#include "run/request.hpp"
 #include "run/slabs.hpp"
-#include "run/task.hpp"
 #include "surface/cavity_map.hpp"
 #include "surface/patch_schedule.hpp"
 
 namespace eses::detail {
 
-/// The share of a run that a process computes: number `index` of `count`, from 0.
-struct Share {
-  int index = 0, count = 1;
-};
-
-/// The plan of a whole run, and the part of the run that belongs to this process. In the plan of
-/// the whole run, `threads`, `blocks_ahead`, `memory_bytes` and the block size are maxima over the
-/// processes. A process uses `process_schedule`.
-struct RunPlan : Plan {
+/// A run that is ready: its plan, its input, and the part of it that belongs to this process.
+struct PlannedRun {
+  /// The plan of the whole run. Its `threads`, `blocks_ahead`, `memory_bytes` and block size are
+  /// maxima over the processes; a process uses `process_schedule`.
+  Plan plan;
   Schedule process_schedule;  ///< for the slab
   Share share;                ///< of the parts of a run, or of its MPI ranks
   Slab slab;
@@ -66,9 +62,9 @@ struct RunPlan : Plan {
   }
 };
 
-/// Makes the plan of a run: reads the file of the task, or takes its molecule. All processes must
+/// Plans a run: reads the file of the request, or takes its molecule. All processes must
 /// call it. Throws SharedError if the atoms cannot be read, if a parameter or an output is not
 /// possible for them, and if the run would exceed the memory.
-RunPlan plan_run(const RunTask& task, const Processes& processes);
+PlannedRun plan_run(const Request& request, const Processes& processes);
 
 }  // namespace eses::detail

@@ -1,4 +1,4 @@
-#include "run/run_plan.hpp"
+#include "run/planned_run.hpp"
 
 #include <fmt/ranges.h>
 #include <zlib.h>
@@ -95,31 +95,32 @@ std::string map_identity(const Outputs& outputs) {
 }
 
 // Throws SharedError unless all processes have read the same atoms.
-void require_same_atoms(const RunTask& task, std::uint64_t hash, const Processes& processes) {
+void require_same_atoms(const Request& request, std::uint64_t hash, const Processes& processes) {
   const std::uint64_t first = processes.gather(std::span<const std::uint64_t>(&hash, 1)).front();
   processes.all_or_throw([&] {
     if (hash != first)
       throw Error(formatted("cannot read {}{}: it is not the file that the first process reads",
-                            std::get<InputFile>(task.atoms).path.string(), processes.on_machine()));
+                            std::get<InputFile>(request.atoms).path.string(),
+                            processes.on_machine()));
   });
 }
 
 // Returns a text that differs between runs whose chunks must not be combined.
-std::string identity_of(const RunTask& task, const RunPlan& run, std::uint64_t hash) {
-  const Parameters& p = task.parameters;
-  const Grid& grid = run.grid;
+std::string identity_of(const Request& request, const PlannedRun& run, std::uint64_t hash) {
+  const Parameters& p = request.parameters;
+  const Grid& grid = run.plan.grid;
   const auto* const options = std::get_if<GridOptions>(&p.grid);
-  const GridRegion& region = run.tiling.region;
+  const GridRegion& region = run.plan.tiling.region;
   return formatted(
       "eses-blocks {} format {} {} {}\natoms {} {:016x}\nprobe {:a} spacing {:a} margin {:a}\n"
       "origin {:a} {:a} {:a} size {}\npoints {} {}\ngrid {} edges {} gzip {} maps {} mesh {}\n"
       "filled {}\n",
-      version, checkpoint_format, sizeof(ChunkInfo), task.outputs.gzip ? zlibVersion() : "",
+      version, checkpoint_format, sizeof(ChunkInfo), request.outputs.gzip ? zlibVersion() : "",
       run.atoms, hash, p.probe_radius, grid.spacing, options != nullptr ? options->margin : 0.0,
       grid.origin.x, grid.origin.y, grid.origin.z, fmt::join(grid.size, " "),
-      fmt::join(region.begin, " "), fmt::join(region.end, " "), task.outputs.grid,
-      task.outputs.edges, task.outputs.gzip, map_identity(task.outputs),
-      mesh_identity(task.outputs.mesh, run.potential),
+      fmt::join(region.begin, " "), fmt::join(region.end, " "), request.outputs.grid,
+      request.outputs.edges, request.outputs.gzip, map_identity(request.outputs),
+      mesh_identity(request.outputs.mesh, run.potential),
       p.max_filled_void ? formatted("{:a}", *p.max_filled_void) : "none");
 }
 
@@ -152,7 +153,7 @@ void require_memory_held(const InputFile& file, std::uint64_t limit) {
 }
 
 // Numbers the groups of `run.names` if the outputs need it. Returns the totals of the names.
-LabelTotals take_groups(const Outputs& outputs, RunPlan& run,
+LabelTotals take_groups(const Outputs& outputs, PlannedRun& run,
                         std::vector<mesh::GroupNumbers>& groups) {
   if (needs_groups(outputs)) run.groups = number_groups(run.names.residues(), groups);
   LabelTotals totals = total_labels(run.names.residues().labels);
@@ -161,17 +162,17 @@ LabelTotals take_groups(const Outputs& outputs, RunPlan& run,
 }
 
 // Reads the map of the potential, if the mesh needs it. Each process has the whole map.
-void take_potential(const RunTask& task, const Processes& processes, RunPlan& run) {
-  const std::optional<MeshOptions>& mesh = task.outputs.mesh;
+void take_potential(const Request& request, const Processes& processes, PlannedRun& run) {
+  const std::optional<MeshOptions>& mesh = request.outputs.mesh;
   processes.all_or_throw([&] {
     if (mesh && mesh->potential)
-      run.potential.emplace(mesh->potential->file, task.parameters.max_memory);
+      run.potential.emplace(mesh->potential->file, request.parameters.max_memory);
   });
 }
 
 // Returns the memory of labels, names, radii and the potential that this process holds during the
 // run.
-std::uint64_t held_bytes(const RunPlan& run) {
+std::uint64_t held_bytes(const PlannedRun& run) {
   std::uint64_t bytes = run.names.bytes() + run.radii.size() * sizeof(double) +
                         (run.potential ? run.potential->bytes() : 0);
   if (run.patches)
@@ -184,46 +185,47 @@ std::uint64_t held_bytes(const RunPlan& run) {
   return bytes;
 }
 
-void lock_checkpoint(const RunTask& task, Checkpoint& checkpoint) {
-  if (task.part) return checkpoint.lock_part(*task.part);
+void lock_checkpoint(const Request& request, Checkpoint& checkpoint) {
+  if (request.part) return checkpoint.lock_part(*request.part);
   try {
     checkpoint.lock();
   } catch (const Error&) {
-    if (task.join == Join::if_complete) throw NotJoined();
+    if (request.join == Join::if_complete) throw NotJoined();
     throw;
   }
 }
 
 // Throws an exception if chunks are missing.
-void require_complete(const RunTask& task, const Plan& plan, std::span<const PlaneRange> finished) {
+void require_complete(const Request& request, const Plan& plan,
+                      std::span<const PlaneRange> finished) {
   const std::vector<PlaneRange> missing = remaining(region_planes(plan), finished);
   if (missing.empty()) return;
-  if (task.join == Join::if_complete) throw NotJoined();
+  if (request.join == Join::if_complete) throw NotJoined();
   std::vector<std::string> ranges;
   for (const auto& [begin, end] : missing) ranges.push_back(formatted("{} to {}", begin, end - 1));
   throw Error(formatted("cannot join: the planes {} of {} are missing in {}; compute their parts",
                         fmt::join(ranges, ", "), plan.grid.size[2],
-                        path_in(task.output_directory, checkpoint_name)));
+                        path_in(request.output_directory, checkpoint_name)));
 }
 
 // Opens the checkpoint of a run that is not in place, and finds its complete chunks.
-void open_checkpoint(const RunTask& task, std::span<const Atom> atoms,
+void open_checkpoint(const Request& request, std::span<const Atom> atoms,
                      std::span<const mesh::GroupNumbers> groups, const Processes& processes,
-                     RunPlan& run) {
+                     PlannedRun& run) {
   if (run.is_in_place) return;
   const std::uint64_t hash = hash_of(atoms, groups) ^ hash_of(run.groups);
-  require_same_atoms(task, hash, processes);
+  require_same_atoms(request, hash, processes);
   std::vector<PlaneRange> finished;
   processes.all_or_throw([&] {
     run.checkpoint = std::make_unique<Checkpoint>(
-        task.output_directory, identity_of(task, run, hash),
-        task.keeps_chunks() ? Checkpoint::Chunks::kept : Checkpoint::Chunks::temporary);
+        request.output_directory, identity_of(request, run, hash),
+        request.keeps_chunks() ? Checkpoint::Chunks::kept : Checkpoint::Chunks::temporary);
     if (!processes.is_first()) return;
-    if (!task.dry_run) lock_checkpoint(task, *run.checkpoint);
-    if (task.keeps_chunks()) finished = run.checkpoint->complete();
-    if (task.join != Join::none) require_complete(task, run, finished);
+    if (!request.dry_run) lock_checkpoint(request, *run.checkpoint);
+    if (request.keeps_chunks()) finished = run.checkpoint->complete();
+    if (request.join != Join::none) require_complete(request, run.plan, finished);
     // Other parts may be writing their chunks.
-    if (!task.dry_run && !task.part) run.checkpoint->remove_others(finished);
+    if (!request.dry_run && !request.part) run.checkpoint->remove_others(finished);
   });
   run.finished_planes = processes.gather<PlaneRange>(finished);
 }
@@ -235,25 +237,27 @@ std::vector<double> radii_of(std::span<const Atom> atoms) {
   return radii;
 }
 
-Share share_of(const RunTask& task, const Processes& processes) {
-  if (task.part) return {task.part->index - 1, task.part->count};
+Share share_of(const Request& request, const Processes& processes) {
+  if (request.part) return *request.part;
   return {processes.rank(), processes.count()};
 }
 
 // Returns the number of threads of this process. Several processes on a machine share its
 // processors.
-int threads_of(const RunTask& task, const Processes::Machine& machine, const Processes& processes) {
-  const int chosen = task.parameters.threads;
+int threads_of(const Request& request, const Processes::Machine& machine,
+               const Processes& processes) {
+  const int chosen = request.parameters.threads;
   return chosen > 0 || processes.count() == 1 ? chosen : machine.processors;
 }
 
 // Chooses the schedule of this process for its slab. `labels` are the totals of all labels. The
 // schedule of the whole run has the maxima over all processes, and its crossings are the sum.
-void plan_schedules(const RunTask& task, const LabelTotals& labels,
-                    const Processes::Machine& machine, const Processes& processes, RunPlan& run) {
-  Plan slab = run;
-  slab.tiling.region = with_planes(run.tiling.region, run.slab.planes);
-  slab.parameters.threads = threads_of(task, machine, processes);
+void plan_schedules(const Request& request, const LabelTotals& labels,
+                    const Processes::Machine& machine, const Processes& processes,
+                    PlannedRun& run) {
+  Plan slab = run.plan;
+  slab.tiling.region = with_planes(run.plan.tiling.region, run.slab.planes);
+  slab.parameters.threads = threads_of(request, machine, processes);
   processes.all_or_throw([&] {
     if (run.slab.planes.is_empty()) {
       if (slab.parameters.threads == 0) slab.threads = available_threads();
@@ -264,57 +268,57 @@ void plan_schedules(const RunTask& task, const LabelTotals& labels,
                    .held = processes.mpi_memory() + held_bytes(run),
                    .labels = labels,
                    .has_groups = run.groups.are_known,
-                   .caller = task.caller_memory,
+                   .caller = request.caller_memory,
                    .is_in_place = run.is_in_place},
-                  run.slab.molecule, task.outputs, slab);
-    if (const auto* file = std::get_if<InputFile>(&task.atoms))
-      require_memory_held(*file, task.parameters.max_memory);
+                  run.slab.molecule, request.outputs, slab);
+    if (const auto* file = std::get_if<InputFile>(&request.atoms))
+      require_memory_held(*file, request.parameters.max_memory);
   });
-  run.process_schedule = slab;
-  run.crossings = processes.sum(slab.crossings);
-  run.memory_bytes = processes.max(slab.memory_bytes);
-  run.blocks_ahead = processes.max(slab.blocks_ahead);
-  run.threads = processes.max(slab.threads);
+  run.process_schedule = slab.schedule();
+  run.plan.crossings = processes.sum(slab.crossings);
+  run.plan.memory_bytes = processes.max(slab.memory_bytes);
+  run.plan.blocks_ahead = processes.max(slab.blocks_ahead);
+  run.plan.threads = processes.max(slab.threads);
   GridIndex block_size = slab.tiling.block_size;
   for (std::int64_t& side : block_size) side = processes.max(side);
-  run.tiling = make_tiling(run.grid, block_size, run.tiling.region);
+  run.plan.tiling = make_tiling(run.plan.grid, block_size, run.plan.tiling.region);
 }
 
 // Adds the sizes of the chunks, which are in the checkpoint until they are merged.
-void expect_chunks(const RunTask& task, const GridRegion& region, FileSizes& files) {
+void expect_chunks(const Request& request, const GridRegion& region, FileSizes& files) {
   files.text_scratch = files.grid + files.edges;
-  for (const MapChoice& map : chosen_maps(task.outputs))
+  for (const MapChoice& map : chosen_maps(request.outputs))
     files.text_scratch += GridMap::row_bytes(map.quantity, region);
   files.text_scratch += files.mesh_pieces;
 }
 
 // Whether cavities are filled, or the mesh has components.
-bool needs_cavities(const RunTask& task) {
-  const std::optional<MeshOptions>& mesh = task.outputs.mesh;
-  return task.parameters.max_filled_void ||
+bool needs_cavities(const Request& request) {
+  const std::optional<MeshOptions>& mesh = request.outputs.mesh;
+  return request.parameters.max_filled_void ||
          (mesh && (mesh->component || mesh->color == MeshColor::component));
 }
 
 // Whether the cavities are searched. A dry run only has to know whether the component of the mesh
 // exists, because it fails where the run would fail.
-bool searches_cavities(const RunTask& task) {
-  return needs_cavities(task) &&
-         (!task.dry_run || (task.outputs.mesh && task.outputs.mesh->component));
+bool searches_cavities(const Request& request) {
+  return needs_cavities(request) &&
+         (!request.dry_run || (request.outputs.mesh && request.outputs.mesh->component));
 }
 
 // Throws Error, with the path of the input file, if the component of the mesh does not exist.
-FoundCavities find_cavities_of(const Molecule& molecule, const RunTask& task, int threads,
+FoundCavities find_cavities_of(const Molecule& molecule, const Request& request, int threads,
                                bool keeps_patches) {
-  const std::optional<MeshOptions>& mesh = task.outputs.mesh;
+  const std::optional<MeshOptions>& mesh = request.outputs.mesh;
   try {
     return find_cavities(molecule,
-                         {.probe_radius = task.parameters.probe_radius,
+                         {.probe_radius = request.parameters.probe_radius,
                           .threads = threads > 0 ? threads : available_threads(),
-                          .max_filled_void = task.parameters.max_filled_void,
+                          .max_filled_void = request.parameters.max_filled_void,
                           .kept_component = mesh ? mesh->component : std::nullopt},
                          keeps_patches);
   } catch (const Error& error) {
-    const auto* const file = std::get_if<InputFile>(&task.atoms);
+    const auto* const file = std::get_if<InputFile>(&request.atoms);
     if (file == nullptr) throw;
     throw Error(formatted("{}: {}", file->path.string(), error.what()));
   }
@@ -322,18 +326,19 @@ FoundCavities find_cavities_of(const Molecule& molecule, const RunTask& task, in
 
 // Finds the cavities of a molecule that a single process has, if they are needed. A run that needs
 // all patches several times keeps them unless there are many.
-void prepare_patches(const Molecule& molecule, const RunTask& task, int threads, RunPlan& run) {
-  const Parameters& parameters = run.parameters;
-  if (!needs_cavities(task) && !parameters.exact) return;
+void prepare_patches(const Molecule& molecule, const Request& request, int threads,
+                     PlannedRun& run) {
+  const Parameters& parameters = run.plan.parameters;
+  if (!needs_cavities(request) && !parameters.exact) return;
   const double bytes = kept_patch_bytes * static_cast<double>(molecule.atoms().size());
   const bool keeps_patches =
-      run.is_whole_surface() && bytes <= max_kept_bytes &&
+      run.plan.is_whole_surface() && bytes <= max_kept_bytes &&
       (parameters.max_memory == 0 || 8 * bytes <= static_cast<double>(parameters.max_memory));
-  if (!searches_cavities(task)) {
+  if (!searches_cavities(request)) {
     if (keeps_patches) run.patches = schedule_patches(molecule, parameters.probe_radius);
     return;
   }
-  FoundCavities found = find_cavities_of(molecule, task, threads, keeps_patches);
+  FoundCavities found = find_cavities_of(molecule, request, threads, keeps_patches);
   run.cavities = std::move(found.map);
   run.patches = std::move(found.patches);
 }
@@ -377,9 +382,9 @@ void require_readable_by_all(const std::filesystem::path& path, int processes) {
 }
 
 // Reads the atoms and their names. Each process reads the whole file.
-AtomFile read_file(const InputFile& file, const RunTask& task, const Processes& processes,
-                   RunPlan& run) {
-  const Outputs& outputs = task.outputs;
+AtomFile read_file(const InputFile& file, const Request& request, const Processes& processes,
+                   PlannedRun& run) {
+  const Outputs& outputs = request.outputs;
   AtomFile atoms;
   processes.all_or_throw([&] {
     require_readable_by_all(file.path, run.share.count);
@@ -389,17 +394,17 @@ AtomFile read_file(const InputFile& file, const RunTask& task, const Processes& 
         file.path,
         {.format = file.format,
          .with_labels = is_named || outputs.residues || outputs.atoms || needs_groups(outputs),
-         .max_memory = task.parameters.max_memory,
+         .max_memory = request.parameters.max_memory,
          .structure = file.structure},
         [&](AtomFile& part) { take_labels(part, format, is_named || outputs.atoms, run.names); });
-    require_memory_for(atoms.atoms.size(), file, task.parameters.max_memory);
+    require_memory_for(atoms.atoms.size(), file, request.parameters.max_memory);
   });
   return atoms;
 }
 
 // Sets the diagnostics of the atoms of a file. The names of structures tell the examples.
 void take_diagnostics(const AtomFile& file, const Molecule& molecule, bool has_names,
-                      RunPlan& run) {
+                      PlannedRun& run) {
   run.diagnostics.add(file.diagnostics, file.lines);
   run.diagnostics.add(molecule.diagnostics(), file.lines);
   if (!has_names) return;
@@ -409,7 +414,7 @@ void take_diagnostics(const AtomFile& file, const Molecule& molecule, bool has_n
 
 // Keeps the names that the first process writes.
 void keep_written_names(const Outputs& outputs, std::span<const Atom> atoms,
-                        const Processes& processes, RunPlan& run) {
+                        const Processes& processes, PlannedRun& run) {
   if (!processes.is_first()) {
     run.groups.chains = run.groups.residues = {};
     run.structure = {};
@@ -426,96 +431,101 @@ void keep_written_names(const Outputs& outputs, std::span<const Atom> atoms,
 // Gives this process its planes and the atoms near them, and finds the cavities, if they are
 // needed. `whole` has all atoms in a single process, and if the cavities are searched.
 void take_slab(const Molecule& whole, std::span<const Atom> atoms,
-               std::vector<mesh::GroupNumbers> groups, const RunTask& task, int threads,
-               RunPlan& run) {
+               std::vector<mesh::GroupNumbers> groups, const Request& request, int threads,
+               PlannedRun& run) {
   const auto [index, count] = run.share;
   if (count == 1) {
-    run.slab.planes = range_around(remaining(region_planes(run), run.finished_planes));
+    run.slab.planes = range_around(remaining(region_planes(run.plan), run.finished_planes));
     run.slab.molecule = whole;
     run.slab.groups = std::move(groups);
-    prepare_patches(whole, task, threads, run);
+    prepare_patches(whole, request, threads, run);
     return;
   }
-  if (task.part && count > region_planes(run).count())
+  if (request.part && count > region_planes(run.plan).count())
     throw Error(formatted("{} parts are too many for {} grid planes along z; use fewer parts",
-                          count, region_planes(run).count()));
+                          count, region_planes(run.plan).count()));
   // The parts do not depend on the chunks that happen to be complete.
   const std::span<const PlaneRange> free =
-      task.part ? std::span<const PlaneRange>() : run.finished_planes;
-  const std::vector<PlaneRange> slabs = cut_into_slabs(atoms, run, task.outputs, free, count);
+      request.part ? std::span<const PlaneRange>() : run.finished_planes;
+  const std::vector<PlaneRange> slabs =
+      cut_into_slabs(atoms, run.plan, request.outputs, free, count);
   const PlaneRange planes = slabs[static_cast<std::size_t>(index)];
-  run.slab = make_slab(atoms, groups, run, task.outputs,
+  run.slab = make_slab(atoms, groups, run.plan, request.outputs,
                        range_around(remaining(planes, run.finished_planes)), threads);
-  if (searches_cavities(task))
-    run.cavities = with_slab_indices(find_cavities_of(whole, task, threads, false).map, run.slab);
+  if (searches_cavities(request))
+    run.cavities =
+        with_slab_indices(find_cavities_of(whole, request, threads, false).map, run.slab);
 }
 
 // Reads the file, makes the grid, and gives this process its slab. Returns the totals of the
 // labels.
-LabelTotals take_file(const InputFile& file, const RunTask& task, const Processes::Machine& machine,
-                      const Processes& processes, RunPlan& run) {
-  AtomFile atoms = read_file(file, task, processes, run);
+LabelTotals take_file(const InputFile& file, const Request& request,
+                      const Processes::Machine& machine, const Processes& processes,
+                      PlannedRun& run) {
+  AtomFile atoms = read_file(file, request, processes, run);
   run.structure = std::move(atoms.structure);
   run.atoms = atoms.atoms.size();
   std::vector<mesh::GroupNumbers> groups;
-  const LabelTotals labels = take_groups(task.outputs, run, groups);
+  const LabelTotals labels = take_groups(request.outputs, run, groups);
   const bool has_names = is_structure(format_of(file.path, file.format));
   // Names take much memory. They are dropped as soon as they are not needed any more.
-  if (!task.outputs.residues && !task.outputs.atoms && !has_names) run.names = {};
+  if (!request.outputs.residues && !request.outputs.atoms && !has_names) run.names = {};
   processes.all_or_throw(
-      [&] { static_cast<Plan&>(run) = plan_grid(sphere_bounds(atoms.atoms), task.parameters); });
-  open_checkpoint(task, atoms.atoms, groups, processes, run);
+      [&] { run.plan = plan_grid(sphere_bounds(atoms.atoms), request.parameters); });
+  open_checkpoint(request, atoms.atoms, groups, processes, run);
   processes.all_or_throw([&] {
-    const int threads = threads_of(task, machine, processes);
-    const bool needs_whole = processes.is_first() || searches_cavities(task);
+    const int threads = threads_of(request, machine, processes);
+    const bool needs_whole = processes.is_first() || searches_cavities(request);
     const Molecule whole(needs_whole ? std::exchange(atoms.atoms, {}) : std::vector<Atom>(), {},
                          threads);
     const std::span<const Atom> all =
         needs_whole ? whole.atoms() : std::span(std::as_const(atoms.atoms));
     if (processes.is_first()) take_diagnostics(atoms, whole, has_names, run);
-    take_slab(whole, all, std::move(groups), task, threads, run);
-    keep_written_names(task.outputs, all, processes, run);
+    take_slab(whole, all, std::move(groups), request, threads, run);
+    keep_written_names(request.outputs, all, processes, run);
   });
   release_free_memory();
   return labels;
 }
 
 // Takes a molecule in memory, and makes the grid. Returns its labels.
-LabelTotals take_molecule(const Molecule& molecule, const RunTask& task, RunPlan& run) {
+LabelTotals take_molecule(const Molecule& molecule, const Request& request, PlannedRun& run) {
   run.atoms = molecule.atoms().size();
-  static_cast<Plan&>(run) = plan_grid(sphere_bounds(molecule.atoms()), task.parameters);
-  run.slab.planes = region_planes(run);
+  run.plan = plan_grid(sphere_bounds(molecule.atoms()), request.parameters);
+  run.slab.planes = region_planes(run.plan);
   run.slab.molecule = molecule;
-  prepare_patches(molecule, task, task.parameters.threads, run);
-  if (task.outputs.residues || needs_groups(task.outputs))
+  prepare_patches(molecule, request, request.parameters.threads, run);
+  if (request.outputs.residues || needs_groups(request.outputs))
     for (const AtomLabel& label : molecule.labels()) run.names.add_residue(label);
-  LabelTotals labels = take_groups(task.outputs, run, run.slab.groups);
-  if (!task.outputs.residues) run.names = {};
-  if (task.outputs.atoms) labels.atom_text_bytes = total_labels(molecule.labels()).atom_text_bytes;
+  LabelTotals labels = take_groups(request.outputs, run, run.slab.groups);
+  if (!request.outputs.residues) run.names = {};
+  if (request.outputs.atoms)
+    labels.atom_text_bytes = total_labels(molecule.labels()).atom_text_bytes;
   return labels;
 }
 
 }  // namespace
 
-RunPlan plan_run(const RunTask& task, const Processes& processes) {
-  RunPlan run;
-  run.share = share_of(task, processes);
-  run.is_in_place = processes.count() == 1 && !task.keeps_chunks();
+PlannedRun plan_run(const Request& request, const Processes& processes) {
+  PlannedRun run;
+  run.share = share_of(request, processes);
+  run.is_in_place = processes.count() == 1 && !request.keeps_chunks();
   const Processes::Machine machine = processes.machine(available_threads());
-  const auto* const molecule = std::get_if<Molecule>(&task.atoms);
+  const auto* const molecule = std::get_if<Molecule>(&request.atoms);
   if (molecule != nullptr) {
-    require_valid(task.outputs, *molecule);
-    if (task.outputs.mesh && task.outputs.mesh->component && task.parameters.max_filled_void)
+    require_valid(request.outputs, *molecule);
+    if (request.outputs.mesh && request.outputs.mesh->component &&
+        request.parameters.max_filled_void)
       throw std::invalid_argument(
           "the mesh of one component needs a surface without filled cavities");
   }
-  take_potential(task, processes, run);
-  const LabelTotals labels = molecule != nullptr ? take_molecule(*molecule, task, run)
-                                                 : take_file(std::get<InputFile>(task.atoms), task,
-                                                             machine, processes, run);
-  plan_schedules(task, labels, machine, processes, run);
-  run.files = plan_files(run.atoms, labels, task.outputs, run);
-  if (!run.is_in_place) expect_chunks(task, run.tiling.region, run.files);
+  take_potential(request, processes, run);
+  const LabelTotals labels = molecule != nullptr ? take_molecule(*molecule, request, run)
+                                                 : take_file(std::get<InputFile>(request.atoms),
+                                                             request, machine, processes, run);
+  plan_schedules(request, labels, machine, processes, run);
+  run.plan.files = plan_files(run.atoms, labels, request.outputs, run.plan);
+  if (!run.is_in_place) expect_chunks(request, run.plan.tiling.region, run.plan.files);
   return run;
 }
 

@@ -76,9 +76,9 @@ struct CallerMemory {
   double per_point = 0, per_crossing = 0;  ///< bytes
 };
 
-/// A part of a run that a process performs alone: number `index` of `count`, from 1.
-struct Part {
-  int index = 1, count = 1;
+/// The share of a run that a process computes: number `index` of `count`, from 0.
+struct Share {
+  int index = 0, count = 1;
 };
 
 /// When the chunks that other runs have left are joined.
@@ -92,7 +92,7 @@ enum class Join : std::uint8_t {
 struct NotJoined {};
 
 /// A request: the choices of the user for a run.
-struct RunTask {
+struct Request {
   /// The atoms. A molecule in memory is computed by a single process.
   std::variant<InputFile, Molecule> atoms;
   Parameters parameters = {};
@@ -100,8 +100,8 @@ struct RunTask {
   std::filesystem::path output_directory = {};
   /// Whether to keep finished chunks on disk, and to continue from the chunks of an earlier run.
   bool resume = false;
-  /// The part to compute. Its chunks are kept on disk; no output file is written.
-  std::optional<Part> part = {};
+  /// The share to compute alone. Its chunks are kept on disk; no output file is written.
+  std::optional<Share> part = {};
   Join join = Join::none;
   bool dry_run = false;  ///< whether to create no files
   MapsInMemory maps_in_memory = {};
