@@ -32,7 +32,7 @@ using Places = std::vector<std::size_t>;
 using Ranges = std::vector<PlaneRange>;
 
 // Makes a complete chunk with these texts.
-void put_chunk(const Checkpoint& checkpoint, const PlaneRange& planes, const std::string& grid,
+void put_chunk(Checkpoint& checkpoint, const PlaneRange& planes, const std::string& grid,
                std::vector<AtomSum> sums) {
   PlaneChunk chunk;
   chunk.info.planes = planes;
@@ -117,7 +117,7 @@ TEST_CASE("complete chunks are kept", "[processes]") {
   checkpoint.create({4, 10}, ChunkText::grid);  // incomplete
   CHECK(checkpoint.complete() == Ranges{{0, 4}, {10, 20}});
 
-  const Checkpoint later(directory.path(), "one run", Checkpoint::Chunks::kept);
+  Checkpoint later(directory.path(), "one run", Checkpoint::Chunks::kept);
   CHECK(later.complete() == Ranges{{0, 4}, {10, 20}});
   const PlaneChunk chunk = later.read({10, 20});
   CHECK(chunk.info.bytes[0] == 4);
