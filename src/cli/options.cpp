@@ -2,29 +2,25 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <array>
-#include <cstddef>
 #include <cstdint>
 #include <cstdlib>
 #include <filesystem>
-#include <limits>
 #include <optional>
 #include <span>
-#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <system_error>
-#include <variant>
 #include <vector>
 
 #include "cli/arguments.hpp"
+#include "cli/option_checks.hpp"
+#include "cli/option_values.hpp"
 #include "cli/shared_options.hpp"
 #include "cli/suggestions.hpp"
 #include "eses/error.hpp"
 #include "input/grid_reader.hpp"
 #include "output/map_writer.hpp"
 #include "output/mesh_format.hpp"
-#include "output/output_files.hpp"
 #include "system/dispatch.hpp"
 #include "system/formatted.hpp"
 
@@ -32,10 +28,6 @@ namespace eses::detail::cli {
 namespace {
 
 constexpr std::int64_t default_verify = 2000;
-
-constexpr double min_positive = std::numeric_limits<double>::denorm_min();
-constexpr double max_finite = std::numeric_limits<double>::max();
-constexpr std::int64_t max_whole = std::numeric_limits<std::int64_t>::max();
 
 constexpr char independent_flag[] = "--independent", part_option[] = "--part";
 
@@ -83,128 +75,6 @@ Environment:
   OMP_NUM_THREADS             maximum number of threads if --threads is not given
   ESES_INSTRUCTION_SET        limits SIMD to baseline, sse4, avx2 or avx512; does not
                               affect results)";
-
-/// A parameter that can be given as a positional argument or as an option.
-struct Length {
-  std::optional<double> positional, option;
-
-  bool is_given() const { return positional || option; }
-};
-
-/// The lengths of the command line.
-struct Lengths {
-  Length probe_radius, spacing, margin;
-};
-
-// --- formats of values --------------------------------------------------------------------------
-
-/// Parses a whole number of bytes, with an optional suffix for a power of 1024: K, M, G or T.
-std::optional<std::uint64_t> bytes_in(const std::string& text) {
-  constexpr std::string_view suffixes = "KMGT";
-  const std::size_t suffix = text.empty() ? suffixes.npos : suffixes.find(text.back());
-  const bool has_suffix = suffix != suffixes.npos;
-  const int shift = has_suffix ? 10 * (static_cast<int>(suffix) + 1) : 0;
-  const auto value = whole_text<std::uint64_t>({text.data(), text.size() - (has_suffix ? 1 : 0)});
-  if (!value || *value == 0 || *value > std::numeric_limits<std::uint64_t>::max() >> shift)
-    return std::nullopt;
-  return *value << shift;
-}
-
-/// Parses a list of exactly `count` numbers in [min, max].
-template <std::size_t count, class Number>
-std::optional<std::array<Number, count>> numbers_in(const std::string& list, char separator,
-                                                    Number min, Number max) {
-  const std::vector<std::string> parts = split(list, separator);
-  if (parts.size() != count) return std::nullopt;
-  std::array<Number, count> numbers{};
-  for (std::size_t i = 0; i < count; ++i) {
-    const std::optional<Number> number = whole_text<Number>(parts[i]);
-    if (!number || !(*number >= min && *number <= max)) return std::nullopt;  // also for NaN
-    numbers[i] = *number;
-  }
-  return numbers;
-}
-
-std::optional<Box> box_in(const std::string& text) {
-  const auto ends = numbers_in<6>(text, ',', -max_finite, max_finite);
-  if (!ends) return std::nullopt;
-  const auto& [x0, y0, z0, x1, y1, z1] = *ends;
-  if (x0 > x1 || y0 > y1 || z0 > z1) return std::nullopt;
-  return Box{{x0, y0, z0}, {x1, y1, z1}};
-}
-
-std::optional<Vec3> position_in(const std::string& text) {
-  const auto numbers = numbers_in<3>(text, ',', -max_finite, max_finite);
-  if (!numbers) return std::nullopt;
-  const auto& [x, y, z] = *numbers;
-  return Vec3{x, y, z};
-}
-
-std::optional<GridIndex> counts_in(const std::string& text) {
-  return numbers_in<3>(text, ',', std::int64_t{2}, max_whole);
-}
-
-std::optional<BlockRange> blocks_in(const std::string& text) {
-  const std::vector<std::string> axes = split(text, ',');
-  if (axes.size() != 3) return std::nullopt;
-  BlockRange blocks;
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    const auto ends = numbers_in<2>(axes[axis], ':', std::int64_t{0}, max_whole);
-    if (!ends || (*ends)[0] >= (*ends)[1]) return std::nullopt;
-    blocks.begin[axis] = (*ends)[0];
-    blocks.end[axis] = (*ends)[1];
-  }
-  return blocks;
-}
-
-void leave_out_text_files(Outputs& outputs) {
-  outputs.box = outputs.grid = outputs.edges = outputs.areas = false;
-}
-
-/// Returns `outputs` with the text files of a list.
-std::optional<Outputs> with_text_files(const std::string& list, Outputs outputs) {
-  leave_out_text_files(outputs);
-  if (list == "none") return outputs;
-  outputs.box = true;
-  return choice_in<Outputs>(list, outputs,
-                            {{"grid", &Outputs::grid},
-                             {"edges", &Outputs::edges},
-                             {"areas", &Outputs::areas},
-                             {"residues", &Outputs::residues},
-                             {"atoms", &Outputs::atoms},
-                             {"all", &Outputs::grid},
-                             {"all", &Outputs::edges},
-                             {"all", &Outputs::areas}});
-}
-
-bool is_map(const std::string& text) {
-  const std::filesystem::path path = text;
-  const std::string name = path.filename();
-  return map_format(name) && !path.stem().empty() && !name.starts_with('.');
-}
-
-bool is_dx_map(const std::string& text) {
-  return is_map(text) && map_format(text) == MapFormat::dx;
-}
-
-bool is_dx_grid(const std::string& text) { return grid_file_format(text) == GridFileFormat::dx; }
-
-bool is_prefix(const std::string& text) {
-  const std::string name = std::filesystem::path(text).filename();
-  return !name.empty() && !name.starts_with('.');
-}
-
-std::optional<Share> part_in(const std::string& text) {
-  const auto numbers = numbers_in<2>(text, '/', 1, std::numeric_limits<int>::max());
-  if (!numbers || (*numbers)[0] > (*numbers)[1]) return std::nullopt;
-  return Share{(*numbers)[0] - 1, (*numbers)[1]};
-}
-
-std::optional<std::uint32_t> component_in(const std::string& text) {
-  return text == "outside" ? std::optional<std::uint32_t>(0) : whole_text<std::uint32_t>(text);
-}
-
-// --- options and arguments ----------------------------------------------------------------------
 
 void add_grid_choice(CLI::App& app, GridChoice& grid) {
   const Format<Vec3> position{position_in, "three finite numbers x,y,z, in angstrom"};
@@ -307,26 +177,8 @@ void add_solver_maps(CLI::App& app, Outputs& outputs) {
                            formatted("a number from 0 to {}, in angstrom", max_ion_radius)));
 }
 
-void add_file_options(CLI::App& app, Options& options) {
-  begin_group(app, "Input and output");
-  Outputs& outputs = options.outputs;
-  MeshOptions& mesh = outputs.mesh.emplace();
+void add_mesh_options(CLI::App& app, MeshOptions& mesh) {
   MeshPotential& potential = mesh.potential.emplace();
-  add_format(app, options.input().format);
-  add_value(app, "-o,--output-dir", "DIR", "output directory, created if missing [.]",
-            options.output_directory, any_text("a directory"));
-  add_value(app, "--write", "LIST",
-            "files to write besides bounding_box.txt: some of\n"
-            "grid,edges,areas,residues,atoms; all (the first\n"
-            "three); or none [all]",
-            outputs,
-            Format<Outputs>{[&](const std::string& list) { return with_text_files(list, outputs); },
-                            "some of grid,edges,areas,residues,atoms, or all, or none"});
-  add_value(app, "--inside", "FILE",
-            "write a map of inside points to the output directory:\n"
-            ".dx or .dx.gz (OpenDX), or .vti (VTK image data)",
-            outputs.inside_map, text_if(is_map, "a file name with the suffix .dx, .dx.gz or .vti"));
-  add_flag(app, "--gzip", "compress text files and maps of the dielectric", outputs.gzip);
   add_value(app, "--mesh", "FILE",
             "write a triangle mesh: .ply, .obj, .off, .vtp, .stl,\n"
             ".glb, or .vert or .face (both files of MSMS)",
@@ -371,6 +223,10 @@ void add_file_options(CLI::App& app, Options& options) {
            "write a .ply mesh as text, for programs that do not\n"
            "read binary PLY",
            mesh.is_ascii);
+}
+
+// Options of runs that several processes share, or that are resumed.
+void add_sharing_options(CLI::App& app, Options& options) {
   add_flag(app, "--resume",
            "keep finished parts if the run is interrupted, and\n"
            "continue an interrupted run",
@@ -389,6 +245,28 @@ void add_file_options(CLI::App& app, Options& options) {
            "do not share the run with other processes of srun or\n"
            "mpirun; each needs its own --output-dir",
            options.independent);
+}
+
+void add_file_options(CLI::App& app, Options& options) {
+  begin_group(app, "Input and output");
+  Outputs& outputs = options.outputs;
+  add_format(app, options.input().format);
+  add_value(app, "-o,--output-dir", "DIR", "output directory, created if missing [.]",
+            options.output_directory, any_text("a directory"));
+  add_value(app, "--write", "LIST",
+            "files to write besides bounding_box.txt: some of\n"
+            "grid,edges,areas,residues,atoms; all (the first\n"
+            "three); or none [all]",
+            outputs,
+            Format<Outputs>{[&](const std::string& list) { return with_text_files(list, outputs); },
+                            "some of grid,edges,areas,residues,atoms, or all, or none"});
+  add_value(app, "--inside", "FILE",
+            "write a map of inside points to the output directory:\n"
+            ".dx or .dx.gz (OpenDX), or .vti (VTK image data)",
+            outputs.inside_map, text_if(is_map, "a file name with the suffix .dx, .dx.gz or .vti"));
+  add_flag(app, "--gzip", "compress text files and maps of the dielectric", outputs.gzip);
+  add_mesh_options(app, outputs.mesh.emplace());
+  add_sharing_options(app, options);
 }
 
 void add_computation_options(CLI::App& app, Parameters& parameters) {
@@ -447,128 +325,6 @@ void add_options(CLI::App& app, Options& options, Lengths& lengths) {
   add_checks(app, options.parameters);
   add_messages(app, options);
 }
-
-// --- values that depend on each other -----------------------------------------------------------
-
-/// Sets `target` if the length is given. Argument and option may both be given with equal values.
-void choose(const char* positional, const char* option, const Length& length, double& target) {
-  if (length.positional && length.option && *length.positional != *length.option)
-    throw UsageError(formatted("{} is {} but {} is {}; use only one of them", positional,
-                               *length.positional, option, *length.option));
-  target = length.positional ? *length.positional : length.option.value_or(target);
-}
-
-// A custom grid needs a position and a size. The margin applies only to the default grid.
-void check_grid_choice(const CLI::App& app, const GridChoice& grid, const Length& margin) {
-  const bool has_position = grid.origin || grid.center;
-  refuse_without(app, {"--grid-origin", "--grid-center"}, grid.points.has_value(), "--grid-points");
-  refuse_without(app, {"--grid-points"}, has_position, "--grid-origin or --grid-center");
-  const bool is_chosen = has_position || !grid.like.empty();
-  if (is_chosen && margin.is_given())
-    throw UsageError(
-        formatted("{} cannot be combined with {}", margin.option ? "--margin" : "MARGIN",
-                  grid.origin ? "--grid-origin" : (grid.center ? "--grid-center" : "--grid-like")));
-}
-
-/// Returns the file name of a map. Throws UsageError if it is not in the output directory.
-std::string map_name(std::string_view option, const std::filesystem::path& map,
-                     const std::filesystem::path& output_directory) {
-  if (map.has_parent_path() && !is_same_directory(map.parent_path(), output_directory))
-    throw UsageError(
-        formatted("{} is '{}', but the output directory is {}; use the file name alone or "
-                  "--output-dir {}",
-                  option, map.string(), output_directory.string(), map.parent_path().string()));
-  return map.filename();
-}
-
-/// Checks the maps, and removes those that are not chosen.
-void choose_maps(const CLI::App& app, const std::filesystem::path& directory, Outputs& outputs) {
-  outputs.inside_map = map_name("--inside", outputs.inside_map, directory);
-  std::string& prefix = outputs.dielectric->prefix;
-  prefix = map_name("--dielectric", prefix, directory);
-  refuse_without(app, {"--solute-dielectric", "--solvent-dielectric"}, !prefix.empty(),
-                 "--dielectric");
-  if (prefix.empty()) outputs.dielectric.reset();
-  std::string& ion_access = outputs.ion_access->file;
-  ion_access = map_name("--kappa", ion_access, directory);
-  refuse_without(app, {"--ion-radius"}, !ion_access.empty(), "--kappa");
-  if (ion_access.empty()) outputs.ion_access.reset();
-  try {
-    require_valid_maps(outputs);
-  } catch (const std::invalid_argument& error) {
-    throw UsageError(error.what());
-  }
-}
-
-// The mesh of one component belongs to another surface than the other outputs.
-void choose_component(const CLI::App& app, Outputs& outputs) {
-  if (!outputs.mesh->component) return;
-  refuse_without(app, {"--component"}, !outputs.mesh->file.empty(), "--mesh");
-  if (app.count("--write") == 0) leave_out_text_files(outputs);
-  std::vector<const char*> others{"--fill-cavities", "--exact", "--inside", "--dielectric",
-                                  "--kappa"};
-  if (!file_names(outputs).empty()) others.push_back("--write");
-  for (const char* const option : others)
-    if (app.count(option) > 0)
-      throw UsageError(
-          formatted("--component cannot be combined with {}; it makes only a mesh", option));
-}
-
-/// Checks the potential, and removes it if it is not chosen.
-void choose_potential(const CLI::App& app, MeshOptions& mesh) {
-  const bool has_colors = mesh.color == MeshColor::potential;
-  if (has_colors && mesh.potential->file.empty())
-    throw UsageError("--color potential needs --potential with a map of the potential");
-  refuse_without(app, {"--potential", "--potential-offset", "--potential-limit"}, has_colors,
-                 "--color potential");
-  if (!has_colors) mesh.potential.reset();
-}
-
-/// Checks the mesh, and removes it if it is not chosen.
-void choose_mesh(const CLI::App& app, const InputFile& input, Outputs& outputs) {
-  choose_component(app, outputs);
-  MeshOptions& mesh = *outputs.mesh;
-  choose_potential(app, mesh);
-  const std::optional<MeshFormat> format = mesh_format(mesh.file);
-  refuse_without(app, {"--color"}, can_have_colors(format),
-                 "--mesh with a .ply, .obj, .vtp or .glb file");
-  refuse_without(app, {"--ply-ascii"}, format == MeshFormat::ply, "--mesh with a .ply file");
-  refuse_without(app, {"--mesh-quality"}, format.has_value(), "--mesh");
-  if (mesh.color == MeshColor::chain) refuse_xyzr(input, "--color chain", "chains");
-  if (mesh.file.empty()) outputs.mesh.reset();
-}
-
-/// Throws UsageError if files need a directory in spite of `-o -`.
-void refuse_files(const Outputs& outputs) {
-  if (const std::vector<std::string> files = file_names(outputs); !files.empty())
-    throw UsageError(
-        formatted("--output-dir is '-', for no files, but {} needs a directory", files.front()));
-}
-
-/// Checks values that depend on each other, and sets those of lengths and outputs.
-void choose_values(const CLI::App& app, const Lengths& lengths, Options& options) {
-  choose("PROBE", "--probe-radius", lengths.probe_radius, options.parameters.probe_radius);
-  GridOptions grid;
-  choose("SPACING", "--spacing", lengths.spacing, grid.spacing);
-  choose("MARGIN", "--margin", lengths.margin, grid.margin);
-  options.parameters.grid = grid;
-  check_grid_choice(app, options.grid, lengths.margin);
-  options.grid.has_spacing = lengths.spacing.is_given();
-  if (options.is_join) options.join = Join::required;
-  if (options.part && options.parameters.exact)
-    throw UsageError("--exact cannot be combined with --part; it needs all atoms in one process");
-  if (options.outputs.residues) refuse_xyzr(options.input(), "--write residues", "residues");
-  const bool has_directory = options.output_directory != "-";
-  if (!has_directory) {
-    options.output_directory = ".";
-    leave_out_text_files(options.outputs);
-  }
-  choose_maps(app, options.output_directory, options.outputs);
-  choose_mesh(app, options.input(), options.outputs);
-  if (!has_directory) refuse_files(options.outputs);
-}
-
-// --- errors that CLI11 does not detect ----------------------------------------------------------
 
 /// Throws UsageError if the environment variable names an unknown instruction set.
 void require_known_instruction_set() {

@@ -1,0 +1,140 @@
+#include "cli/option_checks.hpp"
+
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "cli/arguments.hpp"
+#include "cli/option_values.hpp"
+#include "cli/shared_options.hpp"
+#include "output/map_writer.hpp"
+#include "output/mesh_format.hpp"
+#include "output/output_files.hpp"
+#include "system/formatted.hpp"
+
+namespace eses::detail::cli {
+namespace {
+
+// Sets `target` if the length is given. Argument and option may both be given with equal values.
+void choose(const char* positional, const char* option, const Length& length, double& target) {
+  if (length.positional && length.option && *length.positional != *length.option)
+    throw UsageError(formatted("{} is {} but {} is {}; use only one of them", positional,
+                               *length.positional, option, *length.option));
+  target = length.positional ? *length.positional : length.option.value_or(target);
+}
+
+// A custom grid needs a position and a size. The margin applies only to the default grid.
+void check_grid_choice(const CLI::App& app, const GridChoice& grid, const Length& margin) {
+  const bool has_position = grid.origin || grid.center;
+  refuse_without(app, {"--grid-origin", "--grid-center"}, grid.points.has_value(), "--grid-points");
+  refuse_without(app, {"--grid-points"}, has_position, "--grid-origin or --grid-center");
+  const bool is_chosen = has_position || !grid.like.empty();
+  if (is_chosen && margin.is_given())
+    throw UsageError(
+        formatted("{} cannot be combined with {}", margin.option ? "--margin" : "MARGIN",
+                  grid.origin ? "--grid-origin" : (grid.center ? "--grid-center" : "--grid-like")));
+}
+
+// Returns the file name of a map. Throws UsageError if it is not in the output directory.
+std::string map_name(std::string_view option, const std::filesystem::path& map,
+                     const std::filesystem::path& output_directory) {
+  if (map.has_parent_path() && !is_same_directory(map.parent_path(), output_directory))
+    throw UsageError(
+        formatted("{} is '{}', but the output directory is {}; use the file name alone or "
+                  "--output-dir {}",
+                  option, map.string(), output_directory.string(), map.parent_path().string()));
+  return map.filename();
+}
+
+// Checks the maps, and removes those that are not chosen.
+void choose_maps(const CLI::App& app, const std::filesystem::path& directory, Outputs& outputs) {
+  outputs.inside_map = map_name("--inside", outputs.inside_map, directory);
+  std::string& prefix = outputs.dielectric->prefix;
+  prefix = map_name("--dielectric", prefix, directory);
+  refuse_without(app, {"--solute-dielectric", "--solvent-dielectric"}, !prefix.empty(),
+                 "--dielectric");
+  if (prefix.empty()) outputs.dielectric.reset();
+  std::string& ion_access = outputs.ion_access->file;
+  ion_access = map_name("--kappa", ion_access, directory);
+  refuse_without(app, {"--ion-radius"}, !ion_access.empty(), "--kappa");
+  if (ion_access.empty()) outputs.ion_access.reset();
+  try {
+    require_valid_maps(outputs);
+  } catch (const std::invalid_argument& error) {
+    throw UsageError(error.what());
+  }
+}
+
+// The mesh of one component belongs to another surface than the other outputs.
+void choose_component(const CLI::App& app, Outputs& outputs) {
+  if (!outputs.mesh->component) return;
+  refuse_without(app, {"--component"}, !outputs.mesh->file.empty(), "--mesh");
+  if (app.count("--write") == 0) leave_out_text_files(outputs);
+  std::vector<const char*> others{"--fill-cavities", "--exact", "--inside", "--dielectric",
+                                  "--kappa"};
+  if (!file_names(outputs).empty()) others.push_back("--write");
+  for (const char* const option : others)
+    if (app.count(option) > 0)
+      throw UsageError(
+          formatted("--component cannot be combined with {}; it makes only a mesh", option));
+}
+
+// Checks the potential, and removes it if it is not chosen.
+void choose_potential(const CLI::App& app, MeshOptions& mesh) {
+  const bool has_colors = mesh.color == MeshColor::potential;
+  if (has_colors && mesh.potential->file.empty())
+    throw UsageError("--color potential needs --potential with a map of the potential");
+  refuse_without(app, {"--potential", "--potential-offset", "--potential-limit"}, has_colors,
+                 "--color potential");
+  if (!has_colors) mesh.potential.reset();
+}
+
+// Checks the mesh, and removes it if it is not chosen.
+void choose_mesh(const CLI::App& app, const InputFile& input, Outputs& outputs) {
+  choose_component(app, outputs);
+  MeshOptions& mesh = *outputs.mesh;
+  choose_potential(app, mesh);
+  const std::optional<MeshFormat> format = mesh_format(mesh.file);
+  refuse_without(app, {"--color"}, can_have_colors(format),
+                 "--mesh with a .ply, .obj, .vtp or .glb file");
+  refuse_without(app, {"--ply-ascii"}, format == MeshFormat::ply, "--mesh with a .ply file");
+  refuse_without(app, {"--mesh-quality"}, format.has_value(), "--mesh");
+  if (mesh.color == MeshColor::chain) refuse_xyzr(input, "--color chain", "chains");
+  if (mesh.file.empty()) outputs.mesh.reset();
+}
+
+// Throws UsageError if files need a directory in spite of `-o -`.
+void refuse_files(const Outputs& outputs) {
+  if (const std::vector<std::string> files = file_names(outputs); !files.empty())
+    throw UsageError(
+        formatted("--output-dir is '-', for no files, but {} needs a directory", files.front()));
+}
+
+}  // namespace
+
+void choose_values(const CLI::App& app, const Lengths& lengths, Options& options) {
+  choose("PROBE", "--probe-radius", lengths.probe_radius, options.parameters.probe_radius);
+  GridOptions grid;
+  choose("SPACING", "--spacing", lengths.spacing, grid.spacing);
+  choose("MARGIN", "--margin", lengths.margin, grid.margin);
+  options.parameters.grid = grid;
+  check_grid_choice(app, options.grid, lengths.margin);
+  options.grid.has_spacing = lengths.spacing.is_given();
+  if (options.is_join) options.join = Join::required;
+  if (options.part && options.parameters.exact)
+    throw UsageError("--exact cannot be combined with --part; it needs all atoms in one process");
+  if (options.outputs.residues) refuse_xyzr(options.input(), "--write residues", "residues");
+  const bool has_directory = options.output_directory != "-";
+  if (!has_directory) {
+    options.output_directory = ".";
+    leave_out_text_files(options.outputs);
+  }
+  choose_maps(app, options.output_directory, options.outputs);
+  choose_mesh(app, options.input(), options.outputs);
+  if (!has_directory) refuse_files(options.outputs);
+}
+
+}  // namespace eses::detail::cli
