@@ -84,8 +84,7 @@ TEST_CASE("a failure ends the waits for the failed thread") {
       };
       CHECK_THROWS_WITH(run(), "piece failed");
       CHECK(next <= bad);
-      if (threads > 1)
-        CHECK_THROWS_AS(monitor.wait_until([] { return true; }), Monitor::Stopped);
+      if (threads > 1) CHECK_THROWS_AS(monitor.wait_until([] { return true; }), Monitor::Stopped);
     }
 }
 
