@@ -2,7 +2,7 @@
 // with all patches one by one, without boxes, index and vector instructions.
 
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "test_blocks.cpp"
+#define HWY_TARGET_INCLUDE "solve/test_blocks.cpp"
 
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>

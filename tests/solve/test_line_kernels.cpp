@@ -2,7 +2,7 @@
 // formulas for one line.
 
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "test_line_kernels.cpp"
+#define HWY_TARGET_INCLUDE "solve/test_line_kernels.cpp"
 
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>

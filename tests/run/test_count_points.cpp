@@ -2,7 +2,7 @@
 // neighbours.
 
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "test_count_points.cpp"
+#define HWY_TARGET_INCLUDE "run/test_count_points.cpp"
 
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
