@@ -30,6 +30,10 @@ if(ESES_BUILD_PROGRAM)
   endforeach()
 endif()
 
+# Removes what the last installation has written.
+add_custom_target(uninstall
+  COMMAND ${CMAKE_COMMAND} -DBUILD=${PROJECT_BINARY_DIR} -P ${PROJECT_SOURCE_DIR}/cmake/uninstall.cmake VERBATIM)
+
 # The scripts for users are installed in ESES_SCRIPT_DIR, where they find the package eses_tools. Links
 # in the folder of the program have the prefix eses-. eses_tools/common.py knows this layout.
 set(ESES_TOOLS_FILES FILES_MATCHING PATTERN "*.py" PATTERN "*.html" PATTERN "*.js" PATTERN "*.css"

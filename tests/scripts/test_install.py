@@ -185,6 +185,15 @@ class Install(TestCase):
         moved.rename(self.prefix)
         self.assertEqual(sorted(scripts.rglob("*")), before)  # nothing compiled stays behind
 
+    def test_uninstall_removes_all_files(self):
+        (self.prefix / "bin/other").write_text("")
+        self.assertDone(run("cmake", f"-DBUILD={BUILD}", "-P", PROJECT / "cmake/uninstall.cmake"))
+        self.assertEqual([path for path in self.prefix.rglob("*") if not path.is_dir()], [self.prefix / "bin/other"])
+        self.assertEqual([path for path in self.prefix.rglob("eses*")], [])
+        done = run("cmake", f"-DBUILD={BUILD}", "-P", PROJECT / "cmake/uninstall.cmake")
+        self.assertEqual(done.returncode, 1)
+        self.assertIn("nothing was installed", done.stderr)
+
     def test_all_modules_of_the_scripts_are_installed(self):
         scripts = self.prefix / "share/eses-blocks"
         self.assertEqual(sorted(path.name for path in scripts.iterdir() if path.is_file()),
@@ -197,7 +206,7 @@ class Install(TestCase):
     def test_commands_have_manual_pages_that_agree_with_their_help(self):
         """Every word of --help is in the page, and every option of the page in --help."""
         commands = {path.name: [path] for path in (self.prefix / "bin").iterdir()}
-        commands |= {f"eses-blocks-{name}": [*commands["eses-blocks"], name] for name in ("diff", "measure")}
+        commands |= {f"eses-blocks-{name}": [*commands["eses-blocks"], name] for name in ("diff", "interface", "measure")}
         pages = {path.stem: path for path in (self.prefix / "share/man/man1").iterdir()}
         self.assertEqual(set(pages), set(commands))
         for name, page in pages.items():
