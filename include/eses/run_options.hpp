@@ -34,7 +34,8 @@ struct RunOptions {
   std::optional<GridRegion> region = {};
   /// Called with the number of solved blocks: after each block, repeatedly during long blocks, and
   /// while a result in memory is sorted. Blocks of up to 256 points on a side take well below a
-  /// second each.
+  /// second each. During a search for cavities, before the number of blocks is known, it is called
+  /// with 0 and 1.
   ProgressCallback progress = {};
   /// Called with the number of finished checks of the verification.
   ProgressCallback verification_progress = {};

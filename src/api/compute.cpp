@@ -84,7 +84,10 @@ Job plan_run(const Surface& surface, const Grid& grid, const Outputs& outputs,
                       .caller_memory = memory_of_result(parts, bytes_per_point)},
           .run = {}};
   check_task(job.request);
+  // The number of blocks is not known before the plan is made.
+  if (options.progress) job.request.check = [&options] { options.progress(0, 1); };
   job.run = detail::plan_run(job.request, detail::Processes());
+  job.request.check = {};
   return job;
 }
 

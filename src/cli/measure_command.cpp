@@ -56,6 +56,7 @@ OutputPaths paths_of(const MeasureCommandOptions& options) {
   if (options.tables.any()) paths.locks.push_back(lock_path(options.output_directory));
   if (options.csv.empty()) return paths;
   const auto [parent, name] = require_end_of_links(options.csv);
+  require_free_name({parent, name});
   paths.add(parent, name);
   paths.final.back() = options.csv;  // for messages
   paths.locks.push_back(lock_path(parent, name));
@@ -101,9 +102,9 @@ class Reporter {
   Reporter(const MeasureCommandOptions& options, OutputFile* csv)
       : csv_(csv),
         files_(static_cast<std::int64_t>(options.inputs.size())),
-        // Lines on a terminal show the progress themselves.
-        progress_(files_ > 1 && !options.quiet && isatty(STDOUT_FILENO) == 0) {
-    progress_.show_files(0, files_);
+        // Lines of several files on a terminal show the progress themselves.
+        progress_(!options.quiet && (files_ == 1 || isatty(STDOUT_FILENO) == 0)) {
+    if (files_ > 1) progress_.show_files(0, files_);
     append_csv(measure_csv_heading(options));
     if (options.inputs.size() > 1 && !options.quiet && !options.json)
       print(measure_heading(options));
@@ -115,7 +116,13 @@ class Reporter {
     for (auto first = waiting_.begin(); first != waiting_.end() && first->first == next_;
          first = waiting_.erase(first), ++next_)
       report(first->second);
-    progress_.show_files(static_cast<std::int64_t>(next_), files_);
+    if (files_ > 1) progress_.show_files(static_cast<std::int64_t>(next_), files_);
+  }
+
+  /// Shows how long the work on a single file has taken. Must not be called from two threads at the
+  /// same time.
+  void show_time() {
+    if (files_ == 1) progress_.show_time("measuring");
   }
 
   bool has_errors() const { return has_errors_; }
@@ -126,7 +133,7 @@ class Reporter {
   }
 
   void report(const Outcome& outcome) {
-    if (!outcome.warnings.empty() || !outcome.errors.empty()) progress_.clear();
+    if (files_ == 1 || !outcome.warnings.empty() || !outcome.errors.empty()) progress_.clear();
     for (const std::string& warning : outcome.warnings) print_message("warning", warning);
     for (const std::string& error : outcome.errors) print_message("error", error);
     if (!outcome.text.empty()) print(outcome.text);
@@ -229,11 +236,14 @@ int perform_measure(const Arguments& arguments, const Processes& /*processes*/) 
     const auto [parent, name] = end_of_links(options.csv);
     directory_of_csv.emplace(parent, name);
     directory_of_csv->remove_abandoned(
-        [&csv_name = name](std::string_view file) { return file == csv_name; });
+        [stem = hidden_stem(name)](std::string_view file) { return file == stem; });
     csv.emplace(*directory_of_csv, name);
   }
-  const CheckCallback check = [&] { interruptible.check(); };
   Reporter reporter(options, csv ? &*csv : nullptr);
+  const CheckCallback check = [&] {
+    interruptible.check();
+    reporter.show_time();
+  };
   const int threads = options.threads > 0 ? options.threads : available_threads();
   // Parallel loops are not nested: either files or the atoms of a file are measured in parallel.
   const auto files = static_cast<std::int64_t>(options.inputs.size());

@@ -238,9 +238,10 @@ class Files {
   void commit() {
     for (const auto& file : files_) file->close();
     for (const auto& file : files_) file->remove_older();
-    for (const auto& [directory, name] : stale_)
-      if (std::find(paths_.begin(), paths_.end(), FilePath{directory, name}) == paths_.end())
-        directories_.front()->remove(name);
+    // A symbolic link to a file that is written stays.
+    for (const FilePath& stale : stale_)
+      if (std::find(paths_.begin(), paths_.end(), end_of_links(stale.text())) == paths_.end())
+        directories_.front()->remove(stale.name);
     commit_all(files_);
   }
 
@@ -294,7 +295,7 @@ class Files {
       directories_.push_back(
           std::make_unique<OutputDirectory>(paths_[i].directory, paths_[i].name));
       directories_[i]->remove_abandoned([&](std::string_view name) {
-        return name == paths_[i].name || (i == 0 && is_of_component(options_, name));
+        return name == hidden_stem(paths_[i].name) || (i == 0 && is_of_component(options_, name));
       });
     }
   }

@@ -139,6 +139,10 @@ void add_grid_options(CLI::App& app, Options& options, Lengths& lengths) {
             parameters.part,
             Format{blocks_in, "i0:i1,j0:j1,k0:k1, whole numbers from 0, i0 < i1 and so on"})
       ->excludes(region);
+  add_flag(app, "--allow-far-atoms",
+           "also compute a grid of more than 1e10 points if less\n"
+           "than 1 % of them are near atoms",
+           parameters.allow_far_atoms);
   add_fill_cavities(app, parameters.max_filled_void);
   add_flag(app, "--exact",
            "report area and volume of the whole surface in closed\n"

@@ -91,6 +91,17 @@ void ProgressBar::show_checks(std::int64_t done, std::int64_t total) { show(done
 
 void ProgressBar::show_files(std::int64_t done, std::int64_t total) { show(done, total, "files"); }
 
+void ProgressBar::show_time(std::string_view work) {
+  if (!is_shown_) return;
+  const Clock::time_point now = Clock::now();
+  if (steps_.empty()) start_ = last_drawn_ = now;
+  steps_ = work;
+  if (now - last_drawn_ < std::chrono::seconds(1)) return;
+  last_drawn_ = now;
+  const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(now - start_).count();
+  draw(formatted("{}: {} s", work, seconds).substr(0, terminal_width() - 1));
+}
+
 void ProgressBar::show(std::int64_t done, std::int64_t total, std::string_view steps) {
   if (!is_shown_) return;
   const Clock::time_point now = Clock::now();
@@ -105,11 +116,14 @@ void ProgressBar::show(std::int64_t done, std::int64_t total, std::string_view s
   const double fraction =
       total > 0 ? std::clamp(static_cast<double>(done) / static_cast<double>(total), 0., 1.) : 1;
   // Some terminals wrap the line after a character in the last column.
-  const std::size_t width = terminal_width() - 1;
-  std::string line =
-      progress_line(fraction, counts_text(done, total, steps, elapsed.count()), width);
+  draw(progress_line(fraction, counts_text(done, total, steps, elapsed.count()),
+                     terminal_width() - 1));
+}
+
+// Replaces the line that was drawn before.
+void ProgressBar::draw(std::string line) {
   const std::size_t columns = line.size();
-  if (columns < columns_drawn_) line.resize(std::min(columns_drawn_, width), ' ');
+  if (columns < columns_drawn_) line.resize(std::min(columns_drawn_, terminal_width() - 1), ' ');
   columns_drawn_ = columns;
   write_stderr("\r" + line);
 }

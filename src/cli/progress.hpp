@@ -24,6 +24,8 @@ class ProgressBar {
   void show_checks(std::int64_t done, std::int64_t total);
   /// Shows the number of finished files.
   void show_files(std::int64_t done, std::int64_t total);
+  /// Shows the time since the first call, for work of unknown length, such as `measuring: 12 s`.
+  void show_time(std::string_view work);
   /// Removes the bar until the next call, so that a message can be printed.
   void clear();
 
@@ -31,6 +33,7 @@ class ProgressBar {
   using Clock = std::chrono::steady_clock;
 
   void show(std::int64_t done, std::int64_t total, std::string_view steps);
+  void draw(std::string line);
 
   bool is_shown_;
   std::int64_t blocks_done_ = 0;

@@ -509,6 +509,7 @@ std::vector<std::string> warnings(const Report& report) {
     lines.push_back(formatted(
         "a probe radius of {} with a spacing of {} is unusual; are they swapped? PROBE comes first",
         probe, spacing));
+  if (!report.far_atoms.empty()) lines.push_back(report.far_atoms);
   if (report.plan.cut_depth >= 0) lines.push_back(cut_warning(report.plan));
   for (const DiskSpace& disk : report.disk)
     if (disk.expected > disk.available) lines.push_back(disk_warning(disk));

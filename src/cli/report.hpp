@@ -20,6 +20,7 @@ struct Report {
   Options options;
   std::size_t atoms = 0;
   std::vector<DiagnosticText> diagnostics;
+  std::string far_atoms = {};  ///< a warning about atoms that stretch the grid, or empty
   std::optional<StructureReport> structure;  ///< only for PDB and mmCIF files
   Plan plan;
   PlaneRange planes;  ///< of this process

@@ -97,6 +97,7 @@ Report report_of(const Options& options, const PlannedRun& run, const Processes&
   return {.options = options,
           .atoms = run.atoms,
           .diagnostics = describe(run.diagnostics, options.input().path),
+          .far_atoms = run.far_atoms,
           .structure = run.structure,
           .plan = run.plan,
           .planes = run.slab.planes,

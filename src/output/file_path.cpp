@@ -93,8 +93,7 @@ void require_writable(const std::filesystem::path& directory) {
 void require_free_name(const FilePath& path) {
   require_replaceable(path.text());
   struct stat status {};
-  const FilePath temporary{path.directory, temporary_name(path.name)};
-  if (lstat(temporary.text().c_str(), &status) != 0 && errno == ENAMETOOLONG)
+  if (lstat(path.text().c_str(), &status) != 0 && errno == ENAMETOOLONG)
     throw Error(formatted("cannot create {}: {}", path.text(),
                           std::generic_category().message(ENAMETOOLONG)));
 }

@@ -6,6 +6,7 @@
 #include <sys/stat.h>
 
 #include <cerrno>
+#include <cstdint>
 #include <memory>
 #include <string_view>
 #include <system_error>
@@ -13,6 +14,7 @@
 
 #include "eses/error.hpp"
 #include "system/formatted.hpp"
+#include "system/splitmix64.hpp"
 
 namespace eses::detail {
 namespace {
@@ -35,7 +37,7 @@ FileDescriptor open_directory(const std::filesystem::path& path) {
 }
 
 std::string lock_name_of(const std::string& file) {
-  return file.empty() ? std::string(lock_name) : formatted(".{}{}", file, lock_name);
+  return file.empty() ? std::string(lock_name) : formatted(".{}{}", hidden_stem(file), lock_name);
 }
 
 FileDescriptor open_lock(const FileDescriptor& directory, const std::string& name) {
@@ -86,8 +88,16 @@ std::string path_in(const std::filesystem::path& directory, const std::string& n
   return formatted("{}/{}", directory.native(), name);
 }
 
+std::string hidden_stem(const std::string& name) {
+  constexpr std::size_t max_size = 220, start = 170, end = 24;
+  if (name.size() <= max_size) return name;
+  std::uint64_t hash = name.size();
+  for (const char c : name) hash = splitmix64(hash ^ static_cast<unsigned char>(c));
+  return formatted("{}~{:016x}{}", name.substr(0, start), hash, name.substr(name.size() - end));
+}
+
 std::string temporary_name(const std::string& name) {
-  return formatted(".{}.{}{}", name, getpid(), temporary_suffix);
+  return formatted(".{}.{}{}", hidden_stem(name), getpid(), temporary_suffix);
 }
 
 void OutputPaths::add(const std::filesystem::path& directory, const std::string& name) {

@@ -16,6 +16,10 @@ namespace eses::detail {
 /// crashes in it when memory runs out.
 std::string path_in(const std::filesystem::path& directory, const std::string& name);
 
+/// The part of hidden names that stands for a file. Long names are shortened, so that temporary
+/// files and locks have at most 255 bytes, the limit of Linux. The end of the name is kept.
+std::string hidden_stem(const std::string& name);
+
 /// Temporary name under which this process writes the file `name` until it is complete.
 std::string temporary_name(const std::string& name);
 
@@ -55,8 +59,9 @@ class OutputDirectory {
   /// Descriptor of the directory. It refers to the same directory even after a renaming.
   int descriptor() const { return directory_.value(); }
 
-  /// Removes the temporary files that killed runs have left, if `is_ours` accepts their final
-  /// names. Removes nothing without a lock, because the runs may still be alive.
+  /// Removes the temporary files that killed runs have left, if `is_ours` accepts the
+  /// hidden_stem of their final names. Removes nothing without a lock, because the runs may still
+  /// be alive.
   void remove_abandoned(const std::function<bool(std::string_view name)>& is_ours) const;
 
   /// Removes a file if it exists. Throws Error on failure.

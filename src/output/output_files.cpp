@@ -242,7 +242,8 @@ void OutputFiles::open_mesh(const MeshOptions& choice) {
   for (std::size_t i = 0; i < paths.size(); ++i) {
     const auto& [directory, name] = paths[i];
     OutputDirectory& opened = mesh_directories_[i].emplace(directory, name);
-    opened.remove_abandoned([&](std::string_view file) { return file == paths[i].name; });
+    opened.remove_abandoned(
+        [&](std::string_view file) { return file == hidden_stem(paths[i].name); });
     open(opened, i == 0 ? RunFile::mesh : RunFile::mesh_faces, name);
   }
 }

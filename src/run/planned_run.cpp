@@ -22,6 +22,7 @@
 #include "output/grid_map.hpp"
 #include "output/mesh_writer.hpp"
 #include "output/output_files.hpp"
+#include "run/far_atoms.hpp"
 #include "surface/find_cavities.hpp"
 #include "system/bytes_text.hpp"
 #include "system/formatted.hpp"
@@ -314,6 +315,7 @@ FoundCavities find_cavities_of(const Molecule& molecule, const Request& request,
     return find_cavities(molecule,
                          {.probe_radius = request.parameters.probe_radius,
                           .threads = threads > 0 ? threads : available_threads(),
+                          .check = request.check,
                           .max_filled_void = request.parameters.max_filled_void,
                           .kept_component = mesh ? mesh->component : std::nullopt},
                          keeps_patches);
@@ -412,6 +414,15 @@ void take_diagnostics(const AtomFile& file, const Molecule& molecule, bool has_n
     run.diagnostics.labels[atom] = run.names.label(atom);
 }
 
+// Describes atoms that make a large and empty grid. Throws SparseGridError if it is too large.
+void take_far_atoms(const AtomFile& atoms, const InputFile& file, PlannedRun& run) {
+  const std::optional<FarAtoms> far = find_far_atoms(atoms.atoms, run.plan);
+  if (!far) return;
+  run.far_atoms = far_atoms_text(*far, file.path, atoms.lines);
+  if (!run.plan.parameters.allow_far_atoms) refuse_sparse_grid(*far, run.far_atoms);
+  if (far->atoms.empty()) run.far_atoms.clear();
+}
+
 // Keeps the names that the first process writes.
 void keep_written_names(const Outputs& outputs, std::span<const Atom> atoms,
                         const Processes& processes, PlannedRun& run) {
@@ -470,8 +481,10 @@ LabelTotals take_file(const InputFile& file, const Request& request,
   const bool has_names = is_structure(format_of(file.path, file.format));
   // Names take much memory. They are dropped as soon as they are not needed any more.
   if (!request.outputs.residues && !request.outputs.atoms && !has_names) run.names = {};
-  processes.all_or_throw(
-      [&] { run.plan = plan_grid(sphere_bounds(atoms.atoms), request.parameters); });
+  processes.all_or_throw([&] {
+    run.plan = plan_grid(sphere_bounds(atoms.atoms), request.parameters);
+    take_far_atoms(atoms, file, run);
+  });
   open_checkpoint(request, atoms.atoms, groups, processes, run);
   processes.all_or_throw([&] {
     const int threads = threads_of(request, machine, processes);

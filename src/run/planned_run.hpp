@@ -33,7 +33,9 @@ struct PlannedRun {
   /// Whether texts are written directly to the output files: a single process sweeps the whole
   /// region as one range. Otherwise each range becomes a chunk of the checkpoint.
   bool is_in_place = true;
-  std::uint64_t atoms = 0;      ///< number of atoms of the file or molecule
+  std::uint64_t atoms = 0;  ///< number of atoms of the file or molecule
+  /// A warning about atoms that stretch the grid; empty if there are none.
+  std::string far_atoms;
   FileDiagnostics diagnostics;  ///< of all atoms; only in the first process
   GroupNames groups;            ///< if the mesh names or colours them
   /// Residues of the atoms, if tables of residues are written. Also names of the atoms, if

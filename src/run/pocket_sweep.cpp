@@ -51,7 +51,8 @@ class ProbeSweep {
                                    .threads = options.threads,
                                    .max_filled_void = std::numeric_limits<double>::infinity()},
                     .outputs = Outputs::none(),
-                    .caller_memory = caller};
+                    .caller_memory = caller,
+                    .check = options.check};
     if (finds_covered) request.outputs.ion_access = IonAccessMap{"covered.dx", probe_radius};
     extras_ = extras_of(request.outputs);
     run_ = plan_run(request, Processes());

@@ -9,6 +9,7 @@
 #include <variant>
 #include <vector>
 
+#include "eses/check.hpp"
 #include "eses/grid.hpp"
 #include "eses/outputs.hpp"
 #include "eses/read_atoms.hpp"
@@ -51,6 +52,8 @@ struct Parameters {
   /// value.
   std::optional<double> max_filled_void = {};
   GridPart part = {};
+  /// Whether to compute grids of more than 1e10 points of which less than 1 % are near atoms.
+  bool allow_far_atoms = false;
 
   bool has_custom_grid() const { return std::holds_alternative<Grid>(grid); }
 };
@@ -106,6 +109,8 @@ struct Request {
   bool dry_run = false;  ///< whether to create no files
   MapsInMemory maps_in_memory = {};
   CallerMemory caller_memory = {};
+  /// Called during the search for cavities, which is part of the plan.
+  CheckCallback check = {};
 
   /// Whether finished chunks are kept if the run ends before the output files are complete.
   bool keeps_chunks() const { return resume || part || join != Join::none; }

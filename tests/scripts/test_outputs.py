@@ -139,6 +139,73 @@ class Outputs(TestCase):
             self.assertNotIn(word, page.read_text().partition('id="rows">')[2].partition("</script>")[0])
 
 
+class Program(TestCase):
+    """The same rules for eses-blocks, and what it refuses before it computes."""
+
+    def call(self, *arguments, code=0):
+        done = subprocess.run([PROGRAM, *arguments], cwd=self.folder, capture_output=True, text=True,
+                              check=False, timeout=300)
+        self.assertDone(done, code)
+        return done
+
+    def test_msms_keeps_links(self):
+        for name in ("x.vert", "x.face"):
+            (self.folder / name).symlink_to(f"real.{name}")
+        (self.folder / "x_1.vert").write_text("of an earlier run\n")
+        for _ in range(2):
+            self.call("msms", "-if", DATA / "c60.xyzr", "-of", "x")
+            self.assertTrue((self.folder / "x.vert").is_symlink() and (self.folder / "x.face").is_symlink())
+            self.assertGreater((self.folder / "real.x.vert").stat().st_size, 1000)
+            self.assertFalse((self.folder / "x_1.vert").exists())
+
+    def test_names_up_to_the_limit_of_the_system_are_written(self):
+        name = "y" * 245
+        self.call("measure", DATA / "c60.xyzr", "-q", "--csv", name + ".csv")
+        self.call(DATA / "c60.xyzr", "-q", "--write", "none", "--mesh", name + ".ply")
+        self.call("msms", "-if", DATA / "c60.xyzr", "-of", name)
+        shutil.copy(DATA / "c60.xyzr", self.folder / ("y" * 240 + ".xyzr"))
+        self.call("measure", "y" * 240 + ".xyzr", "-q", "--write", "atoms")
+        for suffix in (".csv", ".ply", ".vert", ".face"):
+            self.assertGreater((self.folder / (name + suffix)).stat().st_size, 100)
+        self.assertEqual([path.name for path in self.folder.iterdir() if path.name.startswith(".")], [])
+
+    def test_hidden_files_of_long_names_are_removed_by_the_next_run(self):
+        name = "y" * 245 + ".csv"
+        stopped = subprocess.Popen([PROGRAM, "measure", "--csv", name, "-"], cwd=self.folder,
+                                   stdin=subprocess.PIPE, stdout=subprocess.DEVNULL)
+        end = time.monotonic() + 60
+        while not list(self.folder.glob(".y*.part")) and time.monotonic() < end:
+            time.sleep(0.01)
+        stopped.kill()
+        stopped.communicate()
+        self.assertEqual(len(list(self.folder.glob(".y*.part"))), 1)
+        self.call("measure", DATA / "c60.xyzr", "-q", "--csv", name)
+        self.assertEqual(list(self.folder.glob(".y*")), [])
+
+    def test_names_beyond_the_limit_are_refused_by_name(self):
+        name = "y" * 255 + ".csv"
+        done = self.call("measure", DATA / "c60.xyzr", "--csv", name, code=1)
+        self.assertIn(f"cannot create ./{name}: File name too long", done.stderr)
+
+    def test_far_atoms_are_named_and_refused(self):
+        atoms = [f"{i} 0 0 1.7" for i in range(20)]
+        far = self.folder / "far.xyzr"
+        far.write_text("\n".join([*atoms, "2000 2000 2000 1.7", "3000 3000 -3000 1.7"]) + "\n")
+        done = self.call(far, "--write", "none", "--dry-run", code=1)
+        self.assertIn("2 atoms are far from the others and stretch the grid to", done.stderr)
+        self.assertIn("lines 21, 22", done.stderr)
+        self.assertIn("(--allow-far-atoms)", done.stderr)
+        done = self.call(far, "--write", "none", "--dry-run", "--allow-far-atoms")
+        self.assertIn("warning: ", done.stderr)
+        self.assertIn("lines 21, 22", done.stderr)
+        self.call(far, "--write", "none", "--dry-run", "--region=0,0,0,9,9,9")
+        far.write_text("\n".join([*atoms, "200 200 200 1.7"]) + "\n")  # 1e8 to 1e10 points
+        done = self.call(far, "--write", "none", "--dry-run")
+        self.assertIn("1 atom is far from the others and stretches the grid to", done.stderr)
+        self.assertIn("line 21", done.stderr)
+        self.assertEqual(self.call(DATA / "1ubq.xyzr", "--write", "none", "--dry-run").stderr, "")
+
+
 @unittest.skipUnless(can_draw() and not os.environ.get("DISPLAY"), "needs python3-vtk9 and xvfb, no display")
 class Signals(TestCase):
     def processes(self, scratch):

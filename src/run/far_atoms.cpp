@@ -1,0 +1,151 @@
+#include "run/far_atoms.hpp"
+
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <numbers>
+#include <numeric>
+#include <variant>
+
+#include "grid/make_grid.hpp"
+#include "system/formatted.hpp"
+
+namespace eses::detail {
+namespace {
+
+constexpr double min_examined_points = 1e8;   // of a grid that is examined
+constexpr double max_points = 1e10;  // of a sparse grid without the consent of the user
+constexpr double min_near_part = 0.01;
+constexpr double min_gap = 20;        // angstrom, between the centres of far atoms and the others
+constexpr int max_groups = 100;       // of atoms that are far from each other
+constexpr std::size_t max_lines = 5;  // in a message
+
+// Returns an upper bound of the number of points near atoms: those of the balls that a probe
+// touches, one spacing larger.
+double near_points(std::span<const Atom> atoms, double probe_radius, double spacing) {
+  double volume = 0;
+  for (const Atom& atom : atoms)
+    volume += 4 * std::numbers::pi / 3 * std::pow(atom.radius + 2 * probe_radius + spacing, 3);
+  return volume / std::pow(spacing, 3);
+}
+
+// Returns the number of points of a grid around some atoms.
+double points_around(std::span<const Atom> atoms, std::span<const AtomIndex> chosen,
+                     const GridOptions& grid) {
+  Box bounds = ball_box(atoms[chosen.front()].center, atoms[chosen.front()].radius);
+  for (const AtomIndex i : chosen) {
+    const Box ball = ball_box(atoms[i].center, atoms[i].radius);
+    bounds.include(ball.low);
+    bounds.include(ball.high);
+  }
+  double points = 1;
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    points *=
+        std::floor((bounds.high[axis] - bounds.low[axis] + 2 * grid.margin) / grid.spacing) + 1;
+  return points;
+}
+
+// A gap between the centres of atoms, along an axis.
+struct Gap {
+  double width = 0;
+  std::size_t axis = 0;
+  double begin = 0;  // coordinate of the last atom before the gap
+};
+
+Gap widest_gap(std::span<const Atom> atoms, std::span<const AtomIndex> chosen) {
+  Gap widest;
+  std::vector<double> places(chosen.size());
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    std::transform(chosen.begin(), chosen.end(), places.begin(),
+                   [&](AtomIndex i) { return atoms[i].center[axis]; });
+    std::sort(places.begin(), places.end());
+    for (std::size_t i = 1; i < places.size(); ++i)
+      if (const double width = places[i] - places[i - 1]; width > widest.width)
+        widest = {width, axis, places[i - 1]};
+  }
+  return widest;
+}
+
+// Removes the smaller part of the atoms at the widest gap. Returns false if there is no wide gap.
+bool drop_smaller_part(std::span<const Atom> atoms, std::vector<AtomIndex>& kept) {
+  const Gap gap = widest_gap(atoms, kept);
+  if (gap.width < min_gap) return false;
+  const auto middle = std::stable_partition(kept.begin(), kept.end(), [&](AtomIndex i) {
+    return atoms[i].center[gap.axis] <= gap.begin;
+  });
+  if (middle - kept.begin() >= kept.end() - middle)
+    kept.erase(middle, kept.end());
+  else
+    kept.erase(kept.begin(), middle);
+  return true;
+}
+
+// Returns the atoms that are left if groups far from the others are removed until the grid is not
+// sparse any more.
+std::vector<AtomIndex> main_group(std::span<const Atom> atoms, double probe_radius,
+                                  const GridOptions& grid) {
+  std::vector<AtomIndex> kept(atoms.size());
+  std::iota(kept.begin(), kept.end(), AtomIndex{0});
+  const double near = near_points(atoms, probe_radius, grid.spacing);
+  for (int i = 0; i < max_groups; ++i) {
+    const double part = static_cast<double>(kept.size()) / static_cast<double>(atoms.size());
+    if (part * near >= min_near_part * points_around(atoms, kept, grid)) break;
+    if (!drop_smaller_part(atoms, kept)) break;
+  }
+  return kept;
+}
+
+}  // namespace
+
+std::optional<FarAtoms> find_far_atoms(std::span<const Atom> atoms, const Plan& plan) {
+  const auto* const grid = std::get_if<GridOptions>(&plan.parameters.grid);
+  FarAtoms far;
+  far.points = static_cast<double>(plan.grid.point_count());
+  if (grid == nullptr || !std::holds_alternative<std::monostate>(plan.parameters.part) ||
+      far.points < min_examined_points)
+    return std::nullopt;
+  const double probe_radius = plan.parameters.probe_radius;
+  far.near_points = near_points(atoms, probe_radius, grid->spacing);
+  if (far.near_points >= min_near_part * far.points) return std::nullopt;
+  const std::vector<AtomIndex> kept = main_group(atoms, probe_radius, *grid);
+  far.points_without = points_around(atoms, kept, *grid);
+  std::vector<bool> is_kept(atoms.size());
+  for (const AtomIndex i : kept) is_kept[i] = true;
+  if (2 * kept.size() >= atoms.size())
+    for (AtomIndex i = 0; i < atoms.size(); ++i)
+      if (!is_kept[i]) far.atoms.push_back(i);
+  return far;
+}
+
+std::string far_atoms_text(const FarAtoms& far, const std::filesystem::path& file,
+                           std::span<const std::uint64_t> lines) {
+  const std::string input = file == "-" ? "standard input" : file.string();
+  const std::string points = formatted("{:.3g} points, of which at most {:.2g} % are near atoms",
+                                       far.points, 100 * far.near_points / far.points);
+  const std::size_t count = far.atoms.size();
+  if (count == 0) return formatted("{}: the grid has {}", input, points);
+  std::vector<std::uint64_t> shown;
+  for (const AtomIndex i : far.atoms)
+    if (i < lines.size() && shown.size() < max_lines) shown.push_back(lines[i]);
+  std::string text = formatted(
+      "{}: {} far from the others and stretch{} the grid to {}; without {}, the grid has {} points",
+      input, count == 1 ? "1 atom is" : formatted("{} atoms are", count), count == 1 ? "es" : "",
+      points, count == 1 ? "it" : "them",
+      far.points_without < 1e6 ? formatted("{:.0f}", far.points_without)
+                               : formatted("{:.3g}", far.points_without));
+  if (!shown.empty())
+    text += formatted(": {} {}{}", count == 1 ? "line" : "lines", fmt::join(shown, ", "),
+                      count > shown.size() ? formatted(" and {} more", count - shown.size()) : "");
+  return text;
+}
+
+void refuse_sparse_grid(const FarAtoms& far, const std::string& text) {
+  if (far.points > max_points)
+    throw SparseGridError(text +
+                          "; remove atoms that do not belong to the molecule, choose a part "
+                          "of the grid, or allow far atoms");
+}
+
+}  // namespace eses::detail
