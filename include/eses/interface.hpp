@@ -19,8 +19,10 @@ inline constexpr std::uint32_t no_part = std::numeric_limits<std::uint32_t>::max
 
 /// Area that two parts have alone and not together, in square angstrom.
 struct BuriedArea {
-  double first = 0;   ///< Area that the first part loses.
-  double second = 0;  ///< Area that the second part loses.
+  double first = 0;         ///< Area that the first part loses.
+  double second = 0;        ///< Area that the second part loses.
+  double first_alone = 0;   ///< Area that the first part has alone.
+  double second_alone = 0;  ///< Area that the second part has alone.
 
   /// The area that both lose, the buried surface area.
   double total() const { return first + second; }

@@ -31,10 +31,11 @@ struct NamedRadii {
 /// set is unknown or its file cannot be read.
 NamedRadii find_radii(std::span<const AtomLabel> atoms, const std::string& set = "protor");
 
-/// Returns whether each atom is polar: nitrogen, oxygen, sulfur, phosphorus and selenium are, as in
-/// the classes of ProtOr and OONS, and all other elements are apolar. (NACCESS takes sulfur,
-/// selenium and phosphorus for apolar.) A hydrogen belongs to the class of the nearest other atom
-/// of its residue. The numbers of atoms and labels are the same.
+/// Returns whether each atom is polar. Apolar are carbon, boron, silicon, and halogens that are not
+/// alone in their residue. All others are polar: nitrogen, oxygen, sulfur, phosphorus and selenium,
+/// as in the classes of ProtOr and OONS (NACCESS takes the last three for apolar), and ions. A
+/// hydrogen belongs to the class of the nearest other atom of its residue. The numbers of atoms and
+/// labels are the same.
 std::vector<bool> find_polar_atoms(std::span<const Atom> atoms, std::span<const AtomLabel> labels);
 
 }  // namespace eses

@@ -8,11 +8,19 @@ from typing import Any, Optional, Union
 
 import numpy as np
 
+from ._references import NAMES, SYNONYMS
+
+POLYMER = frozenset([*NAMES, *SYNONYMS, *"A C G U I DA DC DG DT DI DU".split()])
 _Path = Union[str, os.PathLike[str]]
 
 
 def _too_wide(what: str, value: Any, i: int) -> ValueError:
     return ValueError(f"atom {i} (counted from 0): {what} {value} is too wide for a PDB file; save a .cif file")
+
+
+def _record(residue: str) -> str:
+    """Returns the name of the record of an atom: HETATM unless the residue is that of a polymer."""
+    return "ATOM" if residue in POLYMER else "HETATM"
 
 
 def _pdb_line(serial: int, i: int, molecule: Any, value: float) -> str:
@@ -28,7 +36,7 @@ def _pdb_line(serial: int, i: int, molecule: Any, value: float) -> str:
         if len(text) > width:
             raise _too_wide(what, text.strip(), i)
     column = [field for _, field, _ in fields]
-    return (f"ATOM  {column[0]} {column[1]} {column[2]} {column[3]}{column[4]}{column[5]}   {column[6]}{column[7]}{column[8]}"
+    return (f"{_record(residue):<6}{column[0]} {column[1]} {column[2]} {column[3]}{column[4]}{column[5]}   {column[6]}{column[7]}{column[8]}"
             f"  1.00{column[9]}          {element.upper():>2}\n")
 
 
@@ -62,7 +70,7 @@ def write_cif(path: _Path, molecule: Any, values: Any) -> None:
                 molecule.name, molecule.residue, molecule.chain, molecule.element, molecule.icode))
             x, y, z = molecule.positions[i].tolist()
             number = molecule.residue_number[i]
-            target.write(f"ATOM {serial} {element if element != '.' else 'X'} {name} . {residue} {chain} 1 . {icode} "
+            target.write(f"{_record(str(molecule.residue[i]))} {serial} {element if element != '.' else 'X'} {name} . {residue} {chain} 1 . {icode} "
                          f"{x:.3f} {y:.3f} {z:.3f} 1.00 {float(values[i]):.4f} {number} {residue} {chain} {name} 1\n")
         target.write("#\n")
 

@@ -14,7 +14,7 @@ import numpy.typing as npt
 
 from . import _core, _molecule
 from ._files import write_structure
-from ._references import CLASSES, MAIN_CHAIN, REFERENCES, SYNONYMS
+from ._references import CLASSES, MAIN_CHAIN, REFERENCE_PROBE_RADIUS, REFERENCES, SYNONYMS
 
 _Doubles = npt.NDArray[np.float64]
 _Bools = npt.NDArray[np.bool_]
@@ -263,14 +263,16 @@ class Measurement:
         ``sas_main_chain``, ``sas_side_chain`` and ``relative_sas``.
 
         The last three are not a number for residues other than amino acids. The relative area is
-        ``sas`` by the maximum area of the residue, whose source is `reference`. It may exceed 1 at the
+        ``sas`` by the maximum area of the residue, whose source is `reference`. It is not a number for
+        a probe radius other than 1.4, to which the maxima belong. It may exceed 1 at the
         ends of chains and in unusual conformations, and does if atoms of neighbours are missing.
         """
         molecule, starts = self._molecule, self._starts
         sums, is_shown = self._sums(starts)
         names = molecule.residue[starts]
         reference = REFERENCES[self._reference]
-        maximum = np.array([reference.maximum(name) for name in names.tolist()])
+        is_known = self._surface.probe_radius == REFERENCE_PROBE_RADIUS
+        maximum = np.array([reference.maximum(name) if is_known else np.nan for name in names.tolist()])
         is_main = np.isin(molecule.name, list(MAIN_CHAIN))
         main = np.add.reduceat(np.where(is_main, np.nan_to_num(self._sas), 0), starts)
         main[~np.isin(names, [*reference.areas, *SYNONYMS, "MSE"])] = np.nan
@@ -367,7 +369,7 @@ def _mask_of(report: Any, count: int, select: Any) -> Optional[_Bools]:
     """Returns the mask of the atoms that are reported."""
     if report is None:
         return None
-    if isinstance(report, str):
+    if isinstance(report, str) or hasattr(report, "ix"):  # an AtomGroup of MDAnalysis
         if select is None:
             raise ValueError("report: this object has no language for selections; give a mask or indices")
         mask = np.asarray(select(report), bool)

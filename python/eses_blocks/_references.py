@@ -27,6 +27,8 @@ def _reference(name: str, source: str, areas: str) -> Reference:
     return Reference(name, source, dict(zip(NAMES, map(float, areas.split()))))
 
 
+REFERENCE_PROBE_RADIUS = 1.4  # angstrom
+
 REFERENCES = {each.name: each for each in (
     _reference("tien", "Tien et al. 2013, theoretical values, doi:10.1371/journal.pone.0080635",
                "129 274 195 193 167 225 223 104 224 197 201 236 224 240 159 155 172 285 263 174"),
@@ -36,7 +38,7 @@ REFERENCES = {each.name: each for each in (
                "106 248 157 163 135 198 194 84 184 169 164 205 188 197 136 130 142 227 222 142"))}
 REFERENCES["wilke"] = REFERENCES["tien"]  # the name of Biopython for the same values
 
-CLASSES = ("nitrogen, oxygen, sulphur, phosphorus and selenium are polar, all other elements apolar (the classes of "
-           "ProtOr and OONS; NACCESS counts sulphur, selenium and phosphorus as apolar); a hydrogen belongs to the class of "
-           "the nearest other atom of its residue")
+CLASSES = ("carbon, boron, silicon, and halogens that are not alone in their residue are apolar, all others polar (nitrogen, "
+           "oxygen, sulphur, phosphorus and selenium as in ProtOr and OONS; NACCESS counts the last three as apolar), also "
+           "ions; a hydrogen belongs to the class of the nearest other atom of its residue")
 MAIN_CHAIN = frozenset("N CA C O OXT OT1 OT2 H HN H1 H2 H3 HA HA2 HA3".split())

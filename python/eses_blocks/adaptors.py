@@ -51,8 +51,9 @@ class Columns:
     """(N,) radii in angstrom, if the object has radii of its own."""
     virtual: Optional[Sequence[bool]] = None
     """Whether an atom is a virtual site, which has no radius."""
-    select: Optional[Callable[[str], Any]] = None
-    """Returns the mask of the atoms of a selection in the library's own language."""
+    select: Optional[Callable[[Any], Any]] = None
+    """Returns the mask of the atoms of a selection in the library's own language, or of one of its objects
+    with the attribute ``ix``, such as an AtomGroup."""
 
 
 Adaptor = Callable[[Any, int], Columns]
@@ -107,8 +108,9 @@ def _from_mdanalysis(found: Any, frame: int) -> Columns:
                 return values
         return None
 
-    def select(text: str) -> Any:
-        return np.isin(group.ix, group.select_atoms(text).ix)
+    def select(chosen: Any) -> Any:
+        atoms = group.select_atoms(chosen) if isinstance(chosen, str) else chosen
+        return np.isin(group.ix, atoms.ix)
 
     return Columns(centers=group.positions, elements=column("elements"), names=column("names"),
                    residues=column("resnames"), numbers=column("resnums", "resids"), icodes=column("icodes"),

@@ -161,6 +161,9 @@ def test_mdanalysis(pdb, expected):
     result = eses.measure(universe, report="protein")
     assert len(result.residues) == 2 and result.residues["icode"].tolist() == ["", "A"]
     assert eses.measure(universe.select_atoms("protein")).sas_area > result.sas_area
+    protein, ion = universe.select_atoms("protein"), universe.select_atoms("resname ZN")
+    assert eses.measure(universe, report=protein).sas_area == result.sas_area
+    assert eses.interface(universe, ion, protein).sas_lost == eses.interface(universe, "resname ZN", "protein").sas_lost
     # Without elements, these follow from the names.
     bare = mda.Universe.empty(1, atom_resindex=[0], trajectory=True)
     bare.add_TopologyAttr("names", ["CL"])

@@ -64,17 +64,27 @@ std::set<PartPair> touching_parts(std::span<const Atom> atoms, std::span<const s
   return pairs;
 }
 
-/// Adds the differences of the atoms of one part, `alone`, to those of an interface.
-void add_differences(const AtomsAlone& alone, const AtomsAlone& together, double BuriedArea::*side,
-                     Interface& found) {
+/// The members of BuriedArea for a part.
+struct Side {
+  double BuriedArea::*lost;
+  double BuriedArea::*alone;
+};
+constexpr Side first_side{&BuriedArea::first, &BuriedArea::first_alone};
+constexpr Side second_side{&BuriedArea::second, &BuriedArea::second_alone};
+
+/// Adds the areas of one part, `alone`, and their differences to an interface.
+void add_part(const AtomsAlone& alone, const AtomsAlone& together, const Side& side,
+              Interface& found) {
   std::size_t k = 0;
   for (std::size_t i = 0; i < alone.atoms.size(); ++i) {
     while (together.atoms[k] != alone.atoms[i]) ++k;
+    found.sas.*side.alone += alone.areas.sas[i];
+    found.ses.*side.alone += alone.ses(i);
     const double sas = alone.areas.sas[i] - together.areas.sas[k];
     const double ses = alone.ses(i) - together.ses(k);
     if (std::abs(sas) < rounding && std::abs(ses) < rounding) continue;
-    found.sas.*side += sas;
-    found.ses.*side += ses;
+    found.sas.*side.lost += sas;
+    found.ses.*side.lost += ses;
     found.atoms.push_back({alone.atoms[i], sas, ses});
   }
 }
@@ -85,8 +95,8 @@ Interface interface_of(const AtomsAlone& first, const AtomsAlone& second, const 
   std::ranges::merge(first.atoms, second.atoms, std::back_inserter(atoms));
   const AtomsAlone together = measure_alone(all, std::move(atoms), options);
   Interface found;
-  add_differences(first, together, &BuriedArea::first, found);
-  add_differences(second, together, &BuriedArea::second, found);
+  add_part(first, together, first_side, found);
+  add_part(second, together, second_side, found);
   std::ranges::sort(found.atoms, {}, &BuriedAtom::atom);
   return found;
 }

@@ -11,6 +11,7 @@
 #include "cli/arguments.hpp"
 #include "eses/error.hpp"
 #include "input/other_formats.hpp"
+#include "input/pdb_elements.hpp"
 #include "input/residue_runs.hpp"
 #include "input/text_fields.hpp"
 #include "input/text_source.hpp"
@@ -67,13 +68,22 @@ std::vector<bool> selected(const std::string& selection, const DividedFile& file
   return is_in;
 }
 
+/// Moves the names of residues that are no amino acids and nucleotides to the front.
+std::vector<std::string> ligands_first(std::vector<std::string> residues) {
+  std::ranges::stable_partition(residues,
+                                [](const std::string& name) { return !is_named_polymer(name); });
+  return residues;
+}
+
 /// Throws Error about a name that no atom has.
 [[noreturn]] void refuse_unknown(const DividedFile& file, std::string_view what,
                                  const std::string& name, std::string_view option,
                                  std::string AtomLabel::*names) {
+  std::vector<std::string> known = different(file.labels, names);
+  if (names == &AtomLabel::residue) known = ligands_first(std::move(known));
   throw Error(formatted("{}: no atoms of {} {}, which {} names; the {}s are {}",
                         input_name(file.path), what, printable(name), option, what,
-                        list_of(different(file.labels, names))));
+                        list_of(known)));
 }
 
 /// Returns whether each atom of the file is in a part.

@@ -1,9 +1,11 @@
 #include "cli/interface_options.hpp"
 
 #include <CLI/CLI.hpp>
+#include <filesystem>
 #include <limits>
 #include <optional>
 #include <string>
+#include <system_error>
 
 #include "cli/arguments.hpp"
 #include "cli/shared_options.hpp"
@@ -95,10 +97,14 @@ InterfaceOptions parse_interface_arguments(const Arguments& arguments) {
   add_interface_options(app, options);
   parse(app, arguments, "FILE");
   const InputFile input{options.input, options.format};
-  refuse_structure_options(app, input);
-  refuse_xyzr(input, "interface", "chains");
+  std::error_code ignored;
+  if (options.input == "-" || std::filesystem::is_regular_file(options.input, ignored)) {
+    refuse_structure_options(app, input);
+    refuse_xyzr(input, "interface", "chains");
+  }
   refuse_repeated_chains(options.groups, "--groups");
-  if (options.groups.parts.size() > 2) throw UsageError("--groups is given more than once");
+  if (!options.groups.by_chain && options.groups.parts.size() != 2)
+    throw UsageError("--groups needs two sides, such as --groups A+B C");
   if (!options.ligand.empty() && !options.groups.by_chain)
     throw UsageError("--ligand cannot be combined with --groups; use --groups ligand:NAME A");
   if (options.json && options.table != InterfaceTable::report)

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <set>
 #include <string_view>
 #include <utility>
 
@@ -18,6 +19,8 @@ namespace eses {
 static void to_json(detail::Json& json, const BuriedArea& area) {
   json = {{"lost_by_first", area.first},
           {"lost_by_second", area.second},
+          {"first_alone", area.first_alone},
+          {"second_alone", area.second_alone},
           {"interface_area", area.interface_area()}};
 }
 
@@ -77,14 +80,49 @@ std::size_t atoms_that_lose(const NamedInterface& interface) {
       interface.areas.atoms, [](const BuriedAtom& buried) { return buried.sas > 0; }));
 }
 
+/// Returns the residues of a side in lines that fit a terminal.
 std::string side_text(std::string_view name, const std::vector<BuriedResidue>& residues) {
-  std::string text = formatted("  {}: {}", one_line(name), counted(residues.size(), "residue"));
+  constexpr std::size_t max_columns = 96;
+  std::string text,
+      line = formatted("  {}: {}", one_line(name), counted(residues.size(), "residue"));
   std::string_view separator = ": ";
   for (const BuriedResidue& residue : residues) {
-    text += formatted("{}{} {:.1f}", separator, one_line(residue_name(residue.label)), residue.sas);
+    const std::string item =
+        formatted("{} {:.1f}", one_line(residue_name(residue.label)), residue.sas);
+    line += separator;
     separator = ", ";
+    if (line.size() + item.size() > max_columns) {
+      text += line.substr(0, line.find_last_not_of(' ') + 1) + "\n";
+      line = "    ";
+    }
+    line += item;
   }
-  return text + "\n";
+  return text + line + "\n";
+}
+
+/// Returns what a part loses, and how much of its area that is.
+std::string lost_text(double lost, double alone) {
+  const double percent = alone > 0 ? 100 * lost / alone : 0;
+  return formatted("{:.4f} of {:.4f} ({:.1f} %)", lost, alone, percent);
+}
+
+/// Returns the line about what both parts lose.
+std::string lost_line(const char* surface, const BuriedArea& area,
+                      const NamedInterface& interface) {
+  return formatted("  {} lost by {}: {}; by {}: {}\n", surface, one_line(interface.first),
+                   lost_text(area.first, area.first_alone), one_line(interface.second),
+                   lost_text(area.second, area.second_alone));
+}
+
+/// Returns why there may be no interface.
+std::string no_interface_text(const InterfaceOptions& options, const InterfaceFile& file) {
+  if (!file.interfaces.empty() || !options.ligand.empty() || !options.groups.by_chain) return "";
+  std::set<std::string_view> chains;
+  for (const AtomLabel& label : file.file.labels) chains.insert(label.chain);
+  return chains.size() > 1
+             ? "no chains touch each other\n"
+             : "the file has a single chain; --ligand NAME, --groups and, for PDB and mmCIF "
+               "files,\n--assembly ID choose other sides\n";
 }
 
 std::string interface_report(const InterfaceOptions& options, const InterfaceFile& file) {
@@ -95,6 +133,7 @@ std::string interface_report(const InterfaceOptions& options, const InterfaceFil
     if (file.file.structure) text += structure_text(*file.file.structure);
     text += formatted("{} (square angstrom; interface area: half of what both sides lose)\n",
                       counted(file.interfaces.size(), "interface"));
+    text += no_interface_text(options, file);
   }
   for (const NamedInterface& interface : file.interfaces) {
     const auto& [sas, ses] = std::pair(interface.areas.sas, interface.areas.ses);
@@ -102,10 +141,7 @@ std::string interface_report(const InterfaceOptions& options, const InterfaceFil
     text += formatted("{} and {}: SAS interface area {:.4f} ({:.4f} polar, {:.4f} apolar)\n",
                       sides.first, sides.second, sas.interface_area(),
                       area_of(file, interface, true), area_of(file, interface, false));
-    text += formatted("  SAS lost: {:.4f} by {}, {:.4f} by {}\n", sas.first, sides.first,
-                      sas.second, sides.second);
-    text += formatted("  SES lost: {:.4f} by {}, {:.4f} by {}\n", ses.first, sides.first,
-                      ses.second, sides.second);
+    text += lost_line("SAS", sas, interface) + lost_line("SES", ses, interface);
     for (const auto& [name, part] : {std::pair(interface.first, interface.areas.first),
                                      std::pair(interface.second, interface.areas.second)})
       text += side_text(name, residues_of_part(options, file, interface, part));
@@ -117,18 +153,19 @@ std::string interface_rows(const InterfaceOptions& options, const InterfaceFile&
   std::string text =
       "first,second,sas_interface_area,sas_lost_by_first,sas_lost_by_second,sas_polar,sas_apolar,"
       "ses_interface_area,ses_lost_by_first,ses_lost_by_second,residues_of_first,"
-      "residues_of_second,atoms\n";
+      "residues_of_second,atoms,sas_of_first_alone,sas_of_second_alone\n";
   for (const NamedInterface& interface : file.interfaces) {
     const BuriedArea &sas = interface.areas.sas, &ses = interface.areas.ses;
     const auto count = [&](std::uint32_t part) {
       return residues_of_part(options, file, interface, part).size();
     };
-    text += formatted("{},{},{:.6f},{:.6f},{:.6f},{:.6f},{:.6f},{:.6f},{:.6f},{:.6f},{},{},{}\n",
-                      csv_field(interface.first), csv_field(interface.second), sas.interface_area(),
-                      sas.first, sas.second, area_of(file, interface, true),
-                      area_of(file, interface, false), ses.interface_area(), ses.first, ses.second,
-                      count(interface.areas.first), count(interface.areas.second),
-                      atoms_that_lose(interface));
+    text += formatted(
+        "{},{},{:.6f},{:.6f},{:.6f},{:.6f},{:.6f},{:.6f},{:.6f},{:.6f},{},{},{},{:.6f},{:.6f}\n",
+        csv_field(interface.first), csv_field(interface.second), sas.interface_area(), sas.first,
+        sas.second, area_of(file, interface, true), area_of(file, interface, false),
+        ses.interface_area(), ses.first, ses.second, count(interface.areas.first),
+        count(interface.areas.second), atoms_that_lose(interface), sas.first_alone,
+        sas.second_alone);
   }
   return text;
 }

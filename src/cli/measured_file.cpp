@@ -126,7 +126,7 @@ MeasuredFile measure_file(const MeasureCommandOptions& options, const std::files
   for (std::uint32_t part = 0; part < result.part_names.size(); ++part)
     result.parts.push_back(measure_part(part, measuring, result));
   result.structure = std::move(file.structure);
-  result.reference = options.reference;
+  if (options.probe_radius == reference_probe_radius) result.reference = options.reference;
   return result;
 }
 

@@ -35,7 +35,7 @@ struct MeasuredFile {
   std::optional<StructureReport> structure = {};  ///< only for PDB and mmCIF files
 
   // For tables.
-  AreaReference reference = AreaReference::tien;
+  std::optional<AreaReference> reference = {};
   std::vector<std::uint64_t> file_indices = {};  ///< empty if all atoms are in parts
   eses::AtomAreas areas_alone = {};              ///< areas of each atom in its part alone
   std::vector<std::uint32_t> part_of_atom = {};

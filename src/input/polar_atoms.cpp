@@ -12,9 +12,14 @@ namespace {
 
 bool is_hydrogen(const AtomLabel& label) { return label.element == "H" || label.element == "D"; }
 
-bool is_polar_element(std::string_view element) {
-  constexpr std::array<std::string_view, 5> polar{"N", "O", "S", "P", "Se"};
-  return std::ranges::find(polar, element) != polar.end();
+bool is_apolar_element(std::string_view element) {
+  constexpr std::array<std::string_view, 3> apolar{"C", "B", "Si"};
+  return std::ranges::find(apolar, element) != apolar.end();
+}
+
+bool is_halogen(std::string_view element) {
+  constexpr std::array<std::string_view, 4> halogens{"F", "Cl", "Br", "I"};
+  return std::ranges::find(halogens, element) != halogens.end();
 }
 
 /// The atoms of a residue.
@@ -22,17 +27,23 @@ struct Residue {
   std::span<const Atom> atoms;
   std::span<const AtomLabel> labels;
 
+  /// Returns whether an atom that is no hydrogen is polar.
+  bool is_polar(std::size_t i) const {
+    const std::string_view element = labels[i].element;
+    return !is_apolar_element(element) && !(is_halogen(element) && labels.size() > 1);
+  }
+
   /// Returns whether the nearest atom to a hydrogen that is no hydrogen is polar.
   bool has_polar_parent(const Atom& hydrogen) const {
     double least = std::numeric_limits<double>::infinity();
-    bool is_polar = false;
+    bool has_polar = false;
     for (std::size_t i = 0; i < atoms.size(); ++i) {
       const double distance = squared_norm(atoms[i].center - hydrogen.center);
       if (is_hydrogen(labels[i]) || distance >= least) continue;
       least = distance;
-      is_polar = is_polar_element(labels[i].element);
+      has_polar = is_polar(i);
     }
-    return is_polar;
+    return has_polar;
   }
 };
 
@@ -47,8 +58,8 @@ std::vector<bool> find_polar_atoms(std::span<const Atom> atoms, std::span<const 
       ++end;
     const Residue residue{atoms.subspan(first, end - first), labels.subspan(first, end - first)};
     for (std::size_t i = first; i < end; ++i)
-      are_polar[i] = is_hydrogen(labels[i]) ? residue.has_polar_parent(atoms[i])
-                                            : is_polar_element(labels[i].element);
+      are_polar[i] =
+          is_hydrogen(labels[i]) ? residue.has_polar_parent(atoms[i]) : residue.is_polar(i - first);
   }
   return are_polar;
 }

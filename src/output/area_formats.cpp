@@ -111,10 +111,10 @@ void append_rsa(const MeasuredAtoms& atoms, BufferedText& text) {
   text.append(
       "REM  Areas on the solvent accessible surface (square angstrom) and in per cent of the "
       "maxima of\n"
-      "REM  {}. Parts have no maxima: -99.9.\n"
+      "REM  {}. Without a maximum, as for parts: -99.9.\n"
       "REM RES _ NUM      All-atoms   Total-Side   Main-Chain    Non-polar    All polar\n"
       "REM                ABS   REL    ABS   REL    ABS   REL    ABS   REL    ABS   REL\n",
-      source_of(atoms.reference));
+      atoms.reference ? source_of(*atoms.reference) : "a probe of 1.4 angstrom");
   const ResidueRuns runs = residue_runs(atoms.labels);
   const std::vector<ResidueAreas> all = residue_areas(atoms, runs);
   ResidueAreas total;

@@ -138,7 +138,8 @@ std::string_view source_of(AreaReference reference) {
   return "Tien et al. 2013, doi:10.1371/journal.pone.0080635";
 }
 
-std::optional<double> max_sas_area(std::string_view residue, AreaReference reference) {
+std::optional<double> max_sas_area(std::string_view residue,
+                                   std::optional<AreaReference> reference) {
   struct Maximum {
     std::string_view residue;
     std::array<double, 3> areas;  // by AreaReference
@@ -152,8 +153,8 @@ std::optional<double> max_sas_area(std::string_view residue, AreaReference refer
        {"SER", {155, 122, 130}}, {"THR", {172, 146, 142}}, {"TRP", {285, 259, 227}},
        {"TYR", {263, 229, 222}}, {"VAL", {174, 160, 142}}}};
   const auto* const found = std::ranges::find(maxima, residue, &Maximum::residue);
-  if (found == maxima.end()) return std::nullopt;
-  return found->areas[static_cast<std::size_t>(reference)];
+  if (found == maxima.end() || !reference) return std::nullopt;
+  return found->areas[static_cast<std::size_t>(*reference)];
 }
 
 void append_measured_atoms(const MeasuredAtoms& atoms, BufferedText& text) {

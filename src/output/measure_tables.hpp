@@ -58,13 +58,16 @@ enum class AreaReference {
   sander,  ///< Rost and Sander, Proteins 20, 216, 1994.
 };
 
+/// Radius of the probe to which the maxima belong, in angstrom.
+inline constexpr double reference_probe_radius = 1.4;
+
 /// Returns authors, year and DOI of a reference.
 std::string_view source_of(AreaReference reference);
 
 /// Maximum SAS area of an amino acid residue X in a peptide Gly-X-Gly, in square angstrom, for a
-/// probe radius of 1.4 angstrom. Nothing for other residues.
+/// probe radius of 1.4 angstrom. Nothing for other residues, and without a reference.
 std::optional<double> max_sas_area(std::string_view residue,
-                                   AreaReference reference = AreaReference::tien);
+                                   std::optional<AreaReference> reference);
 
 /// The atoms of a table, their areas and derivatives. All spans by atom have the same length, if
 /// they are not empty.
@@ -81,7 +84,8 @@ struct MeasuredAtoms {
   const eses::AtomAreas* areas_alone = nullptr;
   std::span<const std::uint32_t> parts = {};  ///< index of the part of each atom
   std::span<const std::string> part_names = {};
-  AreaReference reference = AreaReference::tien;
+  /// Maxima of relative areas; nothing if the probe is not theirs.
+  std::optional<AreaReference> reference = AreaReference::tien;
 };
 
 /// Append a whole table.

@@ -26,6 +26,8 @@ double lost_sas() {
   return 2 * std::numbers::pi * sas * (sas - distance / 2);
 }
 
+double free_sas() { return 4 * std::numbers::pi * (radius + probe) * (radius + probe); }
+
 std::string atom_line(int serial, const char* name, const char* residue, char chain, double x) {
   return fmt::format("ATOM  {:5} {:4} {} {}{:4}    {:8.3f}   0.000   0.000  0.00 {:.2f}\n", serial,
                      name, residue, chain, serial, x, radius);
@@ -123,6 +125,25 @@ TEST_CASE("interfaces: polar atoms, with the hydrogens at them") {
   CHECK(find_polar_atoms(atoms, labels) == std::vector<bool>{true, true, false, false, true});
 }
 
+TEST_CASE("interfaces: halogens are apolar in molecules, and ions are polar") {
+  const std::vector<Atom> atoms(4, Atom{{0, 0, 0}, 1});
+  std::vector<AtomLabel> labels(4, AtomLabel{"A", "LIG", "1", "X"});
+  for (const auto& [i, element] : {std::pair{0, "Cl"}, {1, "C"}, {2, "Cl"}, {3, "Zn"}})
+    labels[i].element = element;
+  labels[2].residue_number = "2";
+  labels[3].residue_number = "3";
+  CHECK(find_polar_atoms(atoms, labels) == std::vector<bool>{false, false, true, true});
+}
+
+TEST_CASE("interface: a file of one chain says what to choose") {
+  const Sandbox box;
+  write_file(box.directory() / "one.pqr", atom_line(1, " CA", "ALA", 'A', 0));
+  const Outcome outcome = box.run({"interface", "one.pqr"});
+  CHECK(outcome.code == 0);
+  CHECK(contains(outcome.out, "0 interfaces"));
+  CHECK(contains(outcome.out, "the file has a single chain; --ligand NAME"));
+}
+
 TEST_CASE("interface: all pairs of chains that touch, as text, JSON and tables") {
   const Complex box;
   const Outcome text = box.run({"interface", "dimer.pqr"});
@@ -132,6 +153,9 @@ TEST_CASE("interface: all pairs of chains that touch, as text, JSON and tables")
   CHECK(contains(text.out,
                  fmt::format("A and B: SAS interface area {:.4f} ({:.4f} polar, {:.4f} apolar)",
                              lost_sas(), lost_sas() / 2, lost_sas() / 2)));
+  CHECK(contains(text.out,
+                 fmt::format("  SAS lost by A: {0:.4f} of {1:.4f} ({2:.1f} %); by B: {0:.4f} of",
+                             lost_sas(), free_sas(), 100 * lost_sas() / free_sas())));
   CHECK(contains(text.out, fmt::format("  A: 1 residue: A:ALA 1 {:.1f}\n", lost_sas())));
   const Outcome json = box.run({"interface", "dimer.pqr", "--json"});
   check_json(box, json.out, "len(r['interfaces'])", "1");
@@ -177,12 +201,13 @@ TEST_CASE("interface: errors say what is wrong") {
   CHECK(contains(error({"interface", "dimer.pqr", "--groups", "A", "X"}),
                  "dimer.pqr: no atoms of chain X, which --groups names; the chains are A, B, C"));
   CHECK(contains(error({"interface", "dimer.pqr", "--ligand", "STI"}),
-                 "no atoms of residue STI, which --ligand names; the residues are ALA, HEM, GLY"));
+                 "no atoms of residue STI, which --ligand names; the residues are HEM, ALA, GLY"));
   CHECK(contains(error({"interface", "dimer.pqr", "--groups", "B", "ligand:HEM"}),
                  "dimer.pqr: the atom in line 2 belongs to two parts of --groups: B and HEM"));
   CHECK(contains(error({"interface", "dimer.pqr", "--groups", "//A", "B"}),
                  "selections such as //A (--groups) need a PDB or mmCIF file"));
-  CHECK(contains(error({"interface", "none.pdb"}), "none.pdb"));
+  CHECK(contains(error({"interface", "none.pdb"}), "cannot open none.pdb"));
+  CHECK(contains(error({"interface", "none.xyzr"}), "cannot open none.xyzr"));
   check_usage_error(
       box, {"interface", "a.xyzr"},
       "interface needs a PQR, PDB or mmCIF file; a.xyzr is read as xyzr, which has no "
@@ -191,6 +216,8 @@ TEST_CASE("interface: errors say what is wrong") {
                     "--groups names chain A twice");
   check_usage_error(box, {"interface", "a.pdb", "--groups", "A", "B", "--ligand", "X"},
                     "--ligand cannot be combined with --groups; use --groups ligand:NAME A");
+  check_usage_error(box, {"interface", "a.pdb", "--groups", "A"},
+                    "--groups needs two sides, such as --groups A+B C");
   check_usage_error(box, {"interface", "a.pdb", "--json", "--table", "atoms"},
                     "--json cannot be combined with --table");
 }

@@ -197,6 +197,9 @@ TEST_CASE("measure: tables have the areas of atoms, residues and chains") {
   REQUIRE(residues.size() == 3);
   // Maximum areas of Tien et al. (2013): 129 for alanine, 104 for glycine, none for haem.
   CHECK(std::stod(residues[0][9]) == Catch::Approx(sas_of_one() / 129).margin(1e-6));
+  const Outcome other_probe =
+      box.run({"measure", "dimer.pqr", "--table", "residues", "--probe-radius", "1.5"});
+  CHECK(split(split(other_probe.out, '\n')[1], ',')[9].empty());
   const Outcome miller =
       box.run({"measure", "dimer.pqr", "--table", "residues", "--reference", "miller"});
   const Fields alanine = split(split(miller.out, '\n')[1], ',');
