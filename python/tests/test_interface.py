@@ -62,7 +62,7 @@ def test_random_atoms_have_the_differences_of_areas():
 def test_saved_areas(path, tmp_path):
     found = eses.interface(path, "A", "B")
     found.save(tmp_path / "buried.pdb")
-    lines = [line for line in (tmp_path / "buried.pdb").read_text().splitlines() if line.startswith("ATOM")]
+    lines = [line for line in (tmp_path / "buried.pdb").read_text().splitlines() if line.startswith(("ATOM", "HETATM"))]
     assert [float(line[60:66]) for line in lines] == pytest.approx([LOST, LOST, 0], abs=0.005)
     found.save(tmp_path / "buried.csv")
     rows = list(csv.DictReader((tmp_path / "buried.csv").open()))

@@ -208,6 +208,7 @@ TEST_CASE("interface: errors say what is wrong") {
                  "selections such as //A (--groups) need a PDB or mmCIF file"));
   CHECK(contains(error({"interface", "none.pdb"}), "cannot open none.pdb"));
   CHECK(contains(error({"interface", "none.xyzr"}), "cannot open none.xyzr"));
+  write_file(box.directory() / "a.xyzr", "0 0 0 1\n");
   check_usage_error(
       box, {"interface", "a.xyzr"},
       "interface needs a PQR, PDB or mmCIF file; a.xyzr is read as xyzr, which has no "
