@@ -396,7 +396,9 @@ std::optional<Grid> chosen_grid(const Options& options) {
 
 Options parse_arguments(const Arguments& arguments) {
   CLI::App app(
-      "Solvent excluded surface of a molecule on a grid, computed block by block.\n"
+      "Solvent excluded surface of a molecule on a grid, computed block by block. For areas\n"
+      "and volumes, use eses-blocks measure FILE; for what chains or a ligand bury,\n"
+      "eses-blocks interface FILE.\n"
       "Four files of ESES, often tens of MB, go to the current directory; -o DIR chooses\n"
       "another one, and -o - or --write none writes none.",
       "eses-blocks");
