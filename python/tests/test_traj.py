@@ -142,6 +142,7 @@ def test_a_killed_run_goes_on(tmp_path):
         end = time.monotonic() + 60
         while not (kept.exists() and kept.read_bytes().count(b"\n") > 9) and time.monotonic() < end:
             time.sleep(0.01)
+        process.send_signal(signal.SIGSTOP)  # so that it does not end meanwhile
         # Another run of the same table ends at once.
         assert "another" in run(tmp_path, *arguments[len(COMMAND):], code=1).stderr
         process.send_signal(signal.SIGKILL)
@@ -179,7 +180,7 @@ def test_molecules_that_the_box_divides_are_reported(tmp_path):
     (("run.xtc", "top.pdb", "--start", "99", "-o", "x.csv"), "no frames are chosen; there are 12"),
     (("gone.xtc", "top.pdb", "-o", "x.csv"), "gone.xtc: No such file"),
     (("run.xtc", "run.xtc", "-o", "x.csv"), "its suffix is that of no topology"),
-    (("run.xtc", "top.pdb", "-o", "top.pdb"), "top.pdb: the output is an input file"),
+    (("run.xtc", "top.pdb", "-o", "top.pdb"), "top.pdb is an input file, and would be overwritten"),
     (("run.xtc", "top.pdb", "-o", "no/x.csv"), "no/x.csv: No such file or directory"),
 ])
 def test_errors_are_one_line(folder, arguments, message):
