@@ -2,7 +2,7 @@
 
 import os
 from types import TracebackType
-from typing import Any, Callable, Iterable, Iterator, Literal, Optional, Sequence, Tuple, Type, Union
+from typing import Any, Callable, Iterable, Iterator, Literal, Optional, Sequence, SupportsIndex, Tuple, Type, Union, overload
 
 import numpy as np
 import numpy.typing as npt
@@ -15,7 +15,10 @@ _Indices = npt.NDArray[np.int64]
 _Strings = npt.NDArray[np.str_]
 _Index = Tuple[int, int, int]
 _Region = Tuple[_Index, _Index]
-_Range = Tuple[Sequence[int], Sequence[int]]
+_Triple = Union[Sequence[float], npt.NDArray[Any]]
+_Shape = Union[Sequence[SupportsIndex], npt.NDArray[Any]]
+_Range = Union[Tuple[_Shape, _Shape], Sequence[_Shape], npt.NDArray[Any]]
+_Path = Union[str, bytes, os.PathLike[str], os.PathLike[bytes]]
 
 __version__: str
 
@@ -49,12 +52,12 @@ class Atoms:
     def to_dataframe(self) -> DataFrame: ...
 
 def read_atoms(
-    path: Union[str, os.PathLike[str]],
+    path: _Path,
     *,
     format: Literal["auto", "xyzr", "pqr", "pdb", "mmcif"] = "auto",
-    radii: Union[str, os.PathLike[str]] = "protor",
+    radii: _Path = "protor",
     unknown_radius: Optional[float] = None,
-    model: int = 0,
+    model: SupportsIndex = 0,
     altloc: str = "",
     waters: bool = False,
     hetatm: bool = True,
@@ -70,7 +73,7 @@ def _measure_interfaces(surface: Surface, parts: Any, ses: bool, threads: int) -
 def _find_radii(*arguments: Any) -> Tuple[str, bool, list[float], list[str], list[bool], list[bool]]: ...
 
 class Grid:
-    def __init__(self, origin: Sequence[float], spacing: float, shape: Sequence[int]) -> None: ...
+    def __init__(self, origin: _Triple, spacing: float, shape: _Shape) -> None: ...
     @property
     def origin(self) -> Tuple[float, float, float]: ...
     @property
@@ -79,11 +82,11 @@ class Grid:
     def shape(self) -> _Index: ...
     @property
     def size(self) -> int: ...
-    def coordinates(self, axis: int) -> _Doubles: ...
+    def coordinates(self, axis: SupportsIndex) -> _Doubles: ...
     def __eq__(self, other: object) -> bool: ...
     def __hash__(self) -> int: ...
 
-def read_grid(path: Union[str, os.PathLike[str]]) -> Grid: ...
+def read_grid(path: _Path) -> Grid: ...
 
 class Crossings:
     def __len__(self) -> int: ...
@@ -262,6 +265,10 @@ class Measures:
     @property
     def gradients(self) -> Optional[Gradients]: ...
 
+class _MeasuresByAtom(Measures):
+    @property
+    def by_atom(self) -> AtomAreas: ...
+
 class FrameMeasures:
     def __len__(self) -> int: ...
     @property
@@ -295,6 +302,10 @@ class FrameMeasures:
     @property
     def gradients(self) -> Optional[Gradients]: ...
 
+class _FrameMeasuresByAtom(FrameMeasures):
+    @property
+    def by_atom(self) -> AtomAreas: ...
+
 class Diagnostic:
     @property
     def kind(self) -> str: ...
@@ -313,7 +324,7 @@ class Surface:
         probe_radius: float = 1.4,
         *,
         fill_cavities: Union[bool, float] = False,
-        threads: int = 0,
+        threads: SupportsIndex = 0,
     ) -> None: ...
     def __len__(self) -> int: ...
     @property
@@ -331,19 +342,19 @@ class Surface:
         spacing: float = 0.4,
         margin: Optional[float] = None,
         *,
-        origin: Optional[Sequence[float]] = None,
-        center: Optional[Sequence[float]] = None,
-        shape: Optional[Sequence[int]] = None,
+        origin: Optional[_Triple] = None,
+        center: Optional[_Triple] = None,
+        shape: Optional[_Shape] = None,
     ) -> Grid: ...
     def compute(
         self,
         grid: Grid,
         *,
-        threads: int = 0,
-        block_size: int = 0,
+        threads: SupportsIndex = 0,
+        block_size: SupportsIndex = 0,
         blocks: Optional[_Range] = None,
         region: Optional[_Range] = None,
-        max_memory: int = 0,
+        max_memory: SupportsIndex = 0,
         inside: bool = True,
         crossings: bool = True,
         progress: Optional[Callable[[int, int], object]] = None,
@@ -363,12 +374,25 @@ class Surface:
         self,
         grid: Grid,
         *,
-        threads: int = 0,
-        block_size: int = 0,
+        threads: SupportsIndex = 0,
+        block_size: SupportsIndex = 0,
         blocks: Optional[_Range] = None,
         region: Optional[_Range] = None,
-        max_memory: int = 0,
+        max_memory: SupportsIndex = 0,
     ) -> BlockIterator: ...
+    @overload
+    def measure(
+        self,
+        probe_radius: Optional[float] = None,
+        *,
+        ses: bool = True,
+        van_der_waals: bool = False,
+        by_atom: Literal[True],
+        derivatives: bool = False,
+        weights: Optional[npt.ArrayLike] = None,
+        threads: SupportsIndex = 0,
+    ) -> _MeasuresByAtom: ...
+    @overload
     def measure(
         self,
         probe_radius: Optional[float] = None,
@@ -378,10 +402,10 @@ class Surface:
         by_atom: bool = False,
         derivatives: bool = False,
         weights: Optional[npt.ArrayLike] = None,
-        threads: int = 0,
+        threads: SupportsIndex = 0,
     ) -> Measures: ...
     def cavities(
-        self, probe_radius: Optional[float] = None, *, threads: int = 0
+        self, probe_radius: Optional[float] = None, *, threads: SupportsIndex = 0
     ) -> list[dict[str, Any]]: ...
     def pockets(
         self,
@@ -390,9 +414,24 @@ class Surface:
         spacing: float = 0.4,
         min_volume: Optional[float] = None,
         probe_radius: Optional[float] = None,
-        threads: int = 0,
+        threads: SupportsIndex = 0,
     ) -> list[dict[str, Any]]: ...
 
+@overload
+def measure_frames(
+    frames: Union[npt.ArrayLike, Iterable[npt.ArrayLike]],
+    radii: npt.ArrayLike,
+    probe_radius: float = 1.4,
+    *,
+    ses: bool = True,
+    van_der_waals: bool = False,
+    by_atom: Literal[True],
+    derivatives: bool = False,
+    weights: Optional[npt.ArrayLike] = None,
+    fill_cavities: Union[bool, float] = False,
+    threads: SupportsIndex = 0,
+) -> _FrameMeasuresByAtom: ...
+@overload
 def measure_frames(
     frames: Union[npt.ArrayLike, Iterable[npt.ArrayLike]],
     radii: npt.ArrayLike,
@@ -404,5 +443,5 @@ def measure_frames(
     derivatives: bool = False,
     weights: Optional[npt.ArrayLike] = None,
     fill_cavities: Union[bool, float] = False,
-    threads: int = 0,
+    threads: SupportsIndex = 0,
 ) -> FrameMeasures: ...

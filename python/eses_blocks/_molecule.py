@@ -7,7 +7,6 @@ import gzip
 import importlib
 import os
 import re
-import warnings
 from typing import Any, Optional
 
 import numpy as np
@@ -348,86 +347,125 @@ def read_molecule(molecule: Any, radii: Any = None, *, waters: bool = False, hyd
     return _read(molecule, radii, waters, hydrogens, unknown_radius, frame, options)[0]
 
 
+@dataclasses.dataclass
+class _Named:
+    """The columns of all atoms as arrays."""
+
+    positions: npt.NDArray[np.float64]
+    chain: _Texts
+    residue: _Texts
+    residue_number: npt.NDArray[np.int64]
+    icode: _Texts
+    name: _Texts
+    element: _Texts
+    label_chain: _Texts
+
+
+@dataclasses.dataclass
+class _Choice:
+    """The kept atoms and the radii of all atoms. The radius of a dropped atom may be not a number."""
+
+    keep: _Bools
+    set_name: str
+    radii: Any
+    guessed: Any
+    unknown: Any
+    by_element: Any
+    left_out: dict[str, int] = dataclasses.field(default_factory=dict)
+
+    def drop(self, mask: Any, what: str) -> None:
+        mask = np.asarray(mask, bool) & self.keep
+        if mask.any():
+            self.left_out[what] = int(mask.sum())
+            self.keep[mask] = False
+
+
+def _arrays_of(columns: adaptors.Columns) -> _Named:
+    positions = np.array(columns.centers, dtype=float)
+    if positions.ndim != 2 or positions.shape[1] != 3:
+        raise ValueError(f"centers must have shape (N, 3), not {positions.shape}")
+    count = len(positions)
+    return _Named(
+        positions, _column(columns.chains, count, "chains"), _column(columns.residues, count, "residues"),
+        np.zeros(count, np.int64) if columns.numbers is None else np.array(columns.numbers, np.int64),
+        _column(columns.icodes, count, "insertion codes"), _column(columns.names, count, "names"),
+        _column(columns.elements, count, "elements"), _column(columns.label_chains, count, "label chains"))
+
+
+def _take_radii(named: _Named, radii: Any, set_name: str) -> _Choice:
+    """Takes the radii that the object or the caller has, and keeps all atoms. The name of a set tells that the
+    library has assigned them."""
+    count, nothing = len(named.name), np.zeros(0, np.int64)
+    values = np.array(radii, dtype=float)
+    if values.shape != (count,):
+        raise ValueError(f"radii must have shape ({count},), one for each atom, not {values.shape}")
+    choice = _Choice(np.ones(count, bool), set_name, values, nothing, nothing, np.zeros(count, bool))
+    if set_name not in ("given", "file"):
+        choice.set_name, _, found, _, choice.by_element, _ = _find_radii(named.residue, named.name, named.element, set_name)
+        choice.guessed, choice.unknown = np.flatnonzero(choice.by_element), np.flatnonzero(np.isnan(found))
+    return choice
+
+
+def _choose_atoms(named: _Named, columns: adaptors.Columns, which: str, waters: bool, hydrogens: str,
+                  unknown: Optional[float]) -> _Choice:
+    """Assigns radii of a set and chooses the atoms that have them. Sets the elements that were derived from names."""
+    set_name, are_united, values, named.element, by_element, by_name = _find_radii(
+        named.residue, named.name, named.element, which)
+    choice = _Choice(np.ones(len(values), bool), set_name, values, None, None, by_element)
+    if columns.virtual is not None:
+        choice.drop(columns.virtual, "virtual")
+    choice.drop(_other_locations(columns, named.chain, named.residue_number, named.icode, named.name), "altloc")
+    if not waters:
+        choice.drop(np.isin(named.residue, list(WATERS)), "water")
+    if hydrogens == "drop" or (hydrogens == "auto" and are_united):
+        choice.drop(named.element == "H", "hydrogen")
+    is_unknown = np.isnan(values) & choice.keep
+    if is_unknown.any():
+        if unknown is None:
+            _complain(is_unknown, named.residue, named.name, named.element, set_name)
+        else:
+            choice.radii = np.where(np.isnan(values), unknown, values)
+    choice.guessed = np.flatnonzero((by_element | by_name) & choice.keep & ~is_unknown)
+    choice.unknown = np.flatnonzero(is_unknown)
+    return choice
+
+
+def _use_bonds(named: _Named, choice: _Choice) -> None:
+    """Replaces radii by element alone by those of the bonds, where the dictionary has them."""
+    of_bonds = _radii_by_bonds(named.residue, named.name, named.element, choice.by_element & choice.keep)
+    choice.radii = np.where(np.isnan(of_bonds), choice.radii, of_bonds)
+    choice.set_name, choice.guessed = "protor+ccd", choice.guessed[np.isnan(of_bonds[choice.guessed])]
+
+
 def _read(found: Any, radii: Any, waters: bool, hydrogens: str, unknown: Optional[float], frame: int,
           options: dict[str, Any]) -> tuple[Molecule, Any]:
     """Returns the molecule and the function for selections."""
     by_bonds = isinstance(radii, str) and radii == "protor+ccd"
     radii = "protor" if by_bonds else radii
     source = _source_of(found, radii, unknown, waters, hydrogens, frame, options)
-    columns = source.columns
-    positions = np.array(columns.centers, dtype=float)
-    if positions.ndim != 2 or positions.shape[1] != 3:
-        raise ValueError(f"centers must have shape (N, 3), not {positions.shape}")
-    count = len(positions)
-    chain, residue, name = (_column(values, count, what) for values, what in
-                            ((columns.chains, "chains"), (columns.residues, "residues"), (columns.names, "names")))
-    label_chain = _column(columns.label_chains, count, "label chains")
-    element, icode = _column(columns.elements, count, "elements"), _column(columns.icodes, count, "insertion codes")
-    number = np.zeros(count, np.int64) if columns.numbers is None else np.array(columns.numbers, np.int64)
-    are_named = bool((residue != "").any())
-    has_array = radii is not None and not isinstance(radii, (str, os.PathLike))
-    chosen = os.fspath(radii) if isinstance(radii, (str, os.PathLike)) else "protor" if are_named else "bondi"
-    left_out: dict[str, int] = {}
-    keep: Any = np.ones(count, bool)
-    guessed: Any
-    missing: Any
-
-    def drop(mask: Any, what: str) -> None:
-        mask = np.asarray(mask, bool) & keep
-        if mask.any():
-            left_out[what] = int(mask.sum())
-            keep[mask] = False
-
-    nothing = np.zeros(0, np.int64)
-    by_element: Any = np.zeros(count, bool)
-    if source.are_read or has_array:
-        values: Any = np.array(radii if has_array else columns.radii, dtype=float)
-        if values.shape != (count,):
-            raise ValueError(f"radii must have shape ({count},), one for each atom, not {values.shape}")
-        set_name, guessed, missing = "given" if has_array else source.set_name, nothing, nothing
-        if set_name not in ("given", "file"):
-            set_name, _, found_radii, _, by_element, _ = _find_radii(residue, name, element, set_name)
-            guessed, missing = np.flatnonzero(by_element), np.flatnonzero(np.isnan(found_radii))
+    named = _arrays_of(source.columns)
+    are_named = bool((named.residue != "").any())
+    which = os.fspath(radii) if isinstance(radii, (str, os.PathLike)) else "protor" if are_named else "bondi"
+    if radii is not None and not isinstance(radii, (str, os.PathLike)):
+        choice = _take_radii(named, radii, "given")
+    elif source.are_read:
+        choice = _take_radii(named, source.columns.radii, source.set_name)
     else:
-        set_name, are_united, values, element, by_element, by_name = _find_radii(residue, name, element, chosen)
-        drop(columns.virtual if columns.virtual is not None else np.zeros(count, bool), "virtual")
-        drop(_other_locations(columns, chain, number, icode, name), "altloc")
-        if not waters:
-            drop(np.isin(residue, list(WATERS)), "water")
-        if hydrogens == "drop" or (hydrogens == "auto" and are_united):
-            drop(element == "H", "hydrogen")
-        is_unknown = np.isnan(values) & keep
-        if is_unknown.any():
-            if unknown is None:
-                _complain(is_unknown, residue, name, element, set_name)
-            else:
-                values = np.where(np.isnan(values), unknown, values)
-        guessed, missing = np.flatnonzero((by_element | by_name) & keep & ~is_unknown), np.flatnonzero(is_unknown)
-    if by_bonds and set_name == "protor":
-        of_bonds = _radii_by_bonds(residue, name, element, by_element & keep)
-        values = np.where(np.isnan(of_bonds), values, of_bonds)
-        set_name, guessed = "protor+ccd", guessed[np.isnan(of_bonds[guessed])]
-    if not keep.any():
-        raise ValueError("no atoms are left" + "".join(f"; {number} {what}" for what, number in left_out.items()))
-    _check_unit(positions[keep])
-    kept = np.flatnonzero(keep)
-    source_text = SOURCES.get(set_name.lower(), f"the configuration file {chosen}")
+        choice = _choose_atoms(named, source.columns, which, waters, hydrogens, unknown)
+    if by_bonds and choice.set_name == "protor":
+        _use_bonds(named, choice)
+    if not choice.keep.any():
+        raise ValueError("no atoms are left" + "".join(f"; {number} {what}" for what, number in choice.left_out.items()))
+    return _molecule_of(named, choice, which, are_named), source.select
+
+
+def _molecule_of(named: _Named, choice: _Choice, which: str, are_named: bool) -> Molecule:
+    kept = np.flatnonzero(choice.keep)
+    source_text = SOURCES.get(choice.set_name.lower(), f"the configuration file {which}")
+    columns = {field.name: getattr(named, field.name) for field in dataclasses.fields(named)}
     molecule = Molecule(
-        centers=positions[kept], radii=values[kept], kept=kept, left_out=left_out, positions=positions, chain=chain,
-        residue=residue, residue_number=number, icode=icode, name=name, element=element,
-        set=Radii(set_name, source_text, guessed, missing), are_named=are_named,
-        label_chain=label_chain)
-    for column in (molecule.centers, molecule.radii, kept, positions, chain, residue, number, icode, name, element,
-                   guessed, missing, label_chain):
+        centers=named.positions[kept], radii=choice.radii[kept], kept=kept, left_out=choice.left_out,
+        set=Radii(choice.set_name, source_text, choice.guessed, choice.unknown), are_named=are_named, **columns)
+    for column in (molecule.centers, molecule.radii, kept, choice.guessed, choice.unknown, *columns.values()):
         column.flags.writeable = False
-    return molecule, source.select
-
-
-def _check_unit(centers: npt.NDArray[np.float64]) -> None:
-    """Warns if the distances of successive atoms are those of nanometres."""
-    if len(centers) < 10:
-        return
-    steps = np.linalg.norm(np.diff(centers, axis=0), axis=1)
-    if 0 < float(np.median(steps)) < 0.5:
-        warnings.warn("successive atoms are less than 0.5 apart: centres must be in angstrom, not nanometres",
-                      stacklevel=4)
+    return molecule

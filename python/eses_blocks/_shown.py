@@ -8,6 +8,8 @@ import numpy as np
 
 from eses_tools import page as _page
 
+from . import _core
+
 
 def _require(name, caller):
     try:
@@ -107,6 +109,8 @@ def _check_choices(color, style, backend):
 
 
 def _show(mesh, atoms, color, style, backend, title, height):
+    if not isinstance(title, str):
+        raise TypeError(f"title must be text, not {type(title).__name__}")
     if len(mesh.faces) == 0:
         raise ValueError("the mesh has no triangles")
     if color == "component" and mesh.component is None:
@@ -256,6 +260,8 @@ def result_residue_table(self, atoms):
     ValueError
         If the number of atoms is not that of the surface, or the atoms have no names.
     """
+    if not isinstance(atoms, _core.Atoms):
+        raise TypeError(f"atoms must be eses_blocks.Atoms, not {type(atoms).__name__}")
     areas = self.atom_areas
     if len(atoms) != len(areas):
         raise ValueError(f"the surface has {len(areas)} atoms, but {len(atoms)} are given")

@@ -1,10 +1,13 @@
 #include "atom_frames.hpp"
 
+#include <algorithm>
 #include <eses/eses.hpp>
 #include <memory>
 #include <span>
 #include <string>
+#include <tuple>
 #include <utility>
+#include <vector>
 
 #include "arrays.hpp"
 #include "atoms.hpp"
@@ -89,11 +92,30 @@ py::object frame_of(const std::shared_ptr<AtomFile>& file) {
   return frame(columns);
 }
 
+bool is_less(const Atom& a, const Atom& b) {
+  return std::tie(a.center.x, a.center.y, a.center.z) <
+         std::tie(b.center.x, b.center.y, b.center.z);
+}
+
+bool has_same_center(const Atom& a, const Atom& b) { return a.center == b.center; }
+
+/// Raises ValueError if the atoms have the centres of the others in another order. Atoms with other
+/// centres, such as those of another frame, are accepted.
+void require_order(std::span<const Atom> atoms, std::span<const Atom> others) {
+  if (std::ranges::equal(atoms, others, has_same_center)) return;
+  std::vector<Atom> a(atoms.begin(), atoms.end()), b(others.begin(), others.end());
+  std::ranges::sort(a, is_less);
+  std::ranges::sort(b, is_less);
+  if (std::ranges::equal(a, b, has_same_center))
+    throw py::value_error("the atoms are those of the surface in another order");
+}
+
 py::object table_of(const std::shared_ptr<ComputedResult>& result, const AtomFile* atoms) {
   const std::span<const Atom> own = result->surface.atoms();
   if (atoms != nullptr && atoms->atoms.size() != own.size())
     throw py::value_error("the surface has " + std::to_string(own.size()) + " atoms, but " +
                           std::to_string(atoms->atoms.size()) + " are given");
+  if (atoms != nullptr) require_order(atoms->atoms, own);
   const py::object frame = frame_type("atom_table"), self = py::cast(result);
   const AtomFile unnamed;
   py::dict columns = name_columns(own.size(), atoms != nullptr ? *atoms : unnamed);

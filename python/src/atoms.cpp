@@ -17,6 +17,7 @@
 #include "atom_frames.hpp"
 #include "background.hpp"
 #include "instances.hpp"
+#include "measure_records.hpp"
 #include "read_file.hpp"
 
 namespace eses::python {
@@ -239,15 +240,16 @@ py::tuple atoms_state(const py::object& atoms) {
   const py::object labels = atoms.attr("labels");
   return py::make_tuple(atoms.attr("centers"), atoms.attr("radii"), atoms.attr("lines"),
                         labels.is_none() ? labels : label_state(labels.cast<const Labels&>()),
-                        atoms.attr("charge"));
+                        atoms.attr("charge"), atoms.attr("diagnostics"));
 }
 
 std::shared_ptr<AtomFile> atoms_of_state(const py::tuple& state) {
-  const auto [centers, radii, lines, labels, charges] =
-      unpack_state<std::tuple<py::object, py::object, StateArray<std::uint64_t>,
-                              std::optional<py::tuple>, std::optional<StateArray<double>>>>(state);
+  const auto [centers, radii, lines, labels, charges, diagnostics] = unpack_state<
+      std::tuple<py::object, py::object, StateArray<std::uint64_t>, std::optional<py::tuple>,
+                 std::optional<StateArray<double>>, std::vector<Diagnostic>>>(state);
   auto file = std::make_shared<AtomFile>();
   file->atoms = make_atoms(centers, radii);
+  file->diagnostics = diagnostics;
   require_shape(lines, file->atoms.size());
   file->lines.assign(lines.data(), lines.data() + lines.size());
   if (labels) file->labels = labels_of_state(*labels);
@@ -264,16 +266,20 @@ std::shared_ptr<AtomFile> atoms_of_state(const py::tuple& state) {
 
 py::object texts_of(const AtomFile& file, std::size_t count, std::string AtomLabel::*member) {
   const py::module_ numpy = py::module_::import("numpy");
-  if (file.labels.empty()) return numpy.attr("zeros")(count, py::arg("dtype") = "U1");
+  if (file.labels.empty()) return read_only(numpy.attr("zeros")(count, py::arg("dtype") = "U1"));
   py::list values;
   for (const AtomLabel& label : file.labels) values.append(decode(label.*member));
-  return numpy.attr("array")(values, py::arg("dtype") = "U");
+  return read_only(numpy.attr("array")(values, py::arg("dtype") = "U"));
 }
 
 void bind_atoms(py::module_& module) {
   py::class_<Labels> labels(module, "Labels", labels_text);
   labels.attr("__module__") = "eses_blocks";
   labels.def("__len__", [](const Labels& self) { return self.file->labels.size(); })
+      .def("__repr__",
+           [](const Labels& self) {
+             return "<eses_blocks.Labels: " + std::to_string(self.file->labels.size()) + " atoms>";
+           })
       .def_property_readonly(
           "chain", [](const Labels& self) { return names(self, &AtomLabel::chain); },
           "(N,) str: chain identifiers, such as A.")

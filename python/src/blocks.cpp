@@ -64,7 +64,13 @@ py::tuple slices_of(const BlockCopy& block) {
 void bind_block(py::module_& module) {
   py::class_<BlockCopy, std::shared_ptr<BlockCopy>> type(module, "Block", block_text);
   type.attr("__module__") = "eses_blocks";
-  type.def_property_readonly(
+  type.def("__repr__",
+           [](const BlockCopy& self) {
+             return py::str("<eses_blocks.Block: points {} to {}, {} crossings>")
+                 .format(as_tuple(self.owned.begin), as_tuple(self.owned.end),
+                         self.crossings.size());
+           })
+      .def_property_readonly(
           "region", [](const BlockCopy& self) { return as_tuple(self.owned); },
           "tuple of 2 index triples: first point of the block, and one more than the last point "
           "along each axis.")

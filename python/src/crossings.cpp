@@ -8,6 +8,7 @@
 
 #include "arrays.hpp"
 #include "instances.hpp"
+#include "measure_records.hpp"
 
 namespace eses::python {
 namespace {
@@ -164,11 +165,12 @@ void bind_crossings(py::module_& module) {
           [](const py::object& self) { return view(self, &Crossing::lower_is_inside); },
           "(M,) bool: whether the lower end of the edge is the inside one.")
       .def_property_readonly(
-          "inside_point", [](const Crossings& self) { return ends(self, &Crossing::inside_point); },
+          "inside_point",
+          [](const Crossings& self) { return read_only(ends(self, &Crossing::inside_point)); },
           "(M, 3) int64: the ends that are inside, as indices in the whole grid; a new array.")
       .def_property_readonly(
           "outside_point",
-          [](const Crossings& self) { return ends(self, &Crossing::outside_point); },
+          [](const Crossings& self) { return read_only(ends(self, &Crossing::outside_point)); },
           "(M, 3) int64: the ends that are outside, as indices in the whole grid; a new array.")
       .def(py::pickle(&crossing_state, [](const py::tuple& state) {
         const auto list = std::make_shared<const std::vector<Crossing>>(crossings_of_state(state));

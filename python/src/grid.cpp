@@ -53,7 +53,7 @@ axis : int
 Returns
 -------
 numpy.ndarray
-    (n,) float64, in angstrom.)";
+    (n,) float64, in angstrom; a new array, which may be changed.)";
 
 constexpr const char* read_text = R"(read_grid(path)
 --

@@ -181,8 +181,14 @@ py::object read_only(const py::object& value) {
 }
 
 void bind_measure_records(py::module_& module) {
-  bind_record<AtomAreasKind>(module);
-  bind_record<GradientKind>(module);
+  bind_record<AtomAreasKind>(module).def("__repr__", [](const Record<AtomAreasKind>& self) {
+    return py::str("<eses_blocks.AtomAreas: arrays of shape {}>")
+        .format(py::getattr(self.values[0], "shape", py::none()));
+  });
+  bind_record<GradientKind>(module).def("__repr__", [](const Record<GradientKind>& self) {
+    return py::str("<eses_blocks.Gradient: centers of shape {}>")
+        .format(py::getattr(self.values[0], "shape", py::none()));
+  });
   bind_record<GradientsKind>(module);
   bind_record<MeasuresKind>(module).def("__repr__", [](const Record<MeasuresKind>& self) {
     return py::str("<eses_blocks.Measures: SES area {:.6g}, SES volume {:.6g}>")

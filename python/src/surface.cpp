@@ -12,6 +12,7 @@
 #include <string>
 #include <tuple>
 #include <utility>
+#include <vector>
 
 #include "arrays.hpp"
 #include "block_stream.hpp"
@@ -197,6 +198,20 @@ Surface make_surface(const py::object& centers, const py::object& radii, double 
                                     .check = [&interrupts] { interrupts.check(); }});
 }
 
+// Makes a surface, and warns if its centres look like nanometres.
+Surface make_checked_surface(const py::object& centers, const py::object& radii,
+                             double probe_radius, const py::object& fill_cavities, int threads) {
+  Surface surface = make_surface(centers, radii, probe_radius, fill_cavities, threads);
+  for (const Diagnostic& diagnostic : surface.diagnostics())
+    if (diagnostic.kind == DiagnosticKind::nanometre_coordinates &&
+        PyErr_WarnEx(PyExc_UserWarning,
+                     "most centres are within 0.3 of their nearest neighbours: centres must be in "
+                     "angstrom, not nanometres",
+                     1) != 0)
+      throw py::error_already_set();
+  return surface;
+}
+
 Grid make_surface_grid(const Surface& surface, double spacing, std::optional<double> margin,
                        const std::optional<Triple>& origin, const std::optional<Triple>& center,
                        const std::optional<GridIndex>& shape) {
@@ -290,6 +305,25 @@ py::list examples_of(const Diagnostic& diagnostic) {
   return examples;
 }
 
+py::tuple diagnostic_state(const Diagnostic& diagnostic) {
+  py::list examples;
+  for (const auto& [atom, other, line] : diagnostic.examples)
+    examples.append(py::make_tuple(atom, other, line));
+  return py::make_tuple(static_cast<int>(diagnostic.kind), diagnostic.count, examples);
+}
+
+Diagnostic diagnostic_of_state(const py::tuple& state) {
+  using Example = std::tuple<AtomIndex, AtomIndex, std::uint64_t>;
+  const auto [kind, count, examples] =
+      unpack_state<std::tuple<std::size_t, std::uint64_t, std::vector<Example>>>(state);
+  if (kind >= diagnostic_kinds)
+    throw py::value_error("the state is not one that this class has pickled");
+  Diagnostic diagnostic{static_cast<DiagnosticKind>(kind), count, {}};
+  for (const auto& [atom, other, line] : examples)
+    diagnostic.examples.push_back({atom, other, line});
+  return diagnostic;
+}
+
 void bind_diagnostic(py::module_& module) {
   py::class_<Diagnostic> type(module, "Diagnostic", diagnostic_text);
   type.attr("__module__") = "eses_blocks";
@@ -320,10 +354,12 @@ void bind_diagnostic(py::module_& module) {
       .def_property_readonly(
           "is_usual", [](const Diagnostic& self) { return is_usual(self.kind); },
           "bool: whether correct files often have such atoms.")
-      .def("__repr__", [](const Diagnostic& self) {
-        return py::str("<eses_blocks.Diagnostic: {} (count {})>")
-            .format(name_of(self.kind), self.count);
-      });
+      .def("__repr__",
+           [](const Diagnostic& self) {
+             return py::str("<eses_blocks.Diagnostic: {} (count {})>")
+                 .format(name_of(self.kind), self.count);
+           })
+      .def(py::pickle(&diagnostic_state, &diagnostic_of_state));
   protect_instances(type);
 }
 
@@ -349,9 +385,9 @@ void bind_surface(py::module_& module) {
   bind_diagnostic(module);
   py::class_<Surface> type(module, "Surface", class_text);
   type.attr("__module__") = "eses_blocks";
-  type.def(py::init(&make_surface), init_text, py::arg("centers"), py::arg("radii") = py::none(),
-           py::arg("probe_radius") = 1.4, py::kw_only(), py::arg("fill_cavities") = false,
-           py::arg("threads") = 0)
+  type.def(py::init(&make_checked_surface), init_text, py::arg("centers"),
+           py::arg("radii") = py::none(), py::arg("probe_radius") = 1.4, py::kw_only(),
+           py::arg("fill_cavities") = false, py::arg("threads") = 0)
       .def("__len__", [](const Surface& self) { return self.atoms().size(); })
       .def("__repr__",
            [](const Surface& self) {

@@ -55,6 +55,19 @@ def test_surface(surface, rebuild):
     assert again.compute(grid).area == surface.compute(grid).area
 
 
+def test_diagnostics(rebuild, tmp_path):
+    path = tmp_path / "ca.pdb"
+    path.write_text("".join(f"ATOM  {i:5}  CA  ALA A{i:4}    {4 * i:8.3f}   0.000   0.000  1.00  0.00           C\n"
+                            for i in range(1, 9)))
+    atoms = eses.read_atoms(path)
+    assert atoms.diagnostics
+    surface = eses.Surface([[0, 0, 0], [0, 0, 0]], [1.5, 1.5])
+    for before, after in ((atoms.diagnostics, rebuild(atoms).diagnostics),
+                          (surface.diagnostics, [rebuild(one) for one in surface.diagnostics])):
+        assert [(one.kind, one.count, one.examples, one.is_usual) for one in before] == [
+            (one.kind, one.count, one.examples, one.is_usual) for one in after]
+
+
 def test_grid(rebuild):
     grid = eses.Grid((1, 2, 3), 0.1, (3, 4, 5))
     assert rebuild(grid) == grid
@@ -166,7 +179,7 @@ with multiprocessing.get_context("fork").Pool(2) as pool:
 @pytest.mark.parametrize("protocol", range(6))
 def test_other_classes_are_refused(surface, protocol):
     blocks = surface.blocks(surface.grid(0.5))
-    for value in (blocks, next(blocks), eses.Surface([[0, 0, 0]] * 2, [1, 1]).diagnostics[0]):
+    for value in (blocks, next(blocks)):
         with pytest.raises(TypeError, match="pickle"):
             pickle.dumps(value, protocol)
 

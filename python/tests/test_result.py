@@ -401,3 +401,31 @@ def test_missing_pandas_is_an_import_error(monkeypatch, ubiquitin, ubiquitin_sur
         result.atom_table()
     with pytest.raises(ImportError, match="to_dataframe needs pandas; install it"):
         ubiquitin.to_dataframe()
+
+
+def test_tables_notice_another_order_of_the_atoms(tmp_path):
+    pytest.importorskip("pandas")
+    lines = [f"ATOM {i} CA ALA A {i} {4 * i} 0 0 0 1.5\n" for i in range(1, 4)]
+    forward, backward, moved = (tmp_path / name for name in ("a.pqr", "b.pqr", "c.pqr"))
+    forward.write_text("".join(lines))
+    backward.write_text("".join(reversed(lines)))
+    moved.write_text("".join(lines).replace(" 0 0 0 ", " 1 0 0 "))
+    atoms = eses.read_atoms(forward)
+    surface = eses.Surface(atoms.centers, atoms.radii)
+    result = surface.compute(surface.grid(0.5))
+    assert len(result.atom_table(eses.read_atoms(moved))) == 3  # of another frame
+    with pytest.raises(ValueError, match="in another order"):
+        result.atom_table(eses.read_atoms(backward))
+    with pytest.raises(TypeError, match="atoms must be eses_blocks.Atoms"):
+        result.residue_table(np.zeros(3))
+
+
+def test_arrays_that_are_called_read_only_are(tmp_path):
+    path = tmp_path / "a.pqr"
+    path.write_text("ATOM 1 CA ALA A 1 0 0 0 0 1.5\n")
+    atoms = eses.read_atoms(path)
+    surface = eses.Surface(atoms.centers, atoms.radii)
+    crossings = surface.compute(surface.grid(0.5)).crossings
+    for array in (atoms.element, atoms.labels.chain, atoms.labels.atom_name, crossings.inside_point,
+                  crossings.outside_point):
+        assert not array.flags.writeable

@@ -40,6 +40,11 @@ found = eses.measure("1ubq.pdb", "bondi", report=[1, 2], reference="miller")
 volume: float = found.ses_volume
 names: list[str] = found.residues.keys()
 set_name: str = eses.read_molecule(atoms).set.name
+by_atom: npt.NDArray[np.float64] = surface.measure(by_atom=True).by_atom.ses
+by_frame: npt.NDArray[np.float64] = eses.measure_frames([atoms.centers], atoms.radii, by_atom=True).by_atom.sas
+grid = surface.grid(0.5, center=np.zeros(3), shape=np.array([9, 9, 9]))
+result = surface.compute(grid, threads=np.int64(1), region=((0, 0, 0), (np.int64(2), 2, 2)))
+atoms = eses.read_atoms(b"1ubq.xyzr", model=np.int32(0))
 eses.adaptors.ADAPTORS["mine"] = lambda molecule, frame: eses.adaptors.Columns(centers=molecule, elements=["C"])
 wrong: str = result.area
 """, encoding="utf-8")
@@ -47,4 +52,4 @@ wrong: str = result.area
                           capture_output=True, text=True, check=False, cwd=tmp_path,
                           env={"MYPYPATH": str(pathlib.Path(eses.__file__).parents[1])})
     errors = [line for line in done.stdout.splitlines() if ": error:" in line]
-    assert len(errors) == 1 and "program.py:16:" in errors[0], done.stdout + done.stderr
+    assert len(errors) == 1 and "program.py:21:" in errors[0], done.stdout + done.stderr

@@ -1,5 +1,7 @@
 """Tests of surfaces made from arrays."""
 
+import warnings
+
 import numpy as np
 import pytest
 
@@ -158,3 +160,28 @@ def test_diagnostics_are_reported():
 def test_arrays_outlive_the_surface(chain):
     centers = (lambda surface: surface.centers)(eses.Surface(*chain))
     assert np.array_equal(centers, chain[0])
+
+
+def test_progress_is_served_while_cavities_are_searched(lattice):
+    """Ctrl-C and callbacks are served before the number of blocks is known."""
+    class Stop(Exception):
+        pass
+
+    calls = []
+
+    def progress(done, total):
+        calls.append((done, total))
+        raise Stop
+
+    surface = eses.Surface(*lattice(10), fill_cavities=True)
+    with pytest.raises(Stop):
+        surface.compute(surface.grid(0.3), progress=progress, block_size=8)
+    assert calls == [(0, 1)]
+
+
+def test_centres_in_nanometres_are_warned_about(ubiquitin):
+    with pytest.warns(UserWarning, match="angstrom, not nanometres"):
+        eses.Surface(ubiquitin.centers / 10, ubiquitin.radii)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        eses.Surface(ubiquitin.centers, ubiquitin.radii)
