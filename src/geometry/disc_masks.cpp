@@ -79,6 +79,7 @@ void find_entries(const CapList& caps, double inverse_radius, DiscEntries& entri
     const auto octant =
         one_if_negative(x) + broadcast(2) * one_if_negative(y) + broadcast(4) * one_if_negative(z);
     hn::StoreU(hn::DemoteTo(Indices(), entry), Indices(), &entries.entry[k]);
+    hn::StoreU(hn::DemoteTo(Indices(), step), Indices(), &entries.step[k]);
     hn::StoreU(hn::DemoteTo(Indices(), octant), Indices(), &entries.octant[k]);
   }
 }
@@ -368,7 +369,7 @@ const DiscTable& disc_table() {
 }
 
 void find_disc_entries(const CapList& caps, double radius, DiscEntries& entries) {
-  for (auto* values : {&entries.entry, &entries.octant})
+  for (auto* values : {&entries.entry, &entries.step, &entries.octant})
     if (values->size() < caps.count + vector_padding)
       values->resize(2 * caps.count + vector_padding);
   ESES_BEST_VERSION(find_entries)(caps, 1 / radius, entries);

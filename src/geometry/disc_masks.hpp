@@ -54,9 +54,9 @@ struct alignas(64) CapDiscs {
   DiscSet contained, met;
 };
 
-/// The position of a cap in the table, and the octant of its axis.
+/// The position of a cap in the table, its step of size, and the octant of its axis.
 struct DiscEntries {
-  std::vector<std::int32_t> entry, octant;
+  std::vector<std::int32_t> entry, step, octant;
 };
 
 /// Eight directions that are centres of smaller discs, all of the same size, which cover a disc.
@@ -74,7 +74,8 @@ struct PartLimits {
 /// The discs and their table.
 class DiscTable {
  public:
-  /// Steps of the cosine of a cap's angular radius. The last step has all larger caps.
+  /// Steps of the cosine of a cap's angular radius. Step 0 has the smallest caps, and the last one
+  /// all larger caps.
   static constexpr int steps_per_unit = 32, steps = 48;
 
   DiscTable();
@@ -85,9 +86,6 @@ class DiscTable {
   /// The parts of a disc of octant 0, and the angular radius of all parts (radians).
   const DiscParts& parts_of(std::size_t disc) const { return parts_[disc]; }
   double part_radius() const { return part_radius_; }
-
-  /// Returns the step of an entry; 0 has the smallest caps.
-  static int step_of(std::int32_t entry) { return entry % steps; }
 
   /// Returns whether the set has the disc that is assigned to a direction, a vector of any length.
   bool contains(const DiscSet& set, Vec3 direction) const;

@@ -192,6 +192,8 @@ bool matches(std::string_view pattern, std::string_view name) {
 }
 
 bool has_match(std::string_view patterns, std::string_view name) {
+  constexpr auto none = std::string_view::npos;
+  if (patterns.find(name) == none && patterns.find('*') == none) return false;
   for (std::string_view pattern = take_first(patterns); !pattern.empty();
        pattern = take_first(patterns))
     if (matches(pattern, name)) return true;

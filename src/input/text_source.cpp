@@ -182,10 +182,11 @@ void TextSource::fail_as_damaged() const {
 
 std::string read_text(TextSource& source, const ReadingLimit& limit, const CheckCallback& check,
                       std::uint64_t max_bytes) {
-  constexpr std::size_t piece_bytes = std::size_t{1} << 20;
   std::string text;
   for (std::size_t used = 0;; used = text.size()) {
     if (check) check();
+    // Pieces grow with the text, as resize() fills them: small files need small ones.
+    const std::size_t piece_bytes = std::clamp(used, std::size_t{1} << 16, std::size_t{1} << 20);
     if (used + piece_bytes > text.capacity()) {
       // Both copies of the text are in memory while reserve() copies it.
       limit.require(used + 2 * (used + piece_bytes), reading_of(source.name()));

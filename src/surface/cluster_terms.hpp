@@ -9,6 +9,7 @@
 #include "surface/gradient_terms.hpp"
 #include "surface/measure_settings.hpp"
 #include "surface/patch_sums.hpp"
+#include "system/padding.hpp"
 
 namespace eses::detail {
 
@@ -23,7 +24,7 @@ ComponentFinder::RootSums& sums_of(std::vector<ComponentFinder::RootSums>& roots
                                    ComponentFinder::Node root);
 
 /// The results of a cluster.
-struct ClusterTerms {
+struct alignas(thread_alignment) ClusterTerms {
   PatchSums sums;
   std::vector<ComponentFinder::RootSums> roots;  ///< the same by root, if there are components
   std::vector<SharedCut> cuts;
@@ -36,7 +37,7 @@ struct ClusterTerms {
 };
 
 /// Scratch memory of a thread.
-struct ClusterScratch {
+struct alignas(thread_alignment) ClusterScratch {
   ConcavePatch patch, triangle;
   ConcaveScratch concave;
   std::vector<PlacementParts> cutter_parts;

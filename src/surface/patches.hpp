@@ -18,6 +18,7 @@
 #include "surface/atom_patches.hpp"
 #include "surface/crowded_atoms.hpp"
 #include "surface/surface_model.hpp"
+#include "system/padding.hpp"
 
 namespace eses::detail {
 
@@ -104,7 +105,7 @@ class Patches {
   const AtomClusters& clusters() const { return clusters_; }
 
   /// Scratch memory of a thread.
-  struct Scratch {
+  struct alignas(thread_alignment) Scratch {
     AtomPatchScratch atoms;
     BuiltPatches built;
   };

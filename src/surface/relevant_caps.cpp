@@ -10,12 +10,16 @@ namespace {
 using std::numbers::pi;
 
 // Caps are sorted by size in classes of this many steps of the table.
-constexpr int steps_per_class = 6;
+constexpr std::size_t steps_per_class = 6;
 constexpr std::size_t class_count = DiscTable::steps / steps_per_class;
 
-std::size_t class_of(std::int32_t entry) {
-  return class_count - 1 - static_cast<std::size_t>(DiscTable::step_of(entry) / steps_per_class);
-}
+// The class of each step; class 0 has the largest caps.
+constexpr std::array<std::uint8_t, DiscTable::steps> class_of_step = [] {
+  std::array<std::uint8_t, DiscTable::steps> classes{};
+  for (std::size_t step = 0; step < classes.size(); ++step)
+    classes[step] = static_cast<std::uint8_t>(class_count - 1 - step / steps_per_class);
+  return classes;
+}();
 
 // With more open discs, dividing them costs more than it saves.
 constexpr int max_divided_discs = 24;
@@ -23,11 +27,14 @@ constexpr int max_divided_discs = 24;
 // Sorts the caps that meet an open disc by class. Within a class they keep their order.
 void sort_by_size(RelevantCapScratch& scratch) {
   std::array<std::size_t, class_count + 1> next{};
-  for (const std::uint32_t k : scratch.meeting) ++next[class_of(scratch.entries.entry[k]) + 1];
+  const std::int32_t* const steps = scratch.entries.step.data();
+  const auto class_of = [&](std::uint32_t k) {
+    return class_of_step[static_cast<std::size_t>(steps[k])];
+  };
+  for (const std::uint32_t k : scratch.meeting) ++next[class_of(k) + 1U];
   std::partial_sum(next.begin(), next.end(), next.begin());
   scratch.by_size.resize(scratch.meeting.size());
-  for (const std::uint32_t k : scratch.meeting)
-    scratch.by_size[next[class_of(scratch.entries.entry[k])]++] = k;
+  for (const std::uint32_t k : scratch.meeting) scratch.by_size[next[class_of(k)]++] = k;
 }
 
 double outside_largest(const CapList& caps, double radius) {

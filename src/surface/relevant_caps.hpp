@@ -9,6 +9,7 @@
 
 #include "geometry/disc_masks.hpp"
 #include "surface/neighbour_caps.hpp"
+#include "system/padding.hpp"
 
 namespace eses::detail {
 
@@ -27,7 +28,7 @@ struct AngleBound {
 
 /// The open atoms among consecutive atoms, with their relevant caps. Without the other caps, the
 /// same points of the open discs are accessible.
-struct AtomSection {
+struct alignas(thread_alignment) AtomSection {
   std::vector<AngleBound> bounds;  ///< of all atoms
   std::vector<OpenAtom> open_atoms;
   CapList caps;                       ///< of all open atoms; for each, large caps first
@@ -35,7 +36,7 @@ struct AtomSection {
 };
 
 /// Scratch memory of find_relevant_caps, one per thread.
-struct RelevantCapScratch {
+struct alignas(thread_alignment) RelevantCapScratch {
   NeighbourScratch near;
   DiscEntries entries;
   PartLimits part_limits;

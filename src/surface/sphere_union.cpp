@@ -15,6 +15,7 @@
 #include "surface/crowded_atoms.hpp"
 #include "surface/patch_sweep.hpp"
 #include "surface/relevant_caps.hpp"
+#include "system/padding.hpp"
 #include "system/parallel.hpp"
 
 namespace eses::detail {
@@ -58,7 +59,7 @@ struct ArcTerm {
 };
 
 // The arcs that are measured from the atoms of a section.
-struct ArcTerms {
+struct alignas(thread_alignment) ArcTerms {
   std::vector<ArcTerm> arcs;
   bool is_certain = true;
 
@@ -147,7 +148,7 @@ bool is_measured_from(AtomIndex i, AtomIndex j, std::span<const OpenAtomEntry> a
 }
 
 // Measures the arcs on the SAS spheres of atoms, one atom after the other.
-class ArcFinder {
+class alignas(thread_alignment) ArcFinder {
  public:
   ArcFinder(const SurfaceModel& surface, Vec3 origin) : surface_(surface), origin_(origin) {}
 
