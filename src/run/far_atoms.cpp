@@ -15,8 +15,8 @@
 namespace eses::detail {
 namespace {
 
-constexpr double min_examined_points = 1e8;   // of a grid that is examined
-constexpr double max_points = 1e10;  // of a sparse grid without the consent of the user
+constexpr double min_examined_points = 1e8;  // of a grid that is examined
+constexpr double max_points = 1e10;          // of a sparse grid without the consent of the user
 constexpr double min_near_part = 0.01;
 constexpr double min_gap = 20;        // angstrom, between the centres of far atoms and the others
 constexpr int max_groups = 100;       // of atoms that are far from each other

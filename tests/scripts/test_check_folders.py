@@ -104,7 +104,7 @@ class CheckFolders(TestCase):
     def test_names_that_two_files_of_a_folder_share_are_reported(self):
         local = "namespace {\n\n%s\n}  // namespace\n"
         self.write("src/low/a.cpp", local % (
-            "constexpr int size = 3, number = f(1, 2);\nstruct Part {\n  int size_in_part;\n};\n"
+            "constexpr int size = 3, number = f(1, 2);\nstruct alignas(64) Part {\n  int size_in_part;\n};\n"
             "template <class Value>\nstd::vector<Value> parts_of(std::map<int, Value> values) {\n"
             "  const int inner = 0;\n}\n// int comment = 0;\nusing std::numbers::pi;\n"))
         self.write("src/low/b.cpp", local % (
