@@ -80,7 +80,7 @@ def read_records(source, layout):
     # Remarks may contain any byte.
     with gzip_errors(source), opened(source, "rt", encoding="latin-1") as file:
         lines = list(file)
-    return mmcif.to_pdb(lines) if layout == "mmcif" else lines
+    return list(mmcif.to_pdb(lines)) if layout == "mmcif" else lines
 
 
 def hetero_residues(source, layout):

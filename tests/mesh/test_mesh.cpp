@@ -800,7 +800,7 @@ TEST_CASE("mesh: a dry run refuses paths that cannot be written, and creates non
   const Sandbox sandbox;
   fs::create_directories(sandbox.directory() / "taken.ply");
   fs::create_directories(sandbox.directory() / "out/map.dx");
-  const std::string long_name = std::string(250, 'a') + ".ply";
+  const std::string long_name = std::string(252, 'a') + ".ply";
   for (const Arguments& arguments :
        {Arguments{"--mesh", "pair.xyzr/a.ply"}, Arguments{"--mesh", "pair.xyzr/b/a.ply"},
         Arguments{"--mesh", "taken.ply"}, Arguments{"--mesh", long_name},

@@ -260,7 +260,7 @@ class Names(PdbbindTest):
         self.add("a.xyzr")
         (self.output / "summary.csv").mkdir(parents=True)
         done = self.run_pdbbind(code=1)
-        self.assertEqual(done.stderr, f"pdbbind: {self.output}/summary.csv: Is a directory\n")
+        self.assertEqual(done.stderr, f"pdbbind: cannot write {self.output}/summary.csv: Is a directory\n")
         self.assertEqual(self.files("."), ["summary.csv"])
 
     def test_links_are_followed_once(self):
