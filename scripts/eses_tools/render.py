@@ -16,8 +16,11 @@ from eses_tools import quiet_interrupt  # before the modules that take time to l
 import contextlib
 import math
 import pathlib
+import secrets
 import shutil
+import struct
 import subprocess
+import tempfile
 
 from eses_tools.common import (PAGES, PICTURES, Failed, Parser, at_least, between, complete_file, end_with,
                                require_kind, require_output)
@@ -42,6 +45,14 @@ OCCLUSION_SAMPLES = 96
 LINE = 0.035  # height of a line of the legend, relative to that of the picture
 
 
+def write_cookie(path):
+    """Writes a file of xauth with a random cookie for any display, which keeps other users out."""
+    fields = (b"", b"", b"MIT-MAGIC-COOKIE-1", secrets.token_bytes(16))  # host, display, protocol, cookie
+    any_host = 0xFFFF
+    path.write_bytes(struct.pack(">H", any_host)
+                     + b"".join(struct.pack(">H", len(field)) + field for field in fields))
+
+
 @contextlib.contextmanager
 def display():
     """Provides a display: that of the user, or one in memory (Xvfb), which ends with the script."""
@@ -53,24 +64,28 @@ def display():
         raise Failed("there is no display; install xvfb")
     reading, writing = os.pipe()
     process = None
+    folder = tempfile.TemporaryDirectory(prefix="render-")
+    cookie = pathlib.Path(folder.name) / "Xauthority"
     try:
+        write_cookie(cookie)
         with measuring.delayed_signals():
             # A session of its own, so that Ctrl-C does not end it before the picture's program.
             # It chooses a free number, and ends by itself if this script is killed.
             process = subprocess.Popen(
-                [server, "-displayfd", str(writing), "-terminate", "-nolisten", "tcp", "-screen", "0",
-                 "1280x1024x24"], stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
+                [server, "-displayfd", str(writing), "-terminate", "-nolisten", "tcp", "-auth", str(cookie),
+                 "-screen", "0", "1280x1024x24"], stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
                 stderr=subprocess.DEVNULL, pass_fds=[writing], start_new_session=True)
         os.close(writing)
         with open(reading, encoding="ascii") as numbers:
             number = numbers.readline().strip()
         if not number:
             raise Failed(f"{server}: does not start")
-        os.environ["DISPLAY"] = f":{number}"
+        os.environ.update(DISPLAY=f":{number}", XAUTHORITY=str(cookie))
         yield
     finally:
         if process:
             measuring.end_session(process)
+        folder.cleanup()
 
 
 def import_vtk():
