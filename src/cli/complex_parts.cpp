@@ -70,8 +70,8 @@ std::vector<bool> selected(const std::string& selection, const DividedFile& file
 
 /// Moves the names of residues that are no amino acids and nucleotides to the front.
 std::vector<std::string> ligands_first(std::vector<std::string> residues) {
-  std::ranges::stable_partition(residues,
-                                [](const std::string& name) { return !is_named_polymer(name); });
+  std::stable_partition(residues.begin(), residues.end(),
+                        [](const std::string& name) { return !is_named_polymer(name); });
   return residues;
 }
 

@@ -47,7 +47,7 @@ void print_diagnostics(const InterfaceOptions& options, const AtomFile& file,
   std::vector<std::string> lines;
   for (const DiagnosticText& diagnostic : describe(file, surface, options.input))
     if (!diagnostic.is_usual) lines.push_back(diagnostic.message);
-  if (options.strict && !lines.empty()) throw StrictError(lines);
+  if (options.strict && !lines.empty()) throw StrictError{lines};
   if (options.quiet) return;
   for (const std::string& line : lines) print_message("warning", line);
 }

@@ -66,9 +66,11 @@ SlabSweep::SlabSweep(const Request& request, PlannedRun& run, std::span<const Pl
       report_(report),
       surface_(run.patches),
       all_planes_(plane_count(ranges)) {
-  const auto [index, count] = run.share;
-  const auto checks_before = [&](std::int64_t i) { return request.parameters.verify * i / count; };
-  check_count_ = static_cast<double>(checks_before(index + 1) - checks_before(index));
+  const Share share = run.share;
+  const auto checks_before = [&](std::int64_t i) {
+    return request.parameters.verify * i / share.count;
+  };
+  check_count_ = static_cast<double>(checks_before(share.index + 1) - checks_before(share.index));
 }
 
 SurfaceModel SlabSweep::make_surface() const {
