@@ -225,7 +225,6 @@ TEST_CASE("a selection of one residue is no range", "[structure]") {
     CHECK(lines(single) == Lines{2});
   }
   CHECK(lines("//A/2-") == Lines{2, 3});
-  CHECK(lines("//A/-2") == Lines{1, 2});
   CHECK(lines("//A/2-3") == Lines{2, 3});
   CHECK(lines("//A") == Lines{1, 2, 3});
 }
