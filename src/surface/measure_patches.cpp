@@ -146,6 +146,8 @@ class PatchMeasurement {
     std::atomic<bool> is_regular_so_far = true;
     terms_.resize(std::max<std::size_t>(terms_.size(), end - begin));
     parallel_for(end - begin, settings_.threads, [&](std::int64_t k, int thread) {
+      // A layer can take long. The calling thread serves signals.
+      if (thread == 0 && settings_.check) settings_.check();
       const ClusterIndex cluster = begin + static_cast<ClusterIndex>(k);
       ClusterScratch& scratch = scratch_[static_cast<std::size_t>(thread)];
       if (surface_.has_slack && !is_regular(surface_, patches.of_cluster(cluster), scratch))

@@ -74,6 +74,7 @@ bool PatchSweep::build_patches(double up_to) {
     while (const auto step = schedule.take(up_to)) steps.push_back(*step);
     const auto count = static_cast<std::int64_t>(steps.size());
     parallel_for(count, threads_, [&](std::int64_t k, int thread) {
+      if (thread == 0 && check_) check_();
       const BuildStep& step = steps[static_cast<std::size_t>(k)];
       if (step.kind == BuildStep::Kind::find_arcs)
         patches.find_arcs(step.cluster, scratch_[static_cast<std::size_t>(thread)]);

@@ -33,7 +33,8 @@ inline const char* symbol_of(gemmi::Element element) {
 /// Returns whether a residue is an amino acid or nucleotide, also a modified one, and also by a
 /// name of Amber, CHARMM or GROMACS.
 inline bool is_polymer_residue(std::string_view residue) {
-  const auto& info = gemmi::find_tabulated_residue(std::string(without_end_letter(residue)));
+  const std::string name(without_end_letter(residue));
+  const auto& info = gemmi::find_tabulated_residue(name);
   return info.is_amino_acid() || info.is_nucleic_acid() || is_named_polymer(residue);
 }
 
