@@ -2,6 +2,7 @@
 /// @file
 /// Areas and volumes of a surface, in closed form and without a grid.
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -58,6 +59,11 @@ struct AtomAreas {
   std::vector<double> convex;   ///< Convex patches of the solvent excluded surface.
   std::vector<double> saddle;   ///< Saddle patches of the solvent excluded surface.
   std::vector<double> concave;  ///< Concave patches of the solvent excluded surface.
+
+  /// Area of an atom on the solvent excluded surface; 0 if it is not measured.
+  double ses(std::size_t i) const {
+    return convex.empty() ? 0 : convex[i] + saddle[i] + concave[i];
+  }
 };
 
 /// Derivatives of one area or volume. Lengths are in angstrom.

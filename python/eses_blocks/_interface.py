@@ -153,7 +153,7 @@ def _measure(molecule: _molecule.Molecule, parts: Any, names: Sequence[str], pro
     polar = _polar_atoms(molecule, _starts_of(molecule))
     interfaces = []
     for first, second, atoms, sas_lost, ses_lost in _core._measure_interfaces(
-            surface, parts[molecule.kept], True, threads):
+            surface, parts[molecule.kept], threads):
         index = molecule.kept[atoms]
         interfaces.append(Interface(molecule, names[first], names[second], (parts[index] == second).astype(np.int64),
                                     polar[index], index, sas_lost, ses_lost))

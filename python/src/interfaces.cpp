@@ -17,16 +17,16 @@ namespace {
 
 // Returns a tuple for each interface: the numbers of its parts, and the indices, lost SAS areas and
 // lost SES areas of its atoms. The part of an atom that is left out is negative.
-py::list measure_parts(const Surface& surface, const std::vector<std::int64_t>& parts, bool ses,
+py::list measure_parts(const Surface& surface, const std::vector<std::int64_t>& parts,
                        int threads) {
   const std::vector<std::uint32_t> numbers(parts.begin(), parts.end());
   std::vector<Interface> found;
   {
     Interrupts interrupts;
     const py::gil_scoped_release release;
-    found = measure_interfaces(
-        surface, numbers,
-        {.ses = ses, .threads = usable_threads(threads), .check = [&] { interrupts.check(); }});
+    found = measure_interfaces(surface, numbers, {.threads = usable_threads(threads), .check = [&] {
+                                                    interrupts.check();
+                                                  }});
   }
   py::list interfaces;
   for (const Interface& interface : found) {

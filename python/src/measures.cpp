@@ -196,8 +196,7 @@ void MeasureArrays::store_areas(std::size_t frame, const AtomAreas& areas) {
   std::copy(areas.saddle.begin(), areas.saddle.end(), saddle.mutable_data(frame));
   std::copy(areas.concave.begin(), areas.concave.end(), concave.mutable_data(frame));
   double* const sum = ses.mutable_data(frame);
-  for (std::size_t i = 0; i < areas.convex.size(); ++i)
-    sum[i] = areas.convex[i] + areas.saddle[i] + areas.concave[i];
+  for (std::size_t i = 0; i < areas.convex.size(); ++i) sum[i] = areas.ses(i);
 }
 
 void MeasureArrays::store_gradients(std::size_t frame, const Gradients& gradients) {

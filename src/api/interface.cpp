@@ -25,11 +25,6 @@ constexpr double rounding = 1e-7;
 struct AtomsAlone {
   std::vector<AtomIndex> atoms;
   AtomAreas areas;
-
-  /// Returns the SES area of an atom of the list; 0 if it was not measured.
-  double ses(std::size_t i) const {
-    return areas.convex.empty() ? 0 : areas.convex[i] + areas.saddle[i] + areas.concave[i];
-  }
 };
 
 AtomsAlone measure_alone(const Surface& all, std::vector<AtomIndex> chosen,
@@ -79,9 +74,9 @@ void add_part(const AtomsAlone& alone, const AtomsAlone& together, const Side& s
   for (std::size_t i = 0; i < alone.atoms.size(); ++i) {
     while (together.atoms[k] != alone.atoms[i]) ++k;
     found.sas.*side.alone += alone.areas.sas[i];
-    found.ses.*side.alone += alone.ses(i);
+    found.ses.*side.alone += alone.areas.ses(i);
     const double sas = alone.areas.sas[i] - together.areas.sas[k];
-    const double ses = alone.ses(i) - together.ses(k);
+    const double ses = alone.areas.ses(i) - together.areas.ses(k);
     if (std::abs(sas) < rounding && std::abs(ses) < rounding) continue;
     found.sas.*side.lost += sas;
     found.ses.*side.lost += ses;
@@ -121,9 +116,9 @@ std::vector<Interface> measure_interfaces(const Surface& surface,
     atoms_of_part[parts[i]].push_back(static_cast<AtomIndex>(i));
   std::map<std::uint32_t, AtomsAlone> alone;
   const auto part_alone = [&](std::uint32_t part) -> const AtomsAlone& {
-    if (!alone.contains(part))
-      alone[part] = measure_alone(surface, atoms_of_part.at(part), measuring);
-    return alone.at(part);
+    const auto [found, is_new] = alone.try_emplace(part);
+    if (is_new) found->second = measure_alone(surface, atoms_of_part.at(part), measuring);
+    return found->second;
   };
   std::vector<Interface> interfaces;
   for (const auto& [first, second] :

@@ -175,8 +175,7 @@ std::vector<ComplexParts> divide_by_ligand(const std::string& ligand, const Divi
     const AtomLabel& label = runs.labels[run];
     if (label.residue == ligand) {
       ComplexParts& parts = divisions.emplace_back();
-      parts.names = {formatted("{}:{} {}", label.chain, label.residue, label.residue_number),
-                     "all other atoms"};
+      parts.names = {residue_name(label), "all other atoms"};
       parts.part_of_atom.assign(file.labels.size(), 1);
       std::fill(parts.part_of_atom.begin() + static_cast<std::ptrdiff_t>(first),
                 parts.part_of_atom.begin() + static_cast<std::ptrdiff_t>(end), 0);

@@ -11,7 +11,7 @@
 
 namespace eses::detail::cli {
 
-/// What `eses-blocks interface` prints.
+/// The outputs of `eses-blocks interface`.
 enum class InterfaceTable { report, interfaces, residues, atoms };
 
 struct InterfaceOptions {

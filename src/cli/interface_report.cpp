@@ -29,15 +29,16 @@ static void to_json(detail::Json& json, const BuriedArea& area) {
 namespace eses::detail::cli {
 namespace {
 
-/// What a residue of an interface loses, in square angstrom.
+/// A residue of an interface and the areas that it loses, in square angstrom.
 struct BuriedResidue {
   std::uint32_t part = 0;  ///< part of the complex
   const AtomLabel& label;
   double sas = 0, ses = 0;
 };
 
-/// Returns the residues of the atoms of an interface, in the order of the file.
-std::vector<BuriedResidue> residues_of(const InterfaceFile& file, const NamedInterface& interface) {
+/// Returns the residues of an interface that lose enough, in the order of the file.
+std::vector<BuriedResidue> residues_of(const InterfaceOptions& options, const InterfaceFile& file,
+                                       const NamedInterface& interface) {
   std::vector<BuriedResidue> residues;
   for (std::size_t i = 0; i < interface.parts.size(); ++i) {
     const BuriedAtom& buried = interface.areas.atoms[i];
@@ -48,22 +49,19 @@ std::vector<BuriedResidue> residues_of(const InterfaceFile& file, const NamedInt
     residues.back().sas += buried.sas;
     residues.back().ses += buried.ses;
   }
-  return residues;
+  std::vector<BuriedResidue> found;
+  for (const BuriedResidue& residue : residues)
+    if (residue.sas >= options.min_residue_area) found.push_back(residue);
+  return found;
 }
 
-/// Returns the residues of a part that lose enough.
-std::vector<BuriedResidue> residues_of_part(const InterfaceOptions& options,
-                                            const InterfaceFile& file,
-                                            const NamedInterface& interface, std::uint32_t part) {
-  std::vector<BuriedResidue> residues;
-  for (const BuriedResidue& residue : residues_of(file, interface))
-    if (residue.part == part && residue.sas >= options.min_residue_area)
-      residues.push_back(residue);
-  return residues;
-}
-
-std::string residue_name(const AtomLabel& label) {
-  return formatted("{}:{} {}", label.chain, label.residue, label.residue_number);
+/// Returns the residues of a part.
+std::vector<BuriedResidue> residues_of_part(const std::vector<BuriedResidue>& residues,
+                                            std::uint32_t part) {
+  std::vector<BuriedResidue> found;
+  for (const BuriedResidue& residue : residues)
+    if (residue.part == part) found.push_back(residue);
+  return found;
 }
 
 /// Returns the SAS interface area of polar or apolar atoms.
@@ -136,15 +134,15 @@ std::string interface_report(const InterfaceOptions& options, const InterfaceFil
     text += no_interface_text(options, file);
   }
   for (const NamedInterface& interface : file.interfaces) {
-    const auto& [sas, ses] = std::pair(interface.areas.sas, interface.areas.ses);
-    const auto sides = std::pair(one_line(interface.first), one_line(interface.second));
-    text += formatted("{} and {}: SAS interface area {:.4f} ({:.4f} polar, {:.4f} apolar)\n",
-                      sides.first, sides.second, sas.interface_area(),
-                      area_of(file, interface, true), area_of(file, interface, false));
-    text += lost_line("SAS", sas, interface) + lost_line("SES", ses, interface);
-    for (const auto& [name, part] : {std::pair(interface.first, interface.areas.first),
-                                     std::pair(interface.second, interface.areas.second)})
-      text += side_text(name, residues_of_part(options, file, interface, part));
+    const Interface& areas = interface.areas;
+    text +=
+        formatted("{} and {}: SAS interface area {:.4f} ({:.4f} polar, {:.4f} apolar)\n",
+                  one_line(interface.first), one_line(interface.second), areas.sas.interface_area(),
+                  area_of(file, interface, true), area_of(file, interface, false));
+    text += lost_line("SAS", areas.sas, interface) + lost_line("SES", areas.ses, interface);
+    const std::vector<BuriedResidue> residues = residues_of(options, file, interface);
+    text += side_text(interface.first, residues_of_part(residues, areas.first)) +
+            side_text(interface.second, residues_of_part(residues, areas.second));
   }
   return text;
 }
@@ -156,8 +154,9 @@ std::string interface_rows(const InterfaceOptions& options, const InterfaceFile&
       "residues_of_second,atoms,sas_of_first_alone,sas_of_second_alone\n";
   for (const NamedInterface& interface : file.interfaces) {
     const BuriedArea &sas = interface.areas.sas, &ses = interface.areas.ses;
+    const std::vector<BuriedResidue> residues = residues_of(options, file, interface);
     const auto count = [&](std::uint32_t part) {
-      return residues_of_part(options, file, interface, part).size();
+      return std::ranges::count(residues, part, &BuriedResidue::part);
     };
     text += formatted(
         "{},{},{:.6f},{:.6f},{:.6f},{:.6f},{:.6f},{:.6f},{:.6f},{:.6f},{},{},{},{:.6f},{:.6f}\n",
@@ -180,12 +179,10 @@ std::string side_fields(const NamedInterface& interface, std::uint32_t part) {
 std::string residue_rows(const InterfaceOptions& options, const InterfaceFile& file) {
   std::string text = "side,other_side,chain,residue_number,residue,sas_lost,ses_lost\n";
   for (const NamedInterface& interface : file.interfaces)
-    for (const BuriedResidue& residue : residues_of(file, interface)) {
-      if (residue.sas < options.min_residue_area) continue;
+    for (const BuriedResidue& residue : residues_of(options, file, interface))
       text += formatted("{},{},{},{},{:.6f},{:.6f}\n", side_fields(interface, residue.part),
                         csv_field(residue.label.chain), csv_field(residue.label.residue_number),
                         csv_field(residue.label.residue), residue.sas, residue.ses);
-    }
   return text;
 }
 
@@ -223,8 +220,9 @@ std::string interface_json(const InterfaceOptions& options, const InterfaceFile&
               {"probe_radius", options.probe_radius},
               {"interfaces", Json::array()}};
   for (const NamedInterface& interface : file.interfaces) {
+    const std::vector<BuriedResidue> residues = residues_of(options, file, interface);
     const auto side = [&](const std::string& name, std::uint32_t part) {
-      return side_json(name, residues_of_part(options, file, interface, part));
+      return side_json(name, residues_of_part(residues, part));
     };
     object["interfaces"].push_back({{"first", side(interface.first, interface.areas.first)},
                                     {"second", side(interface.second, interface.areas.second)},

@@ -2,8 +2,6 @@
 /// The texts of `eses-blocks interface`.
 
 #include <cstdint>
-#include <optional>
-#include <span>
 #include <string>
 #include <vector>
 

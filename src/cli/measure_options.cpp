@@ -1,11 +1,14 @@
 #include "cli/measure_options.hpp"
 
+#include <fmt/ranges.h>
+
 #include <CLI/CLI.hpp>
 #include <limits>
 #include <optional>
 #include <stdexcept>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 #include "cli/arguments.hpp"
 #include "cli/input_files.hpp"
@@ -51,8 +54,12 @@ Exit codes:
   1  a file could not be measured, or another input, output or resource error
   2  error in the command line)";
 
-constexpr std::string_view table_names =
-    "atoms,residues,chains,derivatives,cavities,pieces,pockets,rsa,seq,res,pdb,cif";
+/// Returns the names of all tables, for messages.
+std::string table_names() {
+  std::vector<std::string_view> names;
+  for (const Table& table : tables) names.push_back(table.name);
+  return formatted("{}", fmt::join(names, ","));
+}
 
 std::optional<double> probe_radius_in(const std::string& text) {
   const std::optional<double> value = whole_text<double>(text);
@@ -175,10 +182,9 @@ void add_measure_options(CLI::App& app, MeasureCommandOptions& options, InputCho
   add_value(app, "--write", "LIST",
             "tables to write: some of atoms,residues,chains,\n"
             "derivatives,cavities,pieces,pockets,rsa,seq,res,pdb,cif",
-            options.tables, Format<TableChoice>{tables_in, formatted("some of {}", table_names)});
+            options.tables, Format<TableChoice>{tables_in, "some of " + table_names()});
   add_value(app, "--table", "NAME", "print one of these tables in place of the report",
-            options.printed_table,
-            Format<const Table*>{table_in, formatted("one of {}", table_names)});
+            options.printed_table, Format<const Table*>{table_in, "one of " + table_names()});
   add_value(app, "--reference", "NAME",
             "maximum areas of residues, for relative areas: tien\n(2013), miller (1987) or sander "
             "(1994) [tien]",

@@ -60,7 +60,7 @@ std::string chains_text(const SurfaceChoice& surfaces, const MeasuredFile& file)
     Chain& chain = chains[labels[i].chain];
     ++chain.atoms;
     chain.sas += areas.sas[i];
-    if (surfaces.has_ses()) chain.ses += areas.convex[i] + areas.saddle[i] + areas.concave[i];
+    chain.ses += areas.ses(i);
   }
   std::string text = formatted("SAS by class of atoms: {:.4f} polar, {:.4f} apolar\n", polar,
                                file.measures.sas_area - polar);

@@ -3,15 +3,22 @@
 
 #include <cstdint>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "eses/atoms.hpp"
+#include "system/formatted.hpp"
 
 namespace eses::detail {
 
 /// Returns whether two consecutive atoms belong to the same residue.
 inline bool is_same_residue(const AtomLabel& a, const AtomLabel& b) {
   return a.chain == b.chain && a.residue_number == b.residue_number && a.residue == b.residue;
+}
+
+/// Returns the name of a residue with its chain and number, such as A:LYS 12.
+inline std::string residue_name(const AtomLabel& label) {
+  return formatted("{}:{} {}", label.chain, label.residue, label.residue_number);
 }
 
 /// Runs of consecutive atoms with the same chain, residue number and residue name.

@@ -35,6 +35,12 @@ std::string lower_case(std::string text) {
   return text;
 }
 
+std::string upper_case(std::string text) {
+  for (char& c : text)
+    if (c >= 'a' && c <= 'z') c = static_cast<char>(c - 32);
+  return text;
+}
+
 bool starts_with_ignoring_case(std::string_view text, std::string_view lower_case_prefix) {
   return text.size() >= lower_case_prefix.size() &&
          std::equal(lower_case_prefix.begin(), lower_case_prefix.end(), text.begin(),

@@ -22,6 +22,7 @@ constexpr bool is_letter(char c) { return (c >= 'A' && c <= 'Z') || (c >= 'a' &&
 /// Converts ASCII letters to lower case, independently of the locale.
 constexpr char lower_case(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c; }
 std::string lower_case(std::string text);
+std::string upper_case(std::string text);
 
 bool starts_with_ignoring_case(std::string_view text, std::string_view lower_case_prefix);
 

@@ -64,9 +64,8 @@ ResidueNumber split_number(std::string_view text) {
 std::string in_column(const std::string& text, std::size_t width, std::string_view what,
                       const AtomLabel& label) {
   if (text.size() > width)
-    throw Error(formatted("{} {} of {}:{} {} is too wide for its column; write csv or cif", what,
-                          printable(text), printable(label.chain), printable(label.residue),
-                          printable(label.residue_number)));
+    throw Error(formatted("{} {} of {} is too wide for its column; write csv or cif", what,
+                          printable(text), printable(residue_name(label))));
   return formatted("{:>{}}", text, width);
 }
 
@@ -93,12 +92,6 @@ std::string name_columns(const AtomLabel& label) {
   const std::string name = formatted("{}{:<4}", is_indented ? " " : "", label.atom_name);
   return in_column(name.substr(0, std::max<std::size_t>(4, label.atom_name.size())), 4, "atom name",
                    label);
-}
-
-std::string capital(std::string text) {
-  std::ranges::transform(text, text.begin(),
-                         [](char c) { return c >= 'a' && c <= 'z' ? c - 'a' + 'A' : c; });
-  return text;
 }
 
 std::string_view record_of(const AtomLabel& label) {
@@ -179,7 +172,7 @@ void append_pdb(const MeasuredAtoms& atoms, BufferedText& text) {
       text.append("{}", in_column(formatted("{:.3f}", coordinate), 8, "coordinate", label));
     text.append("{}{}          {:>2}\n", in_column(formatted("{:.2f}", radius), 6, "radius", label),
                 in_column(formatted("{:.2f}", atoms.areas.sas[i]), 6, "area", label),
-                capital(label.element));
+                upper_case(label.element));
   }
   text.append("END\n");
 }

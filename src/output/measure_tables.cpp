@@ -42,8 +42,7 @@ struct AreaSums {
     ses.saddle += areas.saddle[i];
     ses.concave += areas.concave[i];
     if (atoms.areas_alone == nullptr) return;
-    const eses::AtomAreas& alone = *atoms.areas_alone;
-    ses_alone += alone.convex[i] + alone.saddle[i] + alone.concave[i];
+    ses_alone += atoms.areas_alone->ses(i);
   }
 };
 
@@ -120,7 +119,7 @@ std::vector<std::string> residues_of(const MeasuredAtoms& atoms, std::span<const
   std::set<std::string> seen;
   for (const AtomIndex i : of) {
     const AtomLabel& label = atoms.labels[i];
-    std::string name = formatted("{}:{} {}", label.chain, label.residue, label.residue_number);
+    std::string name = residue_name(label);
     if (seen.insert(name).second) residues.push_back(std::move(name));
   }
   return residues;

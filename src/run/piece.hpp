@@ -37,7 +37,7 @@ struct Piece {
   PieceText mesh_bytes;              ///< see MeshIntoChunk
 };
 
-/// What the pieces and blocks of a sweep have.
+/// The contents of the pieces and blocks of a sweep.
 struct SweepContents {
   bool grid = false, edges = false;
   bool gzip = false;  ///< whether both texts are members of gzip files

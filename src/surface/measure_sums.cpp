@@ -130,8 +130,7 @@ void MeasureSums::finish_areas_by_atom() {
   AtomAreas& areas = result_.by_atom;
   for (AtomIndex i = 0; i < surface_.atoms.size(); ++i) {
     result_.weighted_sas_area += weights_[i] * areas.sas[i];
-    result_.weighted_ses_area +=
-        weights_[i] * (areas.convex[i] + areas.saddle[i] + areas.concave[i]);
+    result_.weighted_ses_area += weights_[i] * areas.ses(i);
   }
   if (!settings_.by_atom) areas = {};
 }
