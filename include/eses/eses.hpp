@@ -25,6 +25,7 @@
 #include "eses/pockets.hpp"
 #include "eses/radii.hpp"
 #include "eses/read_atoms.hpp"
+#include "eses/residue_areas.hpp"
 #include "eses/run_options.hpp"
 #include "eses/summary.hpp"
 #include "eses/surface.hpp"

@@ -188,6 +188,16 @@ py::tuple radii_of(const std::vector<std::string>& residues, const std::vector<s
   return py::make_tuple(found.set, found.are_united, radii, symbols, by_element, by_name);
 }
 
+// Returns the source of a reference, and the maximum areas of residues; None for other residues.
+py::tuple maximum_areas(const std::string& reference, const std::vector<std::string>& residues) {
+  const AreaReference which = reference == "miller"   ? AreaReference::miller
+                              : reference == "sander" ? AreaReference::sander
+                                                      : AreaReference::tien;
+  std::vector<std::optional<double>> areas;
+  for (const std::string& residue : residues) areas.push_back(max_sas_area(residue, which));
+  return py::make_tuple(std::string(source_of(which)), areas);
+}
+
 // Labels share the memory of the file.
 struct Labels {
   std::shared_ptr<const AtomFile> file;
@@ -358,6 +368,8 @@ void bind_atoms(py::module_& module) {
              py::arg("chains") = py::tuple(), py::arg("select") = "", py::arg("assembly") = "");
   module.def("_parse_atoms", &parse);
   module.def("_find_radii", &radii_of);
+  module.def("_maximum_areas", &maximum_areas);
+  module.attr("_reference_probe_radius") = reference_probe_radius;
 }
 
 }  // namespace eses::python

@@ -119,7 +119,7 @@ void append_rsa(const MeasuredAtoms& atoms, BufferedText& text) {
                 in_column(label.chain, 1, "chain name", label),
                 in_column(std::string(number), 4, "residue number", label),
                 in_column(std::string(icode), 1, "insertion code", label));
-    text.append("{}", area_columns_of(sum, max_sas_area(label.residue, atoms.reference), label));
+    text.append("{}", area_columns_of(sum, max_sas_area(atoms, label.residue), label));
     for (const double part : {sum - main_chain, main_chain, sum - polar, polar})
       text.append("{}", area_columns_of(part, std::nullopt, label));
     text.append("\n");

@@ -73,7 +73,7 @@ std::string part_fields(const MeasuredAtoms& atoms, const AreaSums& sums) {
 }
 
 std::string relative_sas(const MeasuredAtoms& atoms, const AtomLabel& label, double sas_area) {
-  const std::optional<double> max = max_sas_area(label.residue, atoms.reference);
+  const std::optional<double> max = max_sas_area(atoms, label.residue);
   return max ? formatted("{:.6f}", sas_area / *max) : "";
 }
 
@@ -125,35 +125,8 @@ std::vector<std::string> residues_of(const MeasuredAtoms& atoms, std::span<const
   return residues;
 }
 
-std::string_view source_of(AreaReference reference) {
-  switch (reference) {
-    case AreaReference::miller:
-      return "Miller et al. 1987, doi:10.1016/0022-2836(87)90038-6";
-    case AreaReference::sander:
-      return "Rost and Sander 1994, doi:10.1002/prot.340200303";
-    case AreaReference::tien:
-      break;
-  }
-  return "Tien et al. 2013, doi:10.1371/journal.pone.0080635";
-}
-
-std::optional<double> max_sas_area(std::string_view residue,
-                                   std::optional<AreaReference> reference) {
-  struct Maximum {
-    std::string_view residue;
-    std::array<double, 3> areas;  // by AreaReference
-  };
-  constexpr std::array<Maximum, 20> maxima{
-      {{"ALA", {129, 113, 106}}, {"ARG", {274, 241, 248}}, {"ASN", {195, 158, 157}},
-       {"ASP", {193, 151, 163}}, {"CYS", {167, 140, 135}}, {"GLN", {225, 189, 198}},
-       {"GLU", {223, 183, 194}}, {"GLY", {104, 85, 84}},   {"HIS", {224, 194, 184}},
-       {"ILE", {197, 182, 169}}, {"LEU", {201, 180, 164}}, {"LYS", {236, 211, 205}},
-       {"MET", {224, 204, 188}}, {"PHE", {240, 218, 197}}, {"PRO", {159, 143, 136}},
-       {"SER", {155, 122, 130}}, {"THR", {172, 146, 142}}, {"TRP", {285, 259, 227}},
-       {"TYR", {263, 229, 222}}, {"VAL", {174, 160, 142}}}};
-  const auto* const found = std::ranges::find(maxima, residue, &Maximum::residue);
-  if (found == maxima.end() || !reference) return std::nullopt;
-  return found->areas[static_cast<std::size_t>(*reference)];
+std::optional<double> max_sas_area(const MeasuredAtoms& atoms, std::string_view residue) {
+  return atoms.reference ? eses::max_sas_area(residue, *atoms.reference) : std::nullopt;
 }
 
 void append_measured_atoms(const MeasuredAtoms& atoms, BufferedText& text) {

@@ -36,6 +36,7 @@
 #include "eses/cavities.hpp"
 #include "eses/measure.hpp"
 #include "eses/pockets.hpp"
+#include "eses/residue_areas.hpp"
 #include "output/buffered_text.hpp"
 
 namespace eses::detail {
@@ -50,24 +51,6 @@ struct TableChoice {
   bool need_cavities() const { return cavities || pieces; }
   bool any() const { return need_areas() || derivatives || need_cavities() || pockets; }
 };
-
-/// Maximum SAS areas of the amino acids, by which relative areas are divided.
-enum class AreaReference {
-  tien,    ///< Theoretical values of Tien et al., PLoS ONE 8, e80635, 2013.
-  miller,  ///< Miller et al., J. Mol. Biol. 196, 641, 1987.
-  sander,  ///< Rost and Sander, Proteins 20, 216, 1994.
-};
-
-/// Radius of the probe to which the maxima belong, in angstrom.
-inline constexpr double reference_probe_radius = 1.4;
-
-/// Returns authors, year and DOI of a reference.
-std::string_view source_of(AreaReference reference);
-
-/// Maximum SAS area of an amino acid residue X in a peptide Gly-X-Gly, in square angstrom, for a
-/// probe radius of 1.4 angstrom. Nothing for other residues, and without a reference.
-std::optional<double> max_sas_area(std::string_view residue,
-                                   std::optional<AreaReference> reference);
 
 /// The atoms of a table, their areas and derivatives. All spans by atom have the same length, if
 /// they are not empty.
@@ -87,6 +70,9 @@ struct MeasuredAtoms {
   /// Maxima of relative areas; nothing if the probe is not theirs.
   std::optional<AreaReference> reference = AreaReference::tien;
 };
+
+/// Returns the maximum area of a residue by the reference of a table; nothing if there is none.
+std::optional<double> max_sas_area(const MeasuredAtoms& atoms, std::string_view residue);
 
 /// Append a whole table.
 void append_measured_atoms(const MeasuredAtoms& atoms, BufferedText& text);
