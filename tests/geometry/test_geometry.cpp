@@ -17,11 +17,6 @@ namespace {
 
 using eses::detail::SasSphere;
 
-Vec3 random_point(Random& random, double half_side) {
-  return {random.uniform(-half_side, half_side), random.uniform(-half_side, half_side),
-          random.uniform(-half_side, half_side)};
-}
-
 struct CircleCase {
   SasSphere sphere, partner;
   std::vector<SasSphere> others;  // their caps follow the partner's cap in `caps`

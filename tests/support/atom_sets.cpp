@@ -379,6 +379,24 @@ Atoms make_unplaced(Kind kind, Recipe& recipe) {
 
 }  // namespace
 
+Vec3 random_point(Random& random, double half_side) {
+  return {random.uniform(-half_side, half_side), random.uniform(-half_side, half_side),
+          random.uniform(-half_side, half_side)};
+}
+
+Vec3 unit_vector(std::size_t axis) {
+  Vec3 unit;
+  unit[axis] = 1;
+  return unit;
+}
+
+Vec3 random_direction(Random& random) {
+  for (;;) {
+    const Vec3 v = random_point(random, 1);
+    if (squared_norm(v) > 0.01 && squared_norm(v) < 1) return normalized(v);
+  }
+}
+
 const char* kind_name(Kind kind) {
   switch (kind) {
     case Kind::gas:

@@ -43,6 +43,15 @@ class Random {
   std::mt19937_64 engine_;
 };
 
+/// A unit vector along a coordinate axis.
+Vec3 unit_vector(std::size_t axis);
+
+/// A random point of the cube around the origin with sides of 2 * `half_side`.
+Vec3 random_point(Random& random, double half_side);
+
+/// A random unit vector.
+Vec3 random_direction(Random& random);
+
 /// Returns the probe radius of a set: 0.7, 1.4, 2 or 3 angstrom. make_atom_set places atoms such
 /// that probes of this radius just touch and just pass.
 double designed_probe_radius(std::uint64_t seed);

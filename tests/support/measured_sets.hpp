@@ -2,12 +2,16 @@
 /// Atom sets and the comparison of values for tests of areas and volumes.
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "eses/atoms.hpp"
+#include "eses/measure.hpp"
+#include "support/atom_lists.hpp"
 #include "support/atom_sets.hpp"
 
 namespace eses::detail::test {
@@ -44,6 +48,29 @@ inline std::vector<Atom> make_sponge(std::uint64_t seed) {
     atoms.push_back({{random.uniform(0, 9.5), random.uniform(0, 9.5), random.uniform(0, 9.5)},
                      random.uniform(0.9, 1.6)});
   return atoms;
+}
+
+inline Measures measure_atoms(const std::vector<Atom>& atoms, double probe,
+                              const MeasureOptions& options = {}) {
+  MeasureOptions with_probe = options;
+  with_probe.probe_radius = probe;
+  return measure(Surface(atoms), with_probe);
+}
+
+/// Returns the areas and volumes that have derivatives, in the order of `gradients_of`.
+inline std::array<double, 4> values_of(const std::vector<Atom>& atoms, double probe) {
+  const Measures measures = measure_atoms(atoms, probe);
+  return {measures.ses_area, measures.ses_volume, measures.sas_area, measures.sas_volume};
+}
+
+inline std::array<const Gradient*, 4> gradients_of(const Measures& measures) {
+  const Gradients& all = measures.gradients;
+  return {&all.ses_area, &all.ses_volume, &all.sas_area, &all.sas_volume};
+}
+
+/// Returns the atoms of data/1ubq.xyzr.
+inline std::vector<Atom> ubiquitin() {
+  return read_atom_list(std::string(ESES_DATA) + "/1ubq.xyzr");
 }
 
 }  // namespace eses::detail::test

@@ -50,6 +50,8 @@ struct MeshMeasures {
 
 MeshMeasures measure(const Mesh& mesh);
 
+void check_no_faults(const Mesh& mesh);
+
 /// Four atoms of three residues in two chains, one of which is interrupted by the other.
 Molecule make_two_chains();
 

@@ -171,4 +171,17 @@ std::vector<Atom> moved(std::vector<Atom> atoms, Vec3 by) {
   return atoms;
 }
 
+std::vector<Atom> with_copies(const std::vector<Atom>& atoms, std::size_t copies, double apart,
+                              Random& random) {
+  std::vector<Atom> all;
+  for (const Atom& atom : atoms) {
+    all.push_back(atom);
+    for (std::size_t c = 0; c < copies; ++c) {
+      const double x = random.uniform(-apart, apart), y = random.uniform(-apart, apart);
+      all.push_back({atom.center + Vec3{x, y, random.uniform(-apart, apart)}, atom.radius});
+    }
+  }
+  return all;
+}
+
 }  // namespace eses::detail::test

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "eses/atoms.hpp"
+#include "support/atom_sets.hpp"
 
 namespace eses::detail::test {
 
@@ -27,5 +28,9 @@ NearDegenerateSet make_near_cavity_set(std::uint64_t seed);
 
 /// Moves all atoms by a vector.
 std::vector<Atom> moved(std::vector<Atom> atoms, Vec3 by);
+
+/// Returns the atoms, each followed by copies that are at most `apart` away along each axis.
+std::vector<Atom> with_copies(const std::vector<Atom>& atoms, std::size_t copies, double apart,
+                              Random& random);
 
 }  // namespace eses::detail::test

@@ -9,6 +9,7 @@
 #include <cstdlib>
 #include <fstream>
 #include <iterator>
+#include <sstream>
 
 #include "catch.hpp"
 
@@ -98,8 +99,32 @@ std::set<std::string> Sandbox::files(const fs::path& below) const {
   return names;
 }
 
-bool contains(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
+bool contains(std::string_view text, std::string_view part) {
+  return text.find(part) != std::string_view::npos;
+}
+
+std::vector<std::string> lines_with(const std::string& text, const std::string& part) {
+  std::vector<std::string> lines;
+  std::istringstream stream(text);
+  for (std::string line; std::getline(stream, line);) {
+    if (contains(line, part)) lines.push_back(line);
+  }
+  return lines;
+}
+
+double value_of(const std::string& text, const std::string& key) {
+  const std::vector<std::string> lines = lines_with(text, key);
+  REQUIRE(lines.size() == 1);
+  return std::stod(lines[0].substr(lines[0].find(key) + key.size()));
+}
+
+std::string result_lines(const Outcome& outcome) {
+  REQUIRE(outcome.code == 0);
+  std::string result;
+  for (const std::string key : {"area:", "volume:"}) {
+    for (const std::string& line : lines_with(outcome.out, key)) result += line + "\n";
+  }
+  return result;
 }
 
 void check_usage_error(const Sandbox& sandbox, const Arguments& arguments,

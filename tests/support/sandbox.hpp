@@ -5,6 +5,7 @@
 #include <map>
 #include <set>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "support/temporary_directory.hpp"
@@ -57,7 +58,19 @@ struct SpecialFiles {
   std::map<std::filesystem::path, std::string> kinds;  ///< name of the kind in messages
 };
 
-bool contains(const std::string& text, const std::string& part);
+/// The text files of a run with default outputs.
+inline const std::set<std::string> all_files{"bounding_box.txt", "grid_info.txt",
+                                             "intersection_info.txt", "partition_area.txt"};
+
+bool contains(std::string_view text, std::string_view part);
+
+std::vector<std::string> lines_with(const std::string& text, const std::string& part);
+
+/// Returns the value after `key` in the only line that contains it, as callers of ESES look for it.
+double value_of(const std::string& text, const std::string& key);
+
+/// Returns the lines of the area and the volume of a run without error.
+std::string result_lines(const Outcome& outcome);
 
 /// Runs the program and checks that it ends with this usage error and prints nothing else. With
 /// a command such as `diff` as the first argument, the message refers to the help of this command.

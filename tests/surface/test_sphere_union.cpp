@@ -21,12 +21,6 @@ namespace {
 
 using std::numbers::pi;
 
-Vec3 random_direction(Random& random) {
-  const double z = random.uniform(-1, 1), angle = random.uniform(0, 2 * pi);
-  const double r = std::sqrt(1 - z * z);
-  return {r * std::cos(angle), r * std::sin(angle), z};
-}
-
 CapList list_of(const std::vector<Cap>& caps) {
   CapList list;
   list.make_room(caps.size());
