@@ -25,6 +25,7 @@ FOLDER = pathlib.Path(__file__).resolve().parent / "pages"  # head.html is the h
 PARTS = FOLDER / "viewer"
 SCHEMES = ("patch", "atom", "element", "chain", "residue", "area", "component", "potential", "file",
            "plain")
+SCRIPTS = ("data", "colors", "shaders", "graphics", "parts", "table", "viewer", "input")
 STYLES = ("none", "sticks", "balls", "spheres")
 STEPS = 65535  # of a coordinate of a vertex
 NORMAL_STEPS = 1023  # on each side of zero of an octahedral coordinate
@@ -33,6 +34,25 @@ COMPRESSION_LEVEL = 6
 PATCH_COLORS = ((86, 180, 233), (240, 228, 66), (213, 94, 0))  # those of --color patch
 # Colours of the potential from negative to positive: red, white, blue.
 DIVERGING = ((200, 20, 30), (245, 160, 140), (248, 248, 248), (140, 170, 245), (25, 50, 205))
+
+
+AMINO_ACIDS = frozenset("ALA ARG ASN ASP CYS GLN GLU GLY HIS ILE LEU LYS MET PHE PRO SER THR TRP TYR VAL".split())
+NUCLEOTIDES = frozenset("A C G U DA DC DG DT DU".split())
+LONGEST_BOND = 1.9  # angstrom; between carbon and sulfur 1.8, from a metal to its ligands 2.0
+BACKBONES = ({"N", "CA", "C"}, {"C3'", "C4'", "O3'"}, {"C3*", "C4*", "O3*"})
+
+
+def is_polymer(residue, names):
+    """Whether a residue with atoms of these names is part of a protein or nucleic acid."""
+    return (residue in AMINO_ACIDS or residue in NUCLEOTIDES
+            or any(backbone <= names for backbone in BACKBONES))
+
+
+def is_bonded(centers, others):
+    """Whether an atom is as close to one of the others as in a covalent bond of light elements."""
+    low, high = centers.min(axis=0) - LONGEST_BOND, centers.max(axis=0) + LONGEST_BOND
+    near = others[((others >= low) & (others <= high)).all(axis=1)]
+    return any((((near - center)**2).sum(axis=1) < LONGEST_BOND**2).any() for center in centers)
 
 
 @dataclasses.dataclass
@@ -46,6 +66,23 @@ class Atoms:
     names: typing.Optional[typing.Sequence[str]] = None
     elements: typing.Optional[typing.Sequence[str]] = None
     residues: typing.Optional[typing.Sequence[tuple]] = None  # name, number and chain
+
+    def ligands(self):
+        """Returns which atoms belong to ligands and metals: to residues that are no part of a protein
+        or nucleic acid and not bonded to one, if other residues are; None if there are none."""
+        if self.residues is None or self.names is None:
+            return None
+        atoms_of = {}
+        for atom, residue in enumerate(self.residues):
+            atoms_of.setdefault(residue, []).append(atom)
+        found = numpy.ones(len(self.residues), bool)
+        for residue, atoms in atoms_of.items():
+            found[atoms] = not is_polymer(residue[0], {self.names[atom] for atom in atoms})
+        others = self.centers[~found]
+        for residue, atoms in atoms_of.items():
+            if found[atoms[0]] and len(atoms) > 1 and is_bonded(self.centers[atoms], others):
+                found[atoms] = False
+        return found if found.any() and not found.all() else None
 
 
 @dataclasses.dataclass
@@ -62,6 +99,7 @@ class Molecule:
     color: typing.Optional[numpy.ndarray] = None  # bytes
     atom: typing.Optional[numpy.ndarray] = None
     atoms: typing.Optional[Atoms] = None
+    voids: typing.Optional[typing.Sequence[float]] = None  # volume of each cavity, cubic angstrom
 
 
 def nice_limit(values):
@@ -138,6 +176,8 @@ def describe_atoms(atoms, arrays):
     if atoms.residues is not None:
         info["residues"] = arrays.add_names("residue", map(tuple, atoms.residues))
         info["chains"] = arrays.add_names("chain", [chain for _, _, chain in atoms.residues])
+    if atoms.centers is not None and (ligands := atoms.ligands()) is not None:
+        arrays.add("ligand", ligands, 1)
     if atoms.areas is not None:
         arrays.add("area", numpy.rint(100 * numpy.asarray(atoms.areas)), 4)
     if atoms.centers is not None:
@@ -157,6 +197,30 @@ def facts(molecule):
     return ", ".join(parts)
 
 
+def principal_axes(points):
+    """Returns the axes of a right-handed frame, that of the largest extent first."""
+    apart = points - points.mean(axis=0)
+    _, columns = numpy.linalg.eigh(apart.T @ apart)
+    longest, middle = (axis * (1 if axis[numpy.abs(axis).argmax()] > 0 else -1)
+                       for axis in (columns[:, 2], columns[:, 1]))
+    return numpy.stack([longest, middle, numpy.cross(longest, middle)])
+
+
+def radius_about(middle, molecule):
+    """Returns the radius of the ball about a point that has the surface and the atoms."""
+    radius = numpy.linalg.norm(molecule.points - middle, axis=1).max()
+    if molecule.atoms is not None and molecule.atoms.centers is not None:
+        radius = max(radius, numpy.linalg.norm(molecule.atoms.centers - middle, axis=1).max())
+    return float(radius)
+
+
+def several_chains(molecules):
+    """Whether the surface of a molecule has atoms of several chains."""
+    return any(one.atom is not None and one.atoms.residues is not None
+               and len({one.atoms.residues[atom][2] for atom in numpy.unique(one.atom)}) > 1
+               for one in molecules)
+
+
 def describe(molecule):
     """Returns what viewer/data.js needs to know of a molecule, and its arrays as text."""
     points = numpy.asarray(molecule.points, float)
@@ -170,9 +234,11 @@ def describe(molecule):
     info = {
         "name": molecule.name, "facts": facts(molecule), "vertices": len(points),
         "triangles": len(molecule.triangles), "origin": low.tolist(), "step": step,
-        "middle": middle.tolist(),
-        "radius_of_all": float(numpy.linalg.norm(points - middle, axis=1).max()),
+        "middle": middle.tolist(), "axes": principal_axes(points).tolist(),
+        "radius_of_all": radius_about(middle, molecule),
     }
+    if molecule.voids is not None:
+        info["voids"] = list(molecule.voids)
     if molecule.patch is not None:
         arrays.add("patch", molecule.patch, 1)
     if molecule.color is not None:
@@ -217,22 +283,27 @@ def fill(folder, scripts, fields):
                           {**fields, "head": head, "script": "\n".join(map(part, scripts))})
 
 
-def make_page(molecules, title, color=None, style="none", opacity=None, potential_limit=None):
-    """Returns the page. `color` is one of SCHEMES, `style` one of STYLES, `opacity` per cent, and
-    `potential_limit` the end of the scale of potentials in kT/e."""
+def make_page(molecules, title, color=None, style="none", opacity=None, potential_limit=None,
+              table=None):
+    """Returns the page. `color` is one of SCHEMES, `style` one of STYLES, `opacity` per cent,
+    `potential_limit` the end of the scale of potentials in kT/e, and `table` name and text of a CSV
+    table with columns to colour by."""
     values = [one.potential for one in molecules if one.potential is not None]
     if potential_limit is None:
         potential_limit = nice_limit(numpy.concatenate(values)) if values else 1
     if opacity is None:
         opacity = 100 if style == "none" else 45
     described = [describe(one) for one in molecules]
-    settings = {"color": color or ("potential" if values else "patch"), "style": style,
-                "opacity": opacity}
+    settings = {"color": color or ("potential" if values else
+                                   "chain" if several_chains(molecules) else "plain"),
+                "style": style, "opacity": opacity}
     data = {"settings": settings,
             "limits": {"potential": potential_limit, "diverging": DIVERGING,
                        "patches": PATCH_COLORS},
             "molecules": [info for info, _ in described]}
+    if table is not None:
+        data["table"] = dict(zip(("name", "text"), table))
     arrays = "\n".join(f'<script type="text/plain" id="arrays-{number}">{text}</script>'
                        for number, (_, text) in enumerate(described))
-    return fill(PARTS, ("data.js", "shaders.js", "viewer.js"),
+    return fill(PARTS, [f"{part}.js" for part in SCRIPTS],
                 {"title": html.escape(title), "molecules": script_text(data), "arrays": arrays})

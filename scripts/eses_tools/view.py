@@ -2,7 +2,9 @@
 
 Files are structures (xyzr, PQR, PDB, mmCIF) or meshes of eses-blocks --mesh. Several files are shown
 side by side. The page needs no network and no other file. It has the surface, the atoms of
-structures, and controls for colours, a clip plane and pictures.
+structures, and controls for colours, chains and residues, cavities, a clip plane and pictures.
+Ligands and metals of PDB, mmCIF and PQR files are left out of the surface and drawn as sticks and
+spheres.
 
 --electrostatics computes the potential of one PDB, mmCIF or PQR file with PDB2PQR and APBS. PDB2PQR
 has no charges for ligands, metals and modified residues (HETATM records), which a warning names.
@@ -134,22 +136,32 @@ def compute_potential(options, atoms, folder):
 # ----------------------------------------------------------------------------------- molecules
 
 
-def read_atoms(path):
-    """Returns the atoms of a table of eses-blocks measure, and the area of the surface."""
-    import numpy
+def read_table(path):
     with open(path, encoding="utf-8", newline="") as source:
-        rows = list(csv.DictReader(source))
+        return list(csv.DictReader(source))
+
+
+def measure(options, arguments, folder):
+    """Returns the tables of atoms and cavities that eses-blocks measure writes into the folder."""
+    run_program([options.program, "measure", *arguments, "--probe-radius", options.probe_radius,
+                 "--quiet", "--cavities", "--write", "atoms,cavities", "-o", folder], folder)
+    (atoms,), (cavities,) = folder.glob("*.atoms.csv"), folder.glob("*.cavities.csv")
+    return read_table(atoms), read_table(cavities)
+
+
+def make_atoms(rows):
+    """Returns the atoms of a table."""
+    import numpy
 
     def numbers(*names):
         return numpy.array([[float(row[name]) for name in names] for row in rows])
 
     residues = [(row["residue"], row["residue_number"], row["chain"]) for row in rows]
-    areas = numbers("ses_area")[:, 0]
     return page.Atoms(
         serial=numbers("serial")[:, 0].astype(int), centers=numbers("x", "y", "z"),
-        radii=numbers("radius")[:, 0], areas=areas, names=[row["name"] for row in rows],
-        elements=[row["element"] for row in rows],
-        residues=residues if any(map(any, residues)) else None), float(areas.sum())
+        radii=numbers("radius")[:, 0], areas=numbers("ses_area")[:, 0],
+        names=[row["name"] for row in rows], elements=[row["element"] for row in rows],
+        residues=residues if any(map(any, residues)) else None)
 
 
 def choose_spacing(area):
@@ -157,27 +169,56 @@ def choose_spacing(area):
     return max(MIN_SPACING, math.ceil(100 * math.sqrt(TRIANGLES_PER_CELL * area / MAX_TRIANGLES)) / 100)
 
 
-def read_structure(options, path, folder):
-    """Returns the surface and atoms of a structure, which eses-blocks computes in the folder."""
-    reading = [path, "--probe-radius", options.probe_radius, *options.arguments]
+def divide(rows):
+    """Returns the rows of a table of atoms that the surface has, and those of ligands and metals."""
+    ligands = make_atoms(rows).ligands()
+    if ligands is None:
+        return rows, []
+    return ([row for row, is_ligand in zip(rows, ligands) if not is_ligand],
+            [row for row, is_ligand in zip(rows, ligands) if is_ligand])
+
+
+def ligands_of(options, path, folder):
+    """Returns the rows of ligands and metals of a structure."""
+    folder.mkdir()
+    return divide(measure(options, [path, *options.arguments], folder)[0])[1]
+
+
+def read_structure(options, path, folder, ligands=()):
+    """Returns the surface and atoms of a structure, which eses-blocks computes in the folder.
+
+    `ligands` are rows of atoms that are drawn in addition."""
+    reading = [path, *options.arguments]
     show(f"areas of {path}")
-    run_program([options.program, "measure", *reading, "--quiet", "--write", "atoms", "-o", folder],
-                folder)
-    (table,) = folder.glob("*.atoms.csv")
-    atoms, area = read_atoms(table)
-    spacing = options.spacing or choose_spacing(area)
+    rows, cavities = measure(options, reading, folder)
+    if options.ligands == "sticks":
+        rows, more = divide(rows)
+        ligands = [*ligands, *more]
+        if more:  # the surface is that of the others
+            reading = [folder / f"{path.name.partition('.')[0]}.xyzr"]
+            reading[0].write_text("".join(f"{row['x']} {row['y']} {row['z']} {row['radius']}\n"
+                                          for row in rows), encoding="ascii")
+            alone = folder / "without-ligands"
+            alone.mkdir()
+            measured, cavities = measure(options, reading, alone)
+            for row, result in zip(rows, measured):
+                row["ses_area"] = result["ses_area"]
+    atoms = make_atoms([*rows, *ligands])
+    spacing = options.spacing or choose_spacing(float(atoms.areas[:len(rows)].sum()))
     show(f"surface of {path}")
     mesh = folder / "surface.ply"
     margin = 2 * spacing  # does not cut the surface
-    messages = run_program([options.program, *reading, "--spacing", spacing, "--margin", margin,
-                            "--json", "--write", "none", "--independent", "-o", folder, "--mesh",
-                            mesh, "--color", "component"], folder)
+    messages = run_program([options.program, *reading, "--probe-radius", options.probe_radius,
+                            "--spacing", spacing, "--margin", margin, "--json", "--write", "none",
+                            "--independent", "-o", folder, "--mesh", mesh, "--color", "component"],
+                           folder)
     if messages:
         say(messages)
     read = meshes.read_mesh(mesh)
     return page.Molecule(path.name, read.points, read.normals, read.triangles,
                          patch=read.values["patch"], component=read.values.get("component"),
-                         atom=read.values["atom"], atoms=atoms)
+                         atom=read.values["atom"], atoms=atoms,
+                         voids=[float(row["void_volume"]) for row in cavities])
 
 
 def atoms_of_mesh(mesh):
@@ -229,7 +270,8 @@ def make_molecules(options):
             elif options.electrostatics:
                 atoms = prepare_pqr(path, folder)
                 potential = compute_potential(options, atoms, folder)
-                molecule = read_structure(options, atoms, folder)
+                ligands = ligands_of(options, path, folder / "ligands") if atoms != path else ()
+                molecule = read_structure(options, atoms, folder, ligands)
                 molecule.name = path.name
             else:
                 molecule = read_structure(options, path, folder)
@@ -270,7 +312,10 @@ def parse():
     look.add_argument("--color", metavar="NAME",
                       help="colours of the surface: patch, atom, element, chain, residue, area, "
                            "component, potential, file or plain (default: potential if there is one, "
-                           "otherwise patch)")
+                           "chain if there are several, otherwise plain)")
+    look.add_argument("--table", type=pathlib.Path, metavar="FILE.csv",
+                      help="colour by the columns of a table with a column serial (of atoms) or "
+                           "residue_number and chain")
     look.add_argument("--atoms", default="none", metavar="NAME",
                       help="atoms of structures: none (the default), sticks, balls or spheres")
     look.add_argument("--opacity", type=per_cent, metavar="PERCENT",
@@ -278,6 +323,9 @@ def parse():
     surface = parser.add_argument_group("surface of structures")
     surface.add_argument("--probe-radius", type=above_zero, default=1.4, metavar="ANGSTROM",
                          help="radius of the solvent probe (default: 1.4)")
+    surface.add_argument("--ligands", default="sticks", choices=("sticks", "surface"),
+                         help="ligands and metals: sticks draws them, and leaves them out of the "
+                              "surface; surface makes them part of it (default: sticks)")
     surface.add_argument("--spacing", type=above_zero, metavar="ANGSTROM",
                          help=f"distance between grid points (default: {MIN_SPACING}, or more for "
                               f"at most {MAX_TRIANGLES:,.0f} triangles)")
@@ -339,16 +387,19 @@ def complete_options(parser, options):
 
 def main():
     options = parse()
-    for path in (*options.files, *(options.potential or ())):
+    read = [*options.files, *(options.potential or ()), *([options.table] if options.table else [])]
+    for path in read:
         if not path.is_file():
             raise Failed(f"{path}: no such file")
-    require_output(options.output, (*options.files, *(options.potential or ())))
+    require_output(options.output, read)
     if options.needs_program:
         describe_build(options.program)
     molecules = make_molecules(options)
     show("writing the page")
+    table = options.table and (options.table.name, options.table.read_text(encoding="utf-8",
+                                                                           errors="replace"))
     text = page.make_page(molecules, options.title, options.color, options.atoms, options.opacity,
-                          options.potential_limit)
+                          options.potential_limit, table)
     with complete_file(options.output, encoding="utf-8") as target:
         target.write(text)
     show("")

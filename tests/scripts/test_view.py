@@ -6,6 +6,7 @@ names come from the input and from geometry.
 
 import base64
 import gzip
+import itertools
 import json
 import math
 import os
@@ -196,6 +197,35 @@ class Files(TestCase):
         self.assertIn("outside the map", done.stderr)
 
 
+    def test_ligands_are_no_part_of_the_surface(self):
+        """An amino acid, a ligand with a bond inside, a metal, and a cap that is bonded to the acid."""
+        far, lines = 20, [("N", "GLY", 1, 0, 0), ("CA", "GLY", 1, 1.5, 0), ("C", "GLY", 1, 3, 0),
+                          ("C1", "LIG", 2, 20, 0), ("C2", "LIG", 2, 21.5, 0), ("ZN", "ZN", 3, 0, 20),
+                          ("C", "ACE", 4, -1.4, 0), ("O", "ACE", 4, -2.6, 0)]
+        self.atoms.write_text("".join(
+            f"ATOM {serial} {name} {residue} A {number} {x} {y} 0 0 {RADIUS}\n"
+            for serial, (name, residue, number, x, y) in enumerate(lines, 1)))
+        self.assertDone(run_view(self.atoms, "-o", self.page))
+        molecule, = data_of(self.page)[0]["molecules"]
+        self.assertGreater(molecule["radius_of_all"], far - 3)
+        self.assertLess(molecule["step"] * 65535, 5.6 + 2 * RADIUS + 0.1)  # GLY and ACE
+        places = {one["name"]: one for one in molecule["arrays"]}
+        self.assertEqual(places["ligand"]["rows"], len(lines))
+        self.assertDone(run_view(self.atoms, "--ligands", "surface", "-o", self.page))
+        molecule, = data_of(self.page)[0]["molecules"]
+        self.assertNotIn("ligand", {one["name"] for one in molecule["arrays"]})
+        self.assertGreater(molecule["step"] * 65535, far)
+
+    def test_tables_are_kept_in_the_page(self):
+        table = self.folder / "t.csv"
+        table.write_text("serial,</script>\n1,2\n")
+        self.assertDone(run_view(self.atoms, "--table", table, "-o", self.page))
+        self.assertEqual(data_of(self.page)[0]["table"]["text"], table.read_text())
+        done = run_view(self.atoms, "--table", self.folder / "none.csv", "-o", self.page)
+        self.assertDone(done, 1)
+        self.assertIn("none.csv: no such file", done.stderr)
+
+
 @unittest.skipUnless(has_browser() and can_import(SCRIPT, "numpy"),
                      "needs chromium, chromium-driver, python3-selenium and python3-numpy")
 class Page(TestCase):
@@ -207,7 +237,7 @@ class Page(TestCase):
 
     def open(self, *arguments):
         page = self.folder / "page.html"
-        self.assertDone(run_view(*arguments, "--spacing", "0.6", "-o", page))
+        self.assertDone(run_view("--spacing", "0.6", *arguments, "-o", page))
         self.browser.get(page.as_uri())
         self.ask("viewer.set('theme', 'light'); viewer.set('shading', false);"
                  "viewer.lookAlong(2)")  # x to the right, y upwards
@@ -240,7 +270,7 @@ class Page(TestCase):
           return counts""")
 
     def test_colours_and_sizes_of_spheres(self):
-        self.open(self.atoms)
+        self.open(self.atoms, "--color", "patch")
         found = self.pixels()
         area = self.ask("return viewer.scaleIn(viewer.buffers.width, viewer.buffers.height)")**2
         # Two discs of convex patches, and a white background.
@@ -331,16 +361,22 @@ class Page(TestCase):
         self.assertGreater(moved["pan"][0], 0)
         self.browser.find_element("id", "reset").click()
         self.assertEqual(self.ask("return [viewer.view.zoom, ...viewer.view.pan]"), [1, 0, 0])
+        self.browser.find_element("css selector", "#parts summary").click()
+        self.browser.find_element("css selector", "#parts input[type=checkbox]").click()  # chain A
+        self.ask("viewer.lookAlong(2)")
+        self.assertEqual(self.ask("return viewer.textAt(canvas.clientWidth / 4 - 6 * viewer.scaleIn("
+                                  "canvas.clientWidth, canvas.clientHeight), canvas.clientHeight / 2)"),
+                         "")
         self.browser.find_element("id", "help").click()
         self.assertTrue(self.browser.find_element("css selector", "#keys table").is_displayed())
         self.browser.find_element("css selector", "#keys button").click()
         names = [name.text.split("\n")[0] for name in
-                 self.browser.find_elements("css selector", "#names > div")]
+                 self.browser.find_elements("css selector", "#titles > div")]
         self.assertEqual(names, ["two.pqr"] * 2)
         self.assertEqual(browser_errors(self.browser), [])
 
     def test_saved_pictures_have_scale_and_legend(self):
-        self.open(self.atoms)
+        self.open(self.atoms, "--color", "patch")
         width, height, dark, blue = self.ask("""
           const picture = viewer.picture(), pen = picture.getContext("2d");
           const { data } = pen.getImageData(0, 0, picture.width, picture.height);
@@ -355,6 +391,64 @@ class Page(TestCase):
         self.assertGreater(dark, 500)  # scale bar and text
         self.assertGreater(blue, 500)  # the square of the legend
 
+    def test_columns_of_tables_are_colours(self):
+        """Negative and positive values of two residues, of which the second is named by its chain."""
+        table = self.folder / "t.csv"
+        table.write_text('"chain",residue_number,"gain, kT"\r\nA,7,-3\r\nB,9A,3\r\n')
+        self.open(self.atoms, "--table", table)
+        self.assertEqual(self.ask("return viewer.look.color"), "table:gain, kT")
+        found = self.pixels()
+        self.assertGreater(found["red"], 500)
+        self.assertGreater(found["blue"], 500)
+        self.assertIn("gain, kT", self.browser.find_element("id", "legend").text)
+        self.assertEqual(self.ask("return addTable(viewer, 'a.csv', 'x,y\\n1,2')"),
+                         "a.csv has no column serial or residue_number")
+        self.assertEqual(self.ask("return addTable(viewer, 'a.csv', 'serial,v\\n77,2')"),
+                         "a.csv names no atom or residue of this page")
+
+    def test_addresses_keep_the_view(self):
+        from selenium.webdriver.support.wait import WebDriverWait
+        self.open(self.atoms, "--color", "element")
+        self.ask("viewer.set('clip', 30); viewer.turn(0.3, 0.2); viewer.zoom(2); viewer.move(9, 4);"
+                 "viewer.show(viewer.molecules[0], [1], false)")
+        before = self.ask("return viewer.address()")
+        WebDriverWait(self.browser, 60).until(lambda browser: browser.current_url.endswith(before))
+        self.browser.refresh()
+        self.assertEqual(self.ask("return viewer.address()"), before)
+        self.ask("viewer.restore('nonsense')")
+        self.assertEqual(self.ask("return viewer.address()"), before)
+
+    def test_cavities_are_seen_through_the_surface(self):
+        """Eighteen atoms around a void: its volume is that of eses-blocks measure."""
+        sphere = [(4.2, 0, 0), (3, 3, 0), (2.4, 2.4, 2.4)]
+        places = {tuple(sign * value for sign, value in zip(signs, order))
+                  for place in sphere for order in itertools.permutations(place)
+                  for signs in itertools.product((1, -1), repeat=3)}
+        atoms = self.folder / "shell.xyzr"
+        atoms.write_text("".join(f"{x} {y} {z} 2\n" for x, y, z in sorted(places)))
+        measured = json.loads(subprocess.run([PROGRAM, "measure", "--cavities", "--json", atoms],
+                                             capture_output=True, text=True, check=True).stdout)
+        (cavity,) = measured["cavities"]
+        self.open(atoms)
+        self.ask("viewer.set('cavities', true)")
+        self.assertLess(self.ask("return viewer.look.opacity"), 100)
+        label, = self.browser.find_elements("css selector", "#labels div")
+        self.assertEqual(label.text, f"1: {cavity['void_volume']:.1f} Å³")
+        found = self.pixels()
+        self.assertGreater(found["red"] + found.get("orange", 0), 500)  # the wall, in its own colour
+
+    def test_large_surfaces_turn_as_coarse_ones(self):
+        """The coarse surface has the size of the other, and the same colours."""
+        self.open(self.atoms, "--spacing", "0.03", "--color", "chain")
+        whole = self.pixels()
+        coarse, triangles = self.ask("return [viewer.drawings[0].fast.count, viewer.molecules[0].triangles]")
+        self.assertGreater(coarse, 0)
+        self.assertLess(coarse / 3, triangles / 2)
+        self.ask("viewer.isChanging = viewer.isSlow = true")
+        fast = self.pixels()
+        for color in ("red", "blue"):  # half of the pixels in each direction
+            self.assertAlmostEqual(4 * fast[color] / whole[color], 1, delta=0.1)
+
     def test_controls_have_labels_and_contrast(self):
         self.open(self.atoms)
         self.ask("viewer.set('theme', 'auto')")
@@ -366,7 +460,7 @@ class Page(TestCase):
         self.browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", {
             "width": 390, "height": 700, "deviceScaleFactor": 1, "mobile": True})
         self.browser.execute_cdp_cmd("Emulation.setTouchEmulationEnabled", {"enabled": True})
-        self.open(self.atoms)
+        self.open(self.atoms, "--color", "patch")
         self.assertFalse(self.ask("return document.getElementById('panel').open"))
         self.assertLessEqual(self.ask("return document.documentElement.scrollWidth"), 390)
         self.assertGreater(self.pixels()["blue"], 500)

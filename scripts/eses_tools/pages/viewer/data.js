@@ -1,4 +1,4 @@
-// Reads the molecules of the page and gives them colours.
+// Reads the molecules of the page and names their parts.
 
 const ELEMENT_COLORS = { // those of Jmol, slightly darker carbon and hydrogen
   "": "a0a8b0", H: "e8e8e8", C: "8c9196", N: "3050f8", O: "e8150d", F: "70c030", Na: "ab5cf2",
@@ -14,12 +14,8 @@ const COVALENT = {
 };
 const UNKNOWN_COVALENT = 0.76; // carbon
 const BOND_TOLERANCE = 0.45; // angstrom
-const MAX_LEGEND = 26; // entries; more would not be legible
 const PATCHES = ["", "convex", "saddle", "concave"];
-const CLASSES = 4; // of colours, see divideIntoClasses
-const PLAIN = [158, 181, 204];
-// Viridis (S. van der Walt, N. Smith).
-const SEQUENTIAL = [[68, 1, 84], [59, 82, 139], [33, 145, 140], [94, 201, 98], [253, 231, 37]];
+const NO_RESIDUE = ["", "", ""];
 
 // -------------------------------------------------------------------------------------- arrays
 
@@ -60,12 +56,42 @@ function readArrays(bytes, layout) {
 // Returns the molecule described by `info` with its arrays and bonds.
 async function readMolecule(info, text) {
   const molecule = { ...info, ...readArrays(await unpack(text), info.arrays) };
+  molecule.points = Float32Array.from(molecule.place, (value, i) =>
+    info.step * value + info.origin[i % 3]);
+  molecule.isHidden = new Uint8Array(molecule.residues?.length ?? 0);
   if (molecule.center) {
     molecule.centers = Float32Array.from(molecule.center, (value, i) =>
       value / 1000 + info.atom_origin[i % 3]);
     molecule.bonds = findBonds(molecule);
+    shareByPower(molecule);
   }
   return molecule;
+}
+
+// Returns the power of a vertex with respect to the sphere of an atom, in square angstrom.
+function power({ points, centers, radius }, vertex, atom) {
+  let sum = -((radius[atom] / 1000) ** 2);
+  for (let axis = 0; axis < 3; axis++) sum += (points[3 * vertex + axis] - centers[3 * atom + axis]) ** 2;
+  return sum;
+}
+
+// A mesh names one of the atoms that touch a probe. Gives each vertex the one of least power
+// instead, as areas of atoms are shared: atoms spread along the edges of triangles.
+function shareByPower(molecule) {
+  const { triangle, atom } = molecule;
+  const powers = Float32Array.from(atom, (one, vertex) => power(molecule, vertex, one));
+  for (let isChanged = true; isChanged;) {
+    isChanged = false;
+    for (let i = 0; i < triangle.length; i++) {
+      const vertex = triangle[i], other = triangle[i % 3 === 2 ? i - 2 : i + 1];
+      if (atom[vertex] === atom[other]) continue;
+      for (const [to, from] of [[vertex, other], [other, vertex]]) {
+        const offered = power(molecule, to, atom[from]);
+        if (offered >= powers[to] - 1e-4) continue;
+        [powers[to], atom[to], isChanged] = [offered, atom[from], true];
+      }
+    }
+  }
 }
 
 // ------------------------------------------------------------------------------------- molecule
@@ -99,17 +125,56 @@ function findBonds({ centers, element, elements, radius }) {
   return Uint32Array.from(bonds);
 }
 
+function residueOf(molecule, atom) {
+  return molecule.residue ? molecule.residues[molecule.residue[atom]] : NO_RESIDUE;
+}
+
+function isShown(molecule, atom) {
+  return !molecule.residue || molecule.isHidden[molecule.residue[atom]] === 0;
+}
+
+function isVertexShown(molecule, vertex) {
+  return !molecule.atom || isShown(molecule, molecule.atom[vertex]);
+}
+
+// Returns the mean position of atoms or vertices.
+function meanPlace(places, chosen) {
+  const sum = [0, 0, 0];
+  for (const one of chosen) for (let axis = 0; axis < 3; axis++) sum[axis] += places[3 * one + axis];
+  return sum.map((value) => value / chosen.length);
+}
+
+// Returns the names of ligands and cavities, and where they are.
+function labelsOf(molecule, { areLigands, areCavities }) {
+  const groups = new Map(), labels = [];
+  const add = (key, one) => groups.has(key) ? groups.get(key).push(one) : groups.set(key, [one]);
+  if (areLigands && molecule.ligand)
+    molecule.ligand.forEach((value, atom) => value && isShown(molecule, atom)
+      && add(molecule.residue[atom], atom));
+  for (const [residue, atoms] of groups)
+    labels.push({ text: molecule.residues[residue].join(" ").trim(), place: meanPlace(molecule.centers, atoms) });
+  if (!areCavities || !molecule.component) return labels;
+  groups.clear();
+  molecule.component.forEach((number, vertex) => number > 0 && add(number, vertex));
+  for (const [number, vertices] of groups) {
+    const volume = molecule.voids?.[number - 1];
+    labels.push({ text: volume === undefined ? `${number}` : `${number}: ${volume.toFixed(1)} Å³`,
+      place: meanPlace(molecule.points, vertices) });
+  }
+  return labels;
+}
+
 // Returns the text that names an atom of the molecule, for example "CA, ALA 52A, chain A".
 function describeAtom(molecule, atom) {
   const parts = [];
   const name = molecule.name_of_atom ? molecule.names[molecule.name_of_atom[atom]] : "";
   parts.push(name || `${elementOf(molecule, atom)} atom ${molecule.serial[atom]}`.trim());
   if (molecule.residue) {
-    const [residue, number, chain] = molecule.residues[molecule.residue[atom]];
+    const [residue, number, chain] = residueOf(molecule, atom);
     if (residue || number) parts.push(`${residue} ${number}`.trim());
     if (chain) parts.push(`chain ${chain}`);
   }
-  if (molecule.area) parts.push(`${(molecule.area[atom] / 100).toFixed(1)} Å²`);
+  if (molecule.area && !molecule.ligand?.[atom]) parts.push(`${(molecule.area[atom] / 100).toFixed(1)} Å²`);
   return parts.join(", ");
 }
 
@@ -122,156 +187,4 @@ function describeVertex(molecule, vertex) {
     parts.push(`${value < 0 ? "−" : "+"}${Math.abs(value).toPrecision(2)} kT/e`);
   }
   return parts.join(", ");
-}
-
-// --------------------------------------------------------------------------------------- colours
-
-// The colours of eses-blocks --color, which are distinct for successive numbers.
-function distinctColor(number) {
-  const hue = 6 * (Math.imul(number, 0x9E3779B9) >>> 0) / 2 ** 32;
-  const up = Math.floor(60 + 175 * (hue % 1)), down = 295 - up;
-  return [[235, up, 60], [down, 235, 60], [60, 235, up], [60, down, 235], [up, 60, 235],
-    [235, 60, down]][Math.floor(hue)];
-}
-
-// Component 0 is the outside.
-function componentColor(number) {
-  return number === 0 ? [200, 200, 200] : distinctColor(number - 1);
-}
-
-function componentName(number) {
-  return number === 0 ? "outside" : `cavity ${number}`;
-}
-
-function elementColor(name) {
-  const code = parseInt(ELEMENT_COLORS[name] ?? "ff1493", 16);
-  return [code >> 16, code >> 8 & 255, code & 255];
-}
-
-function gradientColor(stops, share) {
-  const at = Math.min(Math.max(share, 0), 1) * (stops.length - 1);
-  const low = Math.min(Math.floor(at), stops.length - 2);
-  return stops[low].map((value, i) => value + (at - low) * (stops[low + 1][i] - value));
-}
-
-function potentialAt(molecule, vertex) {
-  return (molecule.potential[vertex] - 32768) / 32767 * molecule.potential_max;
-}
-
-// Returns the end of the scale of areas: a multiple of 5 that at most 2 per cent of the atoms exceed.
-function largestArea(molecules) {
-  const areas = molecules.flatMap((one) => one.area ? Array.from(one.area) : [])
-    .filter((area) => area > 0).sort((a, b) => a - b);
-  return 5 * Math.ceil((areas[Math.floor(0.98 * areas.length)] ?? 500) / 500);
-}
-
-// The schemes: which molecules have them, a function that returns the colour of a vertex, whether
-// colours between vertices are interpolated, and the legend.
-const SCHEMES = {
-  patch: {
-    label: "patch", has: (one) => one.patch,
-    paint: (one, { patches }) => (vertex) => patches[one.patch[vertex] - 1],
-    entries: (_, { patches }) => patches.map((color, i) => [PATCHES[i + 1], color]),
-  },
-  potential: {
-    label: "potential", has: (one) => one.potential, isSmooth: true,
-    paint: (one, { potential, diverging }) => (vertex) =>
-      gradientColor(diverging, 0.5 + potentialAt(one, vertex) / (2 * potential)),
-    gradient: ({ potential, diverging }) => ({
-      stops: diverging, title: "potential, kT/e",
-      ticks: [`≤ −${potential}`, "0", `≥ +${potential}`],
-    }),
-  },
-  atom: {
-    label: "atom", has: (one) => one.atom,
-    paint: (one) => byAtom(one, (atom) => distinctColor(one.serial[atom] - 1)),
-  },
-  element: {
-    label: "element", has: (one) => one.atom && one.element && one.elements.some((name) => name),
-    paint: (one) => byAtom(one, (atom) => elementColor(elementOf(one, atom))),
-    entries: (one) => one.elements.map((name) => [name || "unknown", elementColor(name)]),
-  },
-  residue: {
-    label: "residue", has: (one) => one.atom && one.residue,
-    paint: (one) => byAtom(one, (atom) => distinctColor(one.residue[atom])),
-    entries: (one) => one.residues.map(([name, number, chain], i) =>
-      [`${name} ${number} ${chain}`.trim(), distinctColor(i)]),
-  },
-  chain: {
-    label: "chain", has: (one) => one.atom && one.chain,
-    paint: (one) => byAtom(one, (atom) => distinctColor(one.chain[atom])),
-    entries: (one) => one.chains.map((name, i) =>
-      [name ? `chain ${name}` : "no chain", distinctColor(i)]),
-  },
-  component: {
-    label: "component", has: (one) => one.component,
-    paint: (one) => (vertex) => componentColor(one.component[vertex]),
-    entries: (one) => Array.from(new Set(one.component)).sort((a, b) => a - b)
-      .map((number) => [componentName(number), componentColor(number)]),
-  },
-  area: {
-    label: "area of the atom", has: (one) => one.atom && one.area,
-    paint: (one, { area }) => byAtom(one, (atom) =>
-      gradientColor(SEQUENTIAL, one.area[atom] / 100 / area)),
-    gradient: ({ area }) => ({
-      stops: SEQUENTIAL, title: "area of the atom, Å²",
-      ticks: ["0", `${area / 2}`, `≥ ${area}`],
-    }),
-  },
-  file: {
-    label: "as in the file", has: (one) => one.color_of_file, isSmooth: true,
-    paint: (one) => (vertex) => one.color_of_file.subarray(3 * vertex, 3 * vertex + 3),
-  },
-  plain: { label: "none", has: () => true, paint: () => () => PLAIN },
-};
-
-// Returns a function from vertex to colour for colours of atoms.
-function byAtom(molecule, colorOf) {
-  const colors = Array.from(molecule.serial, (_, atom) => colorOf(atom));
-  return (vertex) => colors[molecule.atom[vertex]];
-}
-
-// Returns the colours of all vertices in a scheme and their classes, four bytes each.
-function paintVertices(molecule, scheme, limits) {
-  const chosen = SCHEMES[scheme].has(molecule) ? SCHEMES[scheme] : SCHEMES.plain;
-  const paint = chosen.paint(molecule, limits);
-  const colors = new Uint8Array(4 * molecule.vertices);
-  for (let vertex = 0; vertex < molecule.vertices; vertex++) colors.set(paint(vertex), 4 * vertex);
-  if (!chosen.isSmooth) divideIntoClasses(molecule.triangle, colors);
-  return colors;
-}
-
-// Sets the fourth byte of each vertex to a class, such that different colours in a triangle have
-// different classes. The shader draws sharp borders between classes. Colours are ordered by their
-// numbers of neighbours; each gets the class with which it has the fewest borders, mostly none.
-function divideIntoClasses(triangles, bytes) {
-  const colors = new Uint32Array(bytes.buffer), borders = new Map();
-  const count = (one, other) => {
-    if (!borders.has(one)) borders.set(one, new Map());
-    borders.get(one).set(other, (borders.get(one).get(other) ?? 0) + 1);
-  };
-  for (let i = 0; i < triangles.length; i += 3)
-    for (let k = 0; k < 3; k++) {
-      const one = colors[triangles[i + k]], other = colors[triangles[i + (k + 1) % 3]];
-      if (one === other) continue;
-      count(one, other);
-      count(other, one);
-    }
-  const classes = new Map();
-  for (const [color, others] of [...borders].sort((a, b) => b[1].size - a[1].size)) {
-    const shared = new Array(CLASSES).fill(0);
-    for (const [other, length] of others)
-      if (classes.has(other)) shared[classes.get(other)] += length;
-    classes.set(color, shared.indexOf(Math.min(...shared)));
-  }
-  for (let vertex = 0; vertex < colors.length; vertex++)
-    bytes[4 * vertex + 3] = classes.get(colors[vertex]) ?? 0;
-}
-
-// Returns the names and colours of a scheme without repetition; none if they would be too many.
-function legendEntries(molecules, scheme, limits) {
-  const { has, entries } = SCHEMES[scheme];
-  if (!entries) return [];
-  const shown = new Map(molecules.filter(has).flatMap((one) => entries(one, limits)));
-  return shown.size > MAX_LEGEND ? [] : Array.from(shown);
 }

@@ -29,7 +29,7 @@ vec4 number(uint id) {
 vec3 lit(vec3 color, vec3 normal, float z) {
   const vec3 light = normalize(vec3(-0.35, 0.45, 1.0)), half_way = normalize(light + vec3(0, 0, 1));
   float diffuse = max(dot(normal, light), 0.0);
-  float shine = 0.16 * pow(max(dot(normal, half_way), 0.0), 36.0);
+  float shine = 0.07 * pow(max(dot(normal, half_way), 0.0), 36.0);
   vec3 shaded = color * (0.34 + 0.68 * diffuse) + shine;
   float fog = clamp(-z / u_radius, 0.0, 1.0); // fades what is behind the centre
   return mix(shaded, u_back, 0.45 * fog * fog);
@@ -42,10 +42,9 @@ uniform vec3 u_origin;
 uniform float u_step; // angstrom per unit of a_place
 layout(location = 0) in vec3 a_place;
 layout(location = 1) in vec2 a_normal; // octahedral, 0 to 2046
-layout(location = 2) in vec3 a_color;
-layout(location = 3) in float a_class;
+layout(location = 2) in mat4 a_classes; // of colours: red, green, blue and height of each
 out vec3 v_normal;
-out vec4 v_shares; // of the classes
+out vec4 v_heights, v_shares; // of the classes; a class that is absent has no share
 out mat4x3 v_colors; // of the classes, times their shares
 flat out uint v_id;
 
@@ -55,22 +54,24 @@ void main() {
   vec3 n = vec3(e, 1.0 - abs(e.x) - abs(e.y));
   if (n.z < 0.0) n.xy = (1.0 - abs(n.yx)) * vec2(n.x < 0.0 ? -1.0 : 1.0, n.y < 0.0 ? -1.0 : 1.0);
   v_normal = u_rotation * n;
-  v_shares = vec4(equal(vec4(a_class), vec4(0, 1, 2, 3)));
-  v_colors = outerProduct(a_color, v_shares);
+  v_heights = vec4(a_classes[0].w, a_classes[1].w, a_classes[2].w, a_classes[3].w);
+  v_shares = step(1e-3, v_heights);
+  for (int i = 0; i < 4; i++) v_colors[i] = v_shares[i] * a_classes[i].rgb;
   v_id = uint(gl_VertexID) + 1u;
 }`,
   fragment: `${LIGHT}
 uniform float u_clip, u_opacity;
+uniform float u_inner; // brightness of the inner side
 in vec3 v_place, v_normal;
-in vec4 v_shares;
+in vec4 v_heights, v_shares;
 in mat4x3 v_colors;
 flat in uint v_id;
 
-// Returns the colour of the class with the largest share. Classes within a pixel of it are mixed.
+// Returns the colour of the highest class. Classes within a pixel of it are mixed.
 vec3 nearestColor() {
-  float top = max(max(v_shares.x, v_shares.y), max(v_shares.z, v_shares.w));
-  vec4 width = max(fwidth(v_shares), vec4(1e-4));
-  vec4 weights = clamp(1.0 + (v_shares - top) / width, 0.0, 1.0);
+  float top = max(max(v_heights.x, v_heights.y), max(v_heights.z, v_heights.w));
+  vec4 width = max(fwidth(v_heights), vec4(1e-4));
+  vec4 weights = clamp(1.0 + (v_heights - top) / width, 0.0, 1.0);
   weights *= step(1e-3, v_shares); // there is no colour without a share, which may be extrapolated
   return v_colors * (weights / max(v_shares, vec4(1e-4))) / (weights.x + weights.y + weights.z + weights.w);
 }
@@ -81,7 +82,7 @@ void main() {
   if (u_pick) { o_color = number(v_id); return; }
   vec3 normal = normalize(v_normal);
   bool is_inner = normal.z < 0.0 && !gl_FrontFacing;
-  if (is_inner) color *= 0.55;
+  if (is_inner) color *= u_inner;
   o_color = vec4(lit(color, is_inner ? -normal : normal, v_place.z), u_opacity);
 }`,
 };
@@ -94,17 +95,19 @@ uniform uint u_first;
 layout(location = 0) in vec2 a_corner;
 layout(location = 1) in vec4 a_sphere;
 layout(location = 2) in vec3 a_color;
+layout(location = 3) in uint a_atom;
 out vec2 v_corner;
 flat out float v_radius;
 flat out vec3 v_color;
 flat out uint v_id;
 
 void main() {
-  v_radius = u_shrink * a_sphere.w + u_add;
+  float shrink = a_sphere.w < 0.0 ? max(u_shrink, 0.55) : u_shrink; // atoms without bonds are larger
+  v_radius = shrink * abs(a_sphere.w) + u_add;
   put(toView(a_sphere.xyz) + vec3(a_corner * v_radius, 0));
   v_corner = a_corner;
   v_color = a_color;
-  v_id = u_first + uint(gl_InstanceID);
+  v_id = u_first + a_atom;
 }`,
   fragment: `${LIGHT}
 uniform float u_range;

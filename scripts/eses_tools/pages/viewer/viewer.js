@@ -1,4 +1,4 @@
-// Draws the molecules side by side and handles mouse, touch and keyboard.
+// Draws the molecules side by side, with their legend, names and scale.
 
 const STYLES = { // of atoms: factor and addition of the radius of spheres, radius of sticks
   none: null,
@@ -6,8 +6,10 @@ const STYLES = { // of atoms: factor and addition of the radius of spheres, radi
   balls: { shrink: 0.25, add: 0, stick: 0.14 },
   spheres: { shrink: 1, add: 0, stick: 0 },
 };
-const STICK_SIDES = 12;
-const FILLED = 0.97; // part of the picture that the sphere around the largest molecule fills
+const FILLED = 0.92; // part of the picture that the largest molecule fills
+const MAX_LABELS = 40; // of a molecule; more would not be legible
+const CAVITY_OPACITY = 35; // per cent, of the surface around cavities
+const STEPS = 1000; // of an angstrom and other numbers in the address of the page
 const SAMPLES = 4; // of a pixel, which smooth edges
 const SLOW_FRAME = 70; // milliseconds; slower machines draw less detail while the view changes
 const WEAK_FRAME = 400; // milliseconds; such machines, without a GPU, never draw several samples
@@ -22,8 +24,8 @@ const canvas = $("canvas");
 class Viewer {
   constructor(molecules, settings, limits) {
     this.molecules = molecules;
-    this.view = { rotation: startRotation(), pan: [0, 0], zoom: 1 };
-    this.look = { clip: 0, shading: true, theme: "auto", ...settings };
+    this.look = { clip: 0, shading: true, theme: "auto", ligands: "balls", cavities: false, names: true,
+      ...settings };
     this.limits = { ...limits, area: largestArea(molecules) };
     this.radius = Math.max(...molecules.map((one) => one.radius_of_all));
     this.range = 1.1 * this.radius + 5; // spheres of atoms included
@@ -32,7 +34,9 @@ class Viewer {
     this.isWeak = false;
     this.lastFrame = 0;
     this.startGraphics();
+    this.reset();
     this.setTheme();
+    this.fillDrawings();
     this.paint();
     this.measure();
   }
@@ -112,15 +116,32 @@ class Viewer {
   // Returns the pixels per angstrom in a picture of this size.
   scaleIn(width, height) {
     const [panel] = this.panels(width, height);
-    return this.view.zoom * FILLED * Math.min(panel.width, panel.height) / (2 * this.radius);
+    const [x, y] = this.half;
+    return this.view.zoom * FILLED * Math.min(panel.width / x, panel.height / y) / 2;
   }
 
-  setView(program, molecule, panel, scale, isPick) {
-    const gl = this.gl, { uniforms } = program;
+  // Makes the molecules fill the picture in their present rotation.
+  fit() {
+    const extents = this.molecules.map((one) => extentOf(one, this.view.rotation));
+    this.middles = extents.map((one) => one.middle);
+    this.half = [0, 1].map((axis) => Math.max(...extents.map((one) => one.half[axis])));
+    Object.assign(this.view, { pan: [0, 0], zoom: 1 });
+    this.update();
+  }
+
+  // Returns where a place of a molecule is in its panel, in angstrom from the panel's centre.
+  onScreen(i, place) {
+    const { molecules, view, middles } = this;
+    const turned = apply(view.rotation, place.map((value, axis) => value - molecules[i].middle[axis]));
+    return [0, 1].map((axis) => turned[axis] + view.pan[axis] - middles[i][axis]);
+  }
+
+  setView(program, i, panel, scale, isPick) {
+    const gl = this.gl, { uniforms } = program, molecule = this.molecules[i];
     gl.useProgram(program.program);
     gl.uniformMatrix3fv(uniforms.u_rotation, false, this.view.rotation);
     gl.uniform3fv(uniforms.u_center, molecule.middle);
-    gl.uniform2fv(uniforms.u_pan, this.view.pan);
+    gl.uniform2fv(uniforms.u_pan, this.view.pan.map((value, axis) => value - this.middles[i][axis]));
     gl.uniform2f(uniforms.u_scale, 2 * scale / panel.width, 2 * scale / panel.height);
     gl.uniform1f(uniforms.u_range, this.range);
     gl.uniform3fv(uniforms.u_back, this.back);
@@ -143,7 +164,9 @@ class Viewer {
       const size = [Math.round(panel.width), Math.round(panel.height)];
       gl.viewport(left, low, ...size);
       gl.scissor(left, low, ...size);
-      this.drawAtoms(i, panel, scale, isPick);
+      const { atoms, ligands } = this.drawings[i];
+      this.drawAtoms(i, atoms, this.look.style, panel, scale, isPick);
+      this.drawAtoms(i, ligands, this.look.ligands, panel, scale, isPick);
       this.drawSurface(i, panel, scale, isPick);
     });
     gl.disable(gl.SCISSOR_TEST);
@@ -151,15 +174,25 @@ class Viewer {
 
   drawSurface(i, panel, scale, isPick) {
     const { gl, programs: { surface } } = this, molecule = this.molecules[i];
-    const opacity = this.look.opacity / 100;
-    if (opacity === 0) return;
-    this.setView(surface, molecule, panel, scale, isPick);
+    const { outer, walls, fast } = this.drawings[i], opacity = this.look.opacity / 100;
+    this.setView(surface, i, panel, scale, isPick);
     gl.uniform3fv(surface.uniforms.u_origin, molecule.origin);
     gl.uniform1f(surface.uniforms.u_step, molecule.step);
     gl.uniform1f(surface.uniforms.u_clip, this.clipPlane());
-    gl.uniform1f(surface.uniforms.u_opacity, opacity);
     gl.bindVertexArray(this.drawings[i].surface);
-    const draw = () => gl.drawElements(gl.TRIANGLES, 3 * molecule.triangles, gl.UNSIGNED_INT, 0);
+    if (this.look.cavities) this.drawParts([walls], 1, isPick);
+    if (this.isReduced && fast.count > 0) this.drawParts([fast], opacity, isPick);
+    else this.drawParts(this.look.cavities ? [outer] : [outer, walls], opacity, isPick);
+  }
+
+  // Draws these parts of the surface that is bound.
+  drawParts(parts, opacity, isPick) {
+    if (opacity === 0) return;
+    const { gl, programs: { surface } } = this;
+    gl.uniform1f(surface.uniforms.u_opacity, opacity);
+    gl.uniform1f(surface.uniforms.u_inner, this.look.cavities ? 1 : 0.55); // walls are seen from outside
+    const draw = () => parts.forEach(({ first, count }) =>
+      gl.drawElements(gl.TRIANGLES, count, gl.UNSIGNED_INT, 4 * first));
     if (opacity < 1 && !isPick) { // only the nearest layer is blended
       gl.colorMask(false, false, false, false);
       draw();
@@ -171,22 +204,21 @@ class Viewer {
     gl.disable(gl.BLEND);
   }
 
-  drawAtoms(i, panel, scale, isPick) {
-    const { gl, programs: { sphere, stick } } = this, molecule = this.molecules[i];
-    const style = STYLES[this.look.style], drawing = this.drawings[i];
-    if (!style || !molecule.centers) return;
-    this.setView(sphere, molecule, panel, scale, isPick);
+  drawAtoms(i, drawing, name, panel, scale, isPick) {
+    const { gl, programs: { sphere, stick } } = this, molecule = this.molecules[i], style = STYLES[name];
+    if (!style || drawing.atoms === 0) return;
+    this.setView(sphere, i, panel, scale, isPick);
     gl.uniform1f(sphere.uniforms.u_shrink, style.shrink);
     gl.uniform1f(sphere.uniforms.u_add, style.add);
     gl.uniform1ui(sphere.uniforms.u_first, molecule.vertices + 1);
     gl.bindVertexArray(drawing.spheres);
-    gl.drawArraysInstanced(gl.TRIANGLE_STRIP, 0, 4, molecule.radius.length);
-    if (style.stick === 0 || molecule.bonds.length === 0) return;
-    this.setView(stick, molecule, panel, scale, isPick);
+    gl.drawArraysInstanced(gl.TRIANGLE_STRIP, 0, 4, drawing.atoms);
+    if (style.stick === 0 || drawing.bonds === 0) return;
+    this.setView(stick, i, panel, scale, isPick);
     gl.uniform1f(stick.uniforms.u_width, style.stick);
     gl.uniform1ui(stick.uniforms.u_first, molecule.vertices + 1);
     gl.bindVertexArray(drawing.sticks);
-    gl.drawArraysInstanced(gl.TRIANGLE_STRIP, 0, 2 * STICK_SIDES + 2, molecule.bonds.length / 2);
+    gl.drawArraysInstanced(gl.TRIANGLE_STRIP, 0, 2 * STICK_SIDES + 2, drawing.bonds);
   }
 
   // Returns the height of the clip plane above the centre.
@@ -236,7 +268,7 @@ class Viewer {
 
   // Draws with less detail while the view changes on a slow machine.
   draw() {
-    const isReduced = this.isChanging && this.isSlow;
+    const isReduced = this.isReduced = this.isChanging && this.isSlow;
     const ratio = isReduced ? 0.5 : Math.min(window.devicePixelRatio || 1, 2);
     const isShaded = this.look.shading && !isReduced;
     const { clientWidth, clientHeight } = canvas;
@@ -244,6 +276,7 @@ class Viewer {
       Math.max(1, Math.round(ratio * clientHeight)),
       { isShaded, samples: isReduced || this.isWeak ? 0 : SAMPLES });
     this.showScale();
+    this.showLabels();
   }
 
   // Draws at the next opportunity. `isMoving` marks one of many changes.
@@ -255,6 +288,7 @@ class Viewer {
         this.isChanging = false;
         this.lastFrame = 0;
         this.update();
+        this.keepInAddress();
       }, REST);
     }
     if (this.isWaiting) return;
@@ -269,14 +303,34 @@ class Viewer {
 
   // Colours the vertices and atoms.
   paint() {
-    const gl = this.gl;
     this.molecules.forEach((molecule, i) => {
-      gl.bindBuffer(gl.ARRAY_BUFFER, this.drawings[i].colors);
-      gl.bufferData(gl.ARRAY_BUFFER, paintVertices(molecule, this.look.color, this.limits),
-        gl.STATIC_DRAW);
+      fillColors(this.gl, this.drawings[i], paintVertices(molecule, this.look.color, this.limits,
+        this.look.cavities && Boolean(molecule.component)));
     });
     this.showLegend();
     this.update();
+  }
+
+  // Fills the drawings with what is shown.
+  fillDrawings() {
+    this.molecules.forEach((molecule, i) => {
+      const { atoms, ligands } = this.drawings[i];
+      fillSurface(this.gl, this.drawings[i], molecule);
+      if (!molecule.centers) return;
+      const isLigand = (atom) => Boolean(molecule.ligand?.[atom]);
+      fillAtoms(this.gl, atoms, molecule, (atom) => !isLigand(atom) && isShown(molecule, atom));
+      fillAtoms(this.gl, ligands, molecule, (atom) => isLigand(atom) && isShown(molecule, atom));
+    });
+    this.arePicksDrawn = false;
+    this.makeLabels();
+    this.update();
+  }
+
+  // Shows or hides residues of a molecule.
+  show(molecule, residues, isVisible) {
+    for (const residue of residues) molecule.isHidden[residue] = isVisible ? 0 : 1;
+    this.fillDrawings();
+    this.keepInAddress();
   }
 
   // ---------------------------------------------------------------------------------- picking
@@ -350,14 +404,17 @@ class Viewer {
   }
 
   reset() {
-    this.view = { rotation: startRotation(), pan: [0, 0], zoom: 1 };
-    this.update();
+    const [panel] = this.panels(canvas.clientWidth, canvas.clientHeight);
+    this.view = { rotation: startRotation(this.molecules[0], panel.height > panel.width) };
+    this.fit();
+    this.keepInAddress();
   }
 
   lookAlong(axis) {
     this.view.rotation = [0, 1, 2].flatMap((column) =>
       [0, 1, 2].map((row) => column === (axis + 1 + row) % 3 ? 1 : 0));
-    this.update();
+    this.fit();
+    this.keepInAddress();
   }
 
   // Changes one of the settings of the panel.
@@ -367,9 +424,45 @@ class Viewer {
     if (control.type === "checkbox") control.checked = value;
     else control.value = value;
     if (name === "theme") this.setTheme();
-    if (name === "color") this.paint();
+    if (name === "color" || name === "cavities") this.paint();
+    if (name === "cavities" || name === "names" || name === "ligands") this.makeLabels();
     if (name === "style" && value !== "none" && this.look.opacity === 100) this.set("opacity", 45);
     if (name === "style" && value === "none" && this.look.opacity === 45) this.set("opacity", 100);
+    if (name === "cavities" && value && this.look.opacity === 100) this.set("opacity", CAVITY_OPACITY);
+    if (name === "cavities" && !value && this.look.opacity === CAVITY_OPACITY) this.set("opacity", 100);
+    this.update();
+    this.keepInAddress();
+  }
+
+  // ------------------------------------------------------------------------- view in the address
+
+  // Returns the view and the settings as the end of an address.
+  address() {
+    const { rotation, pan, zoom } = this.view, round = (value) => Math.round(STEPS * value) / STEPS;
+    const hidden = this.molecules.map(({ isHidden }) => Array.from(isHidden.keys()).filter((i) => isHidden[i]));
+    return encodeURIComponent(JSON.stringify({ look: this.look, rotation: rotation.map(round),
+      pan: pan.map(round), zoom: round(zoom), half: this.half.map(round), middles: this.middles, hidden }));
+  }
+
+  keepInAddress() {
+    clearTimeout(this.addressTimer); // browsers limit how often an address may change
+    this.addressTimer = setTimeout(() => {
+      try { history.replaceState(null, "", `#${this.address()}`); } catch { /* a frame without an address */ }
+    }, REST);
+  }
+
+  // Restores what address() has returned; an address of another page is left alone.
+  restore(text) {
+    let kept;
+    try { kept = JSON.parse(decodeURIComponent(text)); } catch { return; }
+    if (kept?.hidden?.length !== this.molecules.length || kept.rotation?.length !== 9) return;
+    kept.hidden.forEach((residues, i) => residues.forEach((residue) => {
+      this.molecules[i].isHidden[residue] = 1;
+    }));
+    this.fillDrawings();
+    const { look, rotation, pan, zoom, half, middles } = kept;
+    for (const [name, value] of Object.entries(look)) if (isPossible(name, value)) this.set(name, value);
+    Object.assign(this, { half, middles, view: { rotation, pan, zoom } });
     this.update();
   }
 
@@ -394,8 +487,29 @@ class Viewer {
 
   showScale() {
     const bar = this.scaleBar(this.scaleIn(canvas.clientWidth, canvas.clientHeight), 140);
-    $("scale-text").textContent = bar.text;
+    $("scale-text").textContent = this.isReduced ? `${bar.text}, less detail while it moves` : bar.text;
     $("scale-bar").style.width = `${bar.width}px`;
+  }
+
+  // Collects the names of ligands and cavities that are shown.
+  makeLabels() {
+    const { names, ligands, cavities } = this.look;
+    const elements = this.molecules.flatMap((molecule, i) =>
+      labelsOf(molecule, { areLigands: names && ligands !== "none", areCavities: cavities })
+        .slice(0, MAX_LABELS).map(({ text, place }) => ({ i, place, box: element("div", text) })));
+    this.labels = elements;
+    $("labels").replaceChildren(...elements.map(({ box }) => box));
+  }
+
+  showLabels() {
+    const { clientWidth, clientHeight } = canvas, panels = this.panels(clientWidth, clientHeight);
+    const scale = this.scaleIn(clientWidth, clientHeight);
+    for (const { i, place, box } of this.labels) {
+      const [x, y] = this.onScreen(i, place), panel = panels[i];
+      const left = panel.x + panel.width / 2 + scale * x, top = panel.y + panel.height / 2 - scale * y;
+      box.hidden = left < panel.x || left > panel.x + panel.width || top < panel.y || top > panel.y + panel.height;
+      box.style.transform = `translate(${left}px, ${top}px) translate(-50%, -150%)`;
+    }
   }
 
   legend() {
@@ -425,7 +539,7 @@ class Viewer {
 
   showNames() {
     const { clientWidth, clientHeight } = canvas;
-    $("names").replaceChildren(...this.panels(clientWidth, clientHeight).map((panel, i) => {
+    $("titles").replaceChildren(...this.panels(clientWidth, clientHeight).map((panel, i) => {
       const name = element("div", this.molecules[i].name);
       name.append(element("small", this.molecules[i].facts));
       Object.assign(name.style, { left: `${panel.x}px`, top: `${panel.y}px`, width: `${panel.width}px` });
@@ -497,298 +611,3 @@ class Viewer {
     }, "image/png");
   }
 }
-
-// ------------------------------------------------------------------------------------- matrices
-// Matrices are lists of three columns.
-
-function multiply(a, b) {
-  return [0, 1, 2].flatMap((column) => [0, 1, 2].map((row) =>
-    a[row] * b[3 * column] + a[3 + row] * b[3 * column + 1] + a[6 + row] * b[3 * column + 2]));
-}
-
-function turnAbout(axis, angle) {
-  const matrix = [1, 0, 0, 0, 1, 0, 0, 0, 1], i = (axis + 1) % 3, j = (axis + 2) % 3;
-  matrix[4 * i] = matrix[4 * j] = Math.cos(angle);
-  matrix[3 * i + j] = Math.sin(angle);
-  matrix[3 * j + i] = -Math.sin(angle);
-  return matrix;
-}
-
-// The view of scripts/render: along y, with z upwards, turned a little.
-function startRotation() {
-  return multiply(turnAbout(0, Math.PI / 9), multiply(turnAbout(1, -Math.PI / 6),
-    turnAbout(0, -Math.PI / 2)));
-}
-
-// ------------------------------------------------------------------------------------- graphics
-
-function makeProgram(gl, { vertex, fragment }) {
-  const program = gl.createProgram();
-  for (const [kind, text] of [[gl.VERTEX_SHADER, vertex], [gl.FRAGMENT_SHADER, fragment]]) {
-    const shader = gl.createShader(kind);
-    gl.shaderSource(shader, text);
-    gl.compileShader(shader);
-    gl.attachShader(program, shader);
-  }
-  gl.linkProgram(program);
-  if (!gl.getProgramParameter(program, gl.LINK_STATUS)) {
-    const [first, second] = gl.getAttachedShaders(program);
-    throw new Error([gl.getShaderInfoLog(first), gl.getShaderInfoLog(second),
-      gl.getProgramInfoLog(program)].filter(Boolean).join("; "));
-  }
-  const uniforms = {};
-  for (let i = 0; i < gl.getProgramParameter(program, gl.ACTIVE_UNIFORMS); i++) {
-    const { name } = gl.getActiveUniform(program, i);
-    uniforms[name] = gl.getUniformLocation(program, name);
-  }
-  return { program, uniforms };
-}
-
-function makeTexture(gl, format, width, height) {
-  const texture = gl.createTexture();
-  gl.bindTexture(gl.TEXTURE_2D, texture);
-  gl.texStorage2D(gl.TEXTURE_2D, 1, format, width, height);
-  for (const name of [gl.TEXTURE_MIN_FILTER, gl.TEXTURE_MAG_FILTER])
-    gl.texParameteri(gl.TEXTURE_2D, name, gl.NEAREST);
-  return texture;
-}
-
-function makeFrame(gl, color, depth) {
-  const frame = gl.createFramebuffer();
-  gl.bindFramebuffer(gl.FRAMEBUFFER, frame);
-  for (const [point, part] of [[gl.COLOR_ATTACHMENT0, color], [gl.DEPTH_ATTACHMENT, depth]]) {
-    if (part?.texture) gl.framebufferTexture2D(gl.FRAMEBUFFER, point, gl.TEXTURE_2D, part.texture, 0);
-    if (part?.renderbuffer)
-      gl.framebufferRenderbuffer(gl.FRAMEBUFFER, point, gl.RENDERBUFFER, part.renderbuffer);
-  }
-  return frame;
-}
-
-// Describes an attribute of a vertex array: its buffer, numbers and place in each row of bytes.
-function attribute(gl, index, buffer, size, type, { stride = 0, offset = 0, divisor = 0, isColor = false,
-  isInteger = false } = {}) {
-  gl.bindBuffer(gl.ARRAY_BUFFER, buffer);
-  gl.enableVertexAttribArray(index);
-  if (isInteger) gl.vertexAttribIPointer(index, size, type, stride, offset);
-  else gl.vertexAttribPointer(index, size, type, isColor, stride, offset);
-  gl.vertexAttribDivisor(index, divisor);
-}
-
-function makeBuffer(gl, values, kind = gl.ARRAY_BUFFER) {
-  const buffer = gl.createBuffer();
-  gl.bindBuffer(kind, buffer);
-  gl.bufferData(kind, values, gl.STATIC_DRAW);
-  return buffer;
-}
-
-// Returns the vertex arrays of a molecule, and the buffer for colours of vertices.
-function makeDrawing(gl, molecule) {
-  const surface = gl.createVertexArray(), colors = gl.createBuffer();
-  const rows = new Uint16Array(6 * molecule.vertices); // x, y, z, 0, normal: aligned to 4 bytes
-  for (let i = 0; i < molecule.vertices; i++) {
-    for (let axis = 0; axis < 3; axis++) rows[6 * i + axis] = molecule.place[3 * i + axis];
-    for (let part = 0; part < 2; part++) rows[6 * i + 4 + part] = molecule.normal[2 * i + part];
-  }
-  gl.bindVertexArray(surface);
-  const vertices = makeBuffer(gl, rows);
-  attribute(gl, 0, vertices, 3, gl.UNSIGNED_SHORT, { stride: 12 });
-  attribute(gl, 1, vertices, 2, gl.UNSIGNED_SHORT, { stride: 12, offset: 8 });
-  attribute(gl, 2, colors, 3, gl.UNSIGNED_BYTE, { stride: 4, isColor: true });
-  attribute(gl, 3, colors, 1, gl.UNSIGNED_BYTE, { stride: 4, offset: 3 });
-  makeBuffer(gl, molecule.triangle, gl.ELEMENT_ARRAY_BUFFER);
-  gl.bindVertexArray(null);
-  return { surface, colors, ...(molecule.centers ? makeAtomDrawing(gl, molecule) : {}) };
-}
-
-function makeAtomDrawing(gl, { centers, radius, bonds, elements, element: kinds }) {
-  const spheres = gl.createVertexArray(), sticks = gl.createVertexArray();
-  const places = Float32Array.from({ length: 4 * radius.length }, (_, i) =>
-    i % 4 < 3 ? centers[3 * (i >> 2) + i % 4] : radius[i >> 2] / 1000);
-  const colorOf = elements.map(elementColor);
-  const atomColors = Uint8Array.from({ length: 4 * radius.length }, (_, i) =>
-    colorOf[kinds[i >> 2]][i % 4] ?? 255);
-  gl.bindVertexArray(spheres);
-  attribute(gl, 0, makeBuffer(gl, new Float32Array([-1, -1, 1, -1, -1, 1, 1, 1])), 2, gl.FLOAT);
-  attribute(gl, 1, makeBuffer(gl, places), 4, gl.FLOAT, { divisor: 1 });
-  attribute(gl, 2, makeBuffer(gl, atomColors), 3, gl.UNSIGNED_BYTE,
-    { stride: 4, divisor: 1, isColor: true });
-
-  const corners = Float32Array.from({ length: 3 * (2 * STICK_SIDES + 2) }, (_, i) => {
-    const corner = Math.floor(i / 3), angle = 2 * Math.PI * (corner >> 1) / STICK_SIDES;
-    return [Math.cos(angle), Math.sin(angle), corner % 2][i % 3];
-  });
-  const ends = Float32Array.from({ length: 3 * bonds.length }, (_, i) =>
-    centers[3 * bonds[Math.floor(i / 3)] + i % 3]);
-  const endColors = Uint8Array.from({ length: 4 * bonds.length }, (_, i) =>
-    atomColors[4 * bonds[i >> 2] + i % 4]);
-  gl.bindVertexArray(sticks);
-  attribute(gl, 0, makeBuffer(gl, corners), 3, gl.FLOAT);
-  const endBuffer = makeBuffer(gl, ends), colorBuffer = makeBuffer(gl, endColors);
-  for (const end of [0, 1]) {
-    attribute(gl, 1 + end, endBuffer, 3, gl.FLOAT, { stride: 24, offset: 12 * end, divisor: 1 });
-    attribute(gl, 3 + end, colorBuffer, 3, gl.UNSIGNED_BYTE,
-      { stride: 8, offset: 4 * end, divisor: 1, isColor: true });
-  }
-  attribute(gl, 5, makeBuffer(gl, bonds), 2, gl.UNSIGNED_INT, { divisor: 1, isInteger: true });
-  gl.bindVertexArray(null);
-  return { spheres, sticks };
-}
-
-// ---------------------------------------------------------------------------------------- input
-
-function element(tag, text = "", className = "") {
-  const made = document.createElement(tag);
-  made.textContent = text;
-  made.className = className;
-  return made;
-}
-
-function listenToPointers(viewer) {
-  const fingers = new Map();
-  let moved = 0, hovered = null;
-
-  canvas.addEventListener("pointerdown", (event) => {
-    canvas.setPointerCapture(event.pointerId);
-    fingers.set(event.pointerId, [event.offsetX, event.offsetY]);
-    if (fingers.size === 1) moved = 0;
-    viewer.hideTip();
-  });
-  canvas.addEventListener("pointermove", (event) => {
-    const here = [event.offsetX, event.offsetY], before = fingers.get(event.pointerId);
-    if (!before) {
-      if (hovered === null) requestAnimationFrame(() => {
-        if (hovered && !viewer.isChanging) viewer.showTip(...hovered);
-        hovered = null;
-      });
-      hovered = here;
-      return;
-    }
-    const [x, y] = [here[0] - before[0], here[1] - before[1]];
-    moved += Math.hypot(x, y);
-    if (fingers.size === 2) {
-      const other = [...fingers].find(([id]) => id !== event.pointerId)[1];
-      pinch(viewer, other, before, here);
-    } else if (fingers.size === 1 && (event.shiftKey || event.buttons & 6)) {
-      viewer.move(x, y);
-    } else if (fingers.size === 1) {
-      const speed = 2.5 / Math.min(canvas.clientWidth, canvas.clientHeight);
-      viewer.turn(speed * y, speed * x);
-    }
-    fingers.set(event.pointerId, here);
-  });
-  const end = (event) => {
-    fingers.delete(event.pointerId);
-    if (event.type === "pointerup" && event.pointerType !== "mouse" && moved < MAX_TAP)
-      viewer.showTip(event.offsetX, event.offsetY);
-  };
-  canvas.addEventListener("pointerup", end);
-  canvas.addEventListener("pointercancel", end);
-  canvas.addEventListener("pointerleave", () => { hovered = null; viewer.hideTip(); });
-  canvas.addEventListener("contextmenu", (event) => event.preventDefault());
-  canvas.addEventListener("wheel", (event) => {
-    event.preventDefault();
-    const pixels = event.deltaY * (event.deltaMode === WheelEvent.DOM_DELTA_LINE ? 30 : 1);
-    viewer.hideTip();
-    viewer.zoom(Math.exp(-pixels / 600), event.offsetX, event.offsetY);
-  }, { passive: false });
-}
-
-// One of two fingers moves from `before` to `here`: zooms, turns and moves.
-function pinch(viewer, other, before, here) {
-  const arm = (point) => [point[0] - other[0], point[1] - other[1]];
-  const [a, b] = [arm(before), arm(here)];
-  const middle = [(other[0] + here[0]) / 2, (other[1] + here[1]) / 2];
-  viewer.zoom(Math.hypot(...b) / Math.max(Math.hypot(...a), 1), ...middle);
-  viewer.move((here[0] - before[0]) / 2, (here[1] - before[1]) / 2);
-  viewer.turn(0, 0, Math.atan2(a[1], a[0]) - Math.atan2(b[1], b[0]));
-}
-
-function step(viewer, name, direction) {
-  const values = Array.from($(name).options, (option) => option.value);
-  viewer.set(name, values[(values.indexOf(viewer.look[name]) + direction + values.length) % values.length]);
-  $("spoken").textContent = $(name).selectedOptions[0].textContent;
-}
-
-function slide(viewer, name, change) {
-  viewer.set(name, Math.min(Math.max(viewer.look[name] + change, 0), 100));
-}
-
-function listenToKeys(viewer) {
-  const arrows = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };
-  const actions = {
-    "+": () => viewer.zoom(1.15), "=": () => viewer.zoom(1.15), "-": () => viewer.zoom(1 / 1.15),
-    ",": () => viewer.turn(0, 0, TURN), ".": () => viewer.turn(0, 0, -TURN),
-    "[": () => slide(viewer, "clip", -2), "]": () => slide(viewer, "clip", 2),
-    x: () => viewer.lookAlong(0), y: () => viewer.lookAlong(1), z: () => viewer.lookAlong(2),
-    c: () => step(viewer, "color", 1), a: () => step(viewer, "style", 1),
-    r: () => viewer.reset(), Home: () => viewer.reset(), s: () => viewer.save(),
-    "?": () => $("keys").showModal(),
-    Enter: () => {
-      const [x, y] = [canvas.clientWidth / 2, canvas.clientHeight / 2];
-      viewer.showTip(x, y);
-      $("spoken").textContent = $("tip").hidden ? "nothing in the centre" : $("tip").textContent;
-    },
-  };
-  canvas.addEventListener("keydown", (event) => {
-    if (event.ctrlKey || event.metaKey || event.altKey) return;
-    const arrow = arrows[event.key];
-    if (arrow && event.shiftKey) viewer.move(30 * arrow[0], 30 * arrow[1]);
-    else if (arrow) viewer.turn(TURN * arrow[1], TURN * arrow[0]);
-    else if (actions[event.key]) actions[event.key]();
-    else return;
-    if (event.key !== "Enter") viewer.hideTip();
-    event.preventDefault();
-  });
-}
-
-function listenToControls(viewer) {
-  for (const name of ["color", "style", "theme"])
-    $(name).addEventListener("change", (event) => viewer.set(name, event.target.value));
-  for (const name of ["opacity", "clip"])
-    $(name).addEventListener("input", (event) => viewer.set(name, Number(event.target.value)));
-  $("shading").addEventListener("change", (event) => viewer.set("shading", event.target.checked));
-  $("reset").addEventListener("click", () => viewer.reset());
-  $("save").addEventListener("click", () => viewer.save());
-  $("help").addEventListener("click", () => $("keys").showModal());
-  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => viewer.setTheme());
-  new ResizeObserver(() => { viewer.showNames(); viewer.update(); }).observe(canvas);
-  canvas.addEventListener("webglcontextlost", () => {
-    $("message").textContent = "The graphics hardware was reset. Reload the page.";
-  });
-}
-
-// Returns the viewer when all molecules are read.
-async function start() {
-  const { settings, limits, molecules: infos } = JSON.parse($("molecules").textContent);
-  if (typeof DecompressionStream === "undefined")
-    throw new Error("this browser is too old: it has no DecompressionStream");
-  const molecules = [];
-  for (const [i, info] of infos.entries()) {
-    const source = $(`arrays-${i}`);
-    molecules.push(await readMolecule(info, source.textContent));
-    source.remove();
-  }
-  for (const [name, scheme] of Object.entries(SCHEMES))
-    if (molecules.some(scheme.has)) $("color").append(new Option(scheme.label, name));
-  const names = Array.from($("color").options, (option) => option.value);
-  if (!names.includes(settings.color)) settings.color = names[0];
-  if (!molecules.some((one) => one.centers)) {
-    $("style").disabled = true;
-    settings.style = "none";
-  }
-  if (window.innerWidth < 640) $("panel").open = false;
-  const viewer = new Viewer(molecules, settings, limits);
-  for (const name of ["color", "style", "opacity"]) $(name).value = settings[name];
-  viewer.showNames();
-  listenToPointers(viewer);
-  listenToKeys(viewer);
-  listenToControls(viewer);
-  $("message").textContent = "";
-  return viewer;
-}
-
-// For scripts and tests: a promise of the viewer.
-window.eses = start();
-window.eses.catch((error) => {
-  $("message").textContent = `The surface cannot be drawn: ${error.message}.`;
-});
