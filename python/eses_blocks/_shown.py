@@ -125,7 +125,7 @@ def mesh_show(self, color=None, *, backend="page", title="surface", height=560):
     Parameters
     ----------
     color : str, optional
-        The first colours: ``patch`` (the default), ``atom``, ``plain``, or ``component`` if the
+        The first colours: ``plain`` (the default), ``patch``, ``atom``, or ``component`` if the
         mesh has components.
     {page}
     ValueError
@@ -146,8 +146,8 @@ def surface_show(self, spacing=0.4, atoms=None, *, color=None, style="none", bac
     atoms : Atoms, optional
         The atoms of the surface, in the same order, for their names.
     color : str, optional
-        The first colours: ``patch`` (the default), ``atom``, ``element``, ``chain``, ``residue``,
-        ``area``, ``component`` or ``plain``.
+        The first colours: ``patch``, ``atom``, ``element``, ``chain`` (the default if there are
+        several), ``residue``, ``area``, ``component`` or ``plain`` (otherwise the default).
     style : str
         How atoms are drawn at first: ``none``, ``sticks``, ``balls`` or ``spheres``.
     {page}

@@ -25,7 +25,8 @@ FOLDER = pathlib.Path(__file__).resolve().parent / "pages"  # head.html is the h
 PARTS = FOLDER / "viewer"
 SCHEMES = ("patch", "atom", "element", "chain", "residue", "area", "component", "potential", "file",
            "plain")
-SCRIPTS = ("data", "colors", "shaders", "graphics", "parts", "table", "viewer", "input")
+SCRIPTS = ("data", "colors", "shaders", "graphics", "parts", "table", "picture", "viewer",
+           "input")
 STYLES = ("none", "sticks", "balls", "spheres")
 STEPS = 65535  # of a coordinate of a vertex
 NORMAL_STEPS = 1023  # on each side of zero of an octahedral coordinate
@@ -66,6 +67,7 @@ class Atoms:
     names: typing.Optional[typing.Sequence[str]] = None
     elements: typing.Optional[typing.Sequence[str]] = None
     residues: typing.Optional[typing.Sequence[tuple]] = None  # name, number and chain
+    are_ligands: typing.Optional[numpy.ndarray] = None  # atoms beside the surface, which are drawn
 
     def ligands(self):
         """Returns which atoms belong to ligands and metals: to residues that are no part of a protein
@@ -176,8 +178,8 @@ def describe_atoms(atoms, arrays):
     if atoms.residues is not None:
         info["residues"] = arrays.add_names("residue", map(tuple, atoms.residues))
         info["chains"] = arrays.add_names("chain", [chain for _, _, chain in atoms.residues])
-    if atoms.centers is not None and (ligands := atoms.ligands()) is not None:
-        arrays.add("ligand", ligands, 1)
+    if atoms.are_ligands is not None:
+        arrays.add("ligand", atoms.are_ligands, 1)
     if atoms.areas is not None:
         arrays.add("area", numpy.rint(100 * numpy.asarray(atoms.areas)), 4)
     if atoms.centers is not None:

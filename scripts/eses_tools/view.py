@@ -188,6 +188,7 @@ def read_structure(options, path, folder, ligands=()):
     """Returns the surface and atoms of a structure, which eses-blocks computes in the folder.
 
     `ligands` are rows of atoms that are drawn in addition."""
+    import numpy
     reading = [path, *options.arguments]
     show(f"areas of {path}")
     rows, cavities = measure(options, reading, folder)
@@ -204,6 +205,8 @@ def read_structure(options, path, folder, ligands=()):
             for row, result in zip(rows, measured):
                 row["ses_area"] = result["ses_area"]
     atoms = make_atoms([*rows, *ligands])
+    if ligands:
+        atoms.are_ligands = numpy.arange(len(atoms.serial)) >= len(rows)
     spacing = options.spacing or choose_spacing(float(atoms.areas[:len(rows)].sum()))
     show(f"surface of {path}")
     mesh = folder / "surface.ply"

@@ -15,7 +15,6 @@ const SLOW_FRAME = 70; // milliseconds; slower machines draw less detail while t
 const WEAK_FRAME = 400; // milliseconds; such machines, without a GPU, never draw several samples
 const REST = 250; // milliseconds until the full detail is drawn again
 const TURN = Math.PI / 36; // of a key
-const MIN_PICTURE = 2000; // pixels; width of saved pictures
 const MAX_TAP = 6; // pixels that a finger may move
 
 const $ = (id) => document.getElementById(id);
@@ -501,13 +500,23 @@ class Viewer {
     $("labels").replaceChildren(...elements.map(({ box }) => box));
   }
 
-  showLabels() {
+  // Returns the labels whose places are in the panels of their molecules, with these places.
+  visibleLabels() {
     const { clientWidth, clientHeight } = canvas, panels = this.panels(clientWidth, clientHeight);
     const scale = this.scaleIn(clientWidth, clientHeight);
-    for (const { i, place, box } of this.labels) {
+    return this.labels.flatMap(({ i, place, box }) => {
       const [x, y] = this.onScreen(i, place), panel = panels[i];
       const left = panel.x + panel.width / 2 + scale * x, top = panel.y + panel.height / 2 - scale * y;
-      box.hidden = left < panel.x || left > panel.x + panel.width || top < panel.y || top > panel.y + panel.height;
+      const isInside = left >= panel.x && left <= panel.x + panel.width && top >= panel.y
+        && top <= panel.y + panel.height;
+      return isInside ? [{ box, left, top }] : [];
+    });
+  }
+
+  showLabels() {
+    for (const { box } of this.labels) box.hidden = true;
+    for (const { box, left, top } of this.visibleLabels()) {
+      box.hidden = false;
       box.style.transform = `translate(${left}px, ${top}px) translate(-50%, -150%)`;
     }
   }
@@ -549,56 +558,7 @@ class Viewer {
 
   // Returns a canvas with the picture, the names, the scale bar and the legend.
   picture() {
-    const { clientWidth, clientHeight } = canvas;
-    const factor = Math.min(Math.max(MIN_PICTURE / clientWidth, window.devicePixelRatio || 1),
-      this.maxPixels / Math.max(clientWidth, clientHeight));
-    const width = Math.round(factor * clientWidth), height = Math.round(factor * clientHeight);
-    this.render(width, height, { isShaded: this.look.shading, samples: SAMPLES });
-    const page = document.createElement("canvas");
-    page.width = width;
-    page.height = height;
-    const pen = page.getContext("2d");
-    pen.drawImage(canvas, 0, 0);
-    this.draw();
-    pen.scale(factor, factor);
-    pen.font = "15px sans-serif";
-    pen.fillStyle = getComputedStyle(document.body).color;
-    pen.textAlign = "center";
-    if (this.molecules.length > 1)
-      this.panels(clientWidth, clientHeight).forEach((panel, i) =>
-        pen.fillText(this.molecules[i].name, panel.x + panel.width / 2, panel.y + 24));
-    pen.textAlign = "left";
-    const bar = this.scaleBar(this.scaleIn(clientWidth, clientHeight), 140);
-    pen.fillText(bar.text, 16, clientHeight - 28);
-    pen.fillRect(16, clientHeight - 20, bar.width, 3);
-    this.drawLegend(pen, clientWidth, clientHeight);
-    return page;
-  }
-
-  drawLegend(pen, width, height) {
-    const { entries, gradient } = this.legend();
-    const lines = entries.map(([name]) => pen.measureText(name).width);
-    const left = width - 40 - Math.max(...lines, 0);
-    entries.forEach(([name, color], i) => {
-      const y = height - 20 - 21 * (entries.length - 1 - i);
-      const text = pen.fillStyle;
-      pen.fillStyle = `rgb(${color})`;
-      pen.fillRect(left, y - 12, 13, 13);
-      pen.fillStyle = text;
-      pen.fillText(name, left + 20, y);
-    });
-    if (!gradient) return;
-    const text = pen.fillStyle, from = width - 240, ramp = pen.createLinearGradient(from, 0, from + 220, 0);
-    gradient.stops.forEach((color, i) =>
-      ramp.addColorStop(i / (gradient.stops.length - 1), `rgb(${color})`));
-    pen.fillStyle = ramp;
-    pen.fillRect(from, height - 54, 220, 14);
-    pen.fillStyle = text;
-    pen.fillText(gradient.title, from, height - 62);
-    gradient.ticks.forEach((tick, i) => {
-      pen.textAlign = ["left", "center", "right"][i];
-      pen.fillText(tick, from + 110 * i, height - 22);
-    });
+    return pictureOf(this);
   }
 
   save() {
