@@ -58,11 +58,4 @@ void AtomTree::find_reaching(const Box& box, double distance, std::vector<AtomIn
   std::sort(found.begin(), found.end());
 }
 
-void AtomTree::find_centers(Vec3 point, double distance, std::vector<AtomIndex>& found) const {
-  found.clear();
-  for (const Class& of_class : classes_)
-    of_class.centers.for_each_within(
-        point, distance, [&](std::uint32_t index) { found.push_back(of_class.atom_at(index)); });
-}
-
 }  // namespace eses::detail

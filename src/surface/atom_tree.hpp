@@ -30,10 +30,6 @@ class AtomTree {
     find_reaching({point, point}, distance, found);
   }
 
-  /// Replaces `found` by the atoms whose centre is nearer to `point` than `distance` (angstrom), in
-  /// any order.
-  void find_centers(Vec3 point, double distance, std::vector<AtomIndex>& found) const;
-
  private:
   struct Class;
 

@@ -62,6 +62,11 @@ void CellList::find_reaching(const Box& box, double distance, std::vector<AtomIn
     find_in_rows(of_class, grown(box, distance + of_class.max_radius), found);
 }
 
+void CellList::find_centers(const Box& box, double distance, std::vector<AtomIndex>& found) const {
+  found.clear();
+  find_in_rows(all_, grown(box, distance), found);
+}
+
 void CellList::find_in_rows(const SortedAtoms& atoms, const Box& reach,
                             std::vector<AtomIndex>& found) {
   const Cell low = cell_of(reach.low), high = cell_of(reach.high);

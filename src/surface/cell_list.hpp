@@ -35,6 +35,10 @@ class CellList {
   /// some that are farther away. They are sorted by class of radii, and by cell within a class.
   void find_reaching(const Box& box, double distance, std::vector<AtomIndex>& found) const;
 
+  /// Replaces `found` by all atoms whose centre is nearer to `box` than `distance` (angstrom), and
+  /// some that are farther away, sorted by cell.
+  void find_centers(const Box& box, double distance, std::vector<AtomIndex>& found) const;
+
   /// Returns the number of cells that contain atoms.
   std::size_t cell_count() const { return all_.cells.size() - 1; }
   /// Returns the atoms of a cell, ascending. Atoms with the same centre are in the same cell.

@@ -45,20 +45,29 @@ void decide_unit(std::uint64_t atoms, std::vector<Diagnostic>& diagnostics) {
   });
 }
 
+// Adds an example to the first ones.
+void keep_first(std::vector<Diagnostic::Example>& examples, const Diagnostic::Example& example) {
+  const auto at = std::upper_bound(
+      examples.begin(), examples.end(), example,
+      [](const Diagnostic::Example& a, const Diagnostic::Example& b) { return a.atom < b.atom; });
+  examples.insert(at, example);
+  if (examples.size() > Diagnostic::max_examples) examples.pop_back();
+}
+
 }  // namespace
 
 void DiagnosticTally::add(DiagnosticKind kind, AtomIndex atom, AtomIndex other) {
   Diagnostic& diagnostic = diagnostics_[static_cast<std::size_t>(kind)];
-  if (++diagnostic.count <= Diagnostic::max_examples) diagnostic.examples.push_back({atom, other});
+  ++diagnostic.count;
+  keep_first(diagnostic.examples, {atom, other});
 }
 
-void DiagnosticTally::append(const DiagnosticTally& later) {
+void DiagnosticTally::append(const DiagnosticTally& other) {
   for (std::size_t kind = 0; kind < diagnostics_.size(); ++kind) {
     Diagnostic& diagnostic = diagnostics_[kind];
-    diagnostic.count += later.diagnostics_[kind].count;
-    for (const Diagnostic::Example& example : later.diagnostics_[kind].examples)
-      if (diagnostic.examples.size() < Diagnostic::max_examples)
-        diagnostic.examples.push_back(example);
+    diagnostic.count += other.diagnostics_[kind].count;
+    for (const Diagnostic::Example& example : other.diagnostics_[kind].examples)
+      keep_first(diagnostic.examples, example);
   }
 }
 

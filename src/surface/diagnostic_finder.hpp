@@ -15,14 +15,14 @@ namespace eses::detail {
 /// of a short bond.
 inline constexpr double close_distance = 0.5;
 
-/// Counts and first examples of the diagnostics of consecutive atoms.
+/// Counts and first examples of the diagnostics of some atoms.
 class DiagnosticTally {
  public:
-  /// Adds a diagnostic. Calls must come in ascending order of `atom`.
+  /// Adds a diagnostic, in any order of atoms.
   void add(DiagnosticKind kind, AtomIndex atom, AtomIndex other);
 
-  /// Adds the diagnostics of later atoms.
-  void append(const DiagnosticTally& later);
+  /// Adds the diagnostics of other atoms.
+  void append(const DiagnosticTally& other);
 
   /// Returns the diagnostics with a positive count, in the order of `DiagnosticKind`.
   std::vector<Diagnostic> found() &&;
@@ -46,7 +46,7 @@ class DiagnosticFinder {
   void inspect(AtomIndex i, std::span<const AtomIndex> near, DiagnosticTally& tally);
 
   /// Returns the diagnostics with a positive count, in the order of `DiagnosticKind`. All atoms
-  /// must have been inspected. `tallies` are those of consecutive ranges of atoms.
+  /// must have been inspected. `tallies` are those of disjoint sets of atoms.
   std::vector<Diagnostic> found(std::span<const DiagnosticTally> tallies) const;
 
  private:

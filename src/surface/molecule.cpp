@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <functional>
 #include <limits>
+#include <mutex>
 #include <optional>
 #include <stdexcept>
 #include <string_view>
@@ -13,12 +14,14 @@
 #include <utility>
 
 #include "geometry/box.hpp"
+#include "geometry/cap_list.hpp"
 #include "geometry/tolerances.hpp"
 #include "surface/atom_loops.hpp"
 #include "surface/atom_tree.hpp"
 #include "surface/atomic_update.hpp"
 #include "surface/cell_list.hpp"
 #include "surface/diagnostic_finder.hpp"
+#include "surface/radius_class.hpp"
 #include "system/formatted.hpp"
 #include "system/serial_check.hpp"
 
@@ -108,9 +111,10 @@ void record_contained(std::span<const Atom> atoms, AtomIndex i, std::span<const 
 }
 
 // Returns whether atom `i` is contained in a preceding atom that is itself not contained.
-bool is_in_kept_atom(std::span<const Atom> atoms, const AtomTree& tree, AtomIndex i,
+bool is_in_kept_atom(std::span<const Atom> atoms, const CellList& cells, AtomIndex i,
                      std::span<const std::uint8_t> is_contained, std::vector<AtomIndex>& found) {
-  tree.find_reaching(atoms[i].center, 2 * tolerance::containment, found);
+  const Vec3 center = atoms[i].center;
+  cells.find_reaching({center, center}, 2 * tolerance::containment, found);
   return std::any_of(found.begin(), found.end(), [&](AtomIndex j) {
     return is_contained[j] == 0 && precedes(atoms[j], atoms[i]) && contains(atoms[j], atoms[i]);
   });
@@ -119,8 +123,8 @@ bool is_in_kept_atom(std::span<const Atom> atoms, const AtomTree& tree, AtomInde
 // Marks the atoms that are contained in an atom that is itself not contained. So each of them
 // extends beyond an unmarked atom by at most the tolerance, even in long chains of atoms that
 // contain each other.
-void mark_contained(std::span<const Atom> atoms, const AtomTree& tree, const Containers& containers,
-                    std::vector<std::uint8_t>& is_contained) {
+void mark_contained(std::span<const Atom> atoms, const CellList& cells,
+                    const Containers& containers, std::vector<std::uint8_t>& is_contained) {
   std::vector<AtomIndex> inner, found;
   for (AtomIndex i = 0; i < atoms.size(); ++i)
     if (containers[i] != no_container) inner.push_back(i);
@@ -128,7 +132,7 @@ void mark_contained(std::span<const Atom> atoms, const AtomTree& tree, const Con
             [&](AtomIndex a, AtomIndex b) { return precedes(atoms[a], atoms[b]); });
   for (const AtomIndex i : inner)
     is_contained[i] =
-        is_contained[containers[i]] == 0 || is_in_kept_atom(atoms, tree, i, is_contained, found);
+        is_contained[containers[i]] == 0 || is_in_kept_atom(atoms, cells, i, is_contained, found);
 }
 
 // Returns the maximum distance between the centres of an atom and of another one that it contains,
@@ -137,12 +141,63 @@ double vicinity_radius(const Atom& atom) {
   return std::max(atom.radius + 2 * tolerance::containment, close_distance) * (1 + 1e-12);
 }
 
-// Replaces `near` by the other atoms in the vicinity of atom `i`, without duplicates.
-void find_vicinity(std::span<const Atom> atoms, const AtomTree& tree, AtomIndex i,
-                   std::span<const AtomIndex> first_equal, std::vector<AtomIndex>& near) {
-  tree.find_centers(atoms[i].center, vicinity_radius(atoms[i]), near);
-  std::erase_if(near, [&](AtomIndex j) { return j == i || first_equal[j] != j; });
-}
+// A search for the atoms in the vicinity of each atom. Small atoms of a cell are looked up
+// together.
+class VicinitySearch {
+ public:
+  VicinitySearch(std::span<const Atom> atoms, const CellList& cells,
+                 std::span<const AtomIndex> first_equal)
+      : atoms_(atoms), cells_(cells), first_equal_(first_equal) {}
+
+  // Calls `visit(i, near)` for the atoms of a cell that repeat no earlier atom. `near` has the
+  // other such atoms in the vicinity of atom `i`.
+  template <class Visit>
+  void for_each(std::size_t cell, Visit&& visit) {
+    std::span<const AtomIndex> left = cells_.atoms_of_cell(cell);
+    const bool are_small = std::all_of(
+        left.begin(), left.end(), [&](AtomIndex i) { return radius_class(atoms_[i].radius) == 0; });
+    while (!left.empty()) {
+      const auto together = left.first(are_small ? left.size() : 1);
+      look_up(together);
+      for (const AtomIndex i : together)
+        if (first_equal_[i] == i) visit(i, vicinity(i));
+      left = left.subspan(together.size());
+    }
+  }
+
+ private:
+  void look_up(std::span<const AtomIndex> together) {
+    Box box{atoms_[together.front()].center, atoms_[together.front()].center};
+    double radius = 0;
+    for (const AtomIndex i : together) {
+      box.include(atoms_[i].center);
+      radius = std::max(radius, vicinity_radius(atoms_[i]));
+    }
+    cells_.find_centers(box, radius, found_);
+    std::erase_if(found_, [&](AtomIndex j) { return first_equal_[j] != j; });
+    points_.make_room(found_.size());
+    points_.count = found_.size();
+    for (std::size_t k = 0; k < found_.size(); ++k) points_.set(k, {atoms_[found_[k]].center, 0});
+  }
+
+  std::span<const AtomIndex> vicinity(AtomIndex i) {
+    const Vec3 center = atoms_[i].center;
+    find_near_box({center, center}, vicinity_radius(atoms_[i]), points_, positions_);
+    near_.clear();
+    for (std::size_t k = 0; k < positions_.count; ++k) {
+      const AtomIndex j = found_[static_cast<std::size_t>(positions_.at[k])];
+      if (j != i) near_.push_back(j);
+    }
+    return near_;
+  }
+
+  std::span<const Atom> atoms_;
+  const CellList& cells_;
+  std::span<const AtomIndex> first_equal_;
+  std::vector<AtomIndex> found_, near_;
+  SphereList points_;  // centres of `found_`, with radius 0
+  SpherePositions positions_;
+};
 
 // Returns the number of threads to use. For few atoms, one thread is faster than the query for the
 // available threads.
@@ -171,7 +226,6 @@ struct Molecule::Parts {
     SerialCheck serial_check(check_callback);
     const CheckCallback check = [&serial_check] { serial_check(); };
     check();
-    tree.emplace(atoms);
     cells.emplace(atoms);
     const std::vector<AtomIndex> first_equal = find_first_equal(atoms, *cells, threads, check);
     for (AtomIndex i = 0; i < atoms.size(); ++i) is_contained[i] = first_equal[i] != i;
@@ -183,41 +237,48 @@ struct Molecule::Parts {
                      const std::function<bool(const Atom&)>& is_own, int threads,
                      const CheckCallback& check) {
     DiagnosticFinder finder(atoms, is_own);
-    std::vector<DiagnosticTally> tallies(loop_range_count(atoms.size()));
+    std::vector<DiagnosticTally> tallies(loop_range_count(cells->cell_count()));
     Containers containers(atoms.size(), no_container);
-    for_loop_ranges(atoms.size(), threads, [&](std::size_t range, AtomIndex begin, AtomIndex end) {
-      inspect_range(begin, end, first_equal, containers, finder, tallies[range]);
-      check();
-    });
-    mark_contained(atoms, *tree, containers, is_contained);
+    for_loop_ranges(cells->cell_count(), threads,
+                    [&](std::size_t range, std::size_t begin, std::size_t end) {
+                      inspect_cells(begin, end, first_equal, containers, finder, tallies[range]);
+                      check();
+                    });
+    mark_contained(atoms, *cells, containers, is_contained);
     diagnostics = finder.found(tallies);
   }
 
-  void inspect_range(AtomIndex begin, AtomIndex end, std::span<const AtomIndex> first_equal,
+  void inspect_cells(std::size_t begin, std::size_t end, std::span<const AtomIndex> first_equal,
                      Containers& containers, DiagnosticFinder& finder, DiagnosticTally& tally) {
-    std::vector<AtomIndex> near;
-    for (AtomIndex i = begin; i < end; ++i) {
-      if (first_equal[i] != i) {
-        finder.inspect_duplicate(i, first_equal[i], tally);
-        continue;
-      }
-      find_vicinity(atoms, *tree, i, first_equal, near);
-      record_contained(atoms, i, near, containers);
-      has_nearly_equal[i] = std::any_of(near.begin(), near.end(), [&](AtomIndex j) {
-        return squared_norm(atoms[i].center - atoms[j].center) <
-               tolerance::nearly_equal * tolerance::nearly_equal;
+    VicinitySearch search(atoms, *cells, first_equal);
+    for (std::size_t cell = begin; cell < end; ++cell) {
+      for (const AtomIndex i : cells->atoms_of_cell(cell))
+        if (first_equal[i] != i) finder.inspect_duplicate(i, first_equal[i], tally);
+      search.for_each(cell, [&](AtomIndex i, std::span<const AtomIndex> near) {
+        record_contained(atoms, i, near, containers);
+        has_nearly_equal[i] = std::any_of(near.begin(), near.end(), [&](AtomIndex j) {
+          return squared_norm(atoms[i].center - atoms[j].center) <
+                 tolerance::nearly_equal * tolerance::nearly_equal;
+        });
+        finder.inspect(i, near, tally);
       });
-      finder.inspect(i, near, tally);
     }
+  }
+
+  // The tree is made when it is first needed: areas need none.
+  const AtomTree& atom_tree() const {
+    std::call_once(has_tree, [this] { tree.emplace(atoms); });
+    return *tree;
   }
 
   std::vector<Atom> atoms;
   std::vector<AtomLabel> labels;
-  std::optional<AtomTree> tree;
   std::optional<CellList> cells;
   std::vector<std::uint8_t> is_contained;
   std::vector<std::uint8_t> has_nearly_equal;
   std::vector<Diagnostic> diagnostics;
+  mutable std::optional<AtomTree> tree;
+  mutable std::once_flag has_tree;
 };
 
 Molecule::Molecule(std::vector<Atom> atoms) : Molecule(std::move(atoms), {}) {}
@@ -241,7 +302,7 @@ Molecule Molecule::part(std::vector<Atom> atoms, const std::function<bool(const 
 std::span<const Atom> Molecule::atoms() const { return parts_->atoms; }
 std::span<const AtomLabel> Molecule::labels() const { return parts_->labels; }
 std::span<const Diagnostic> Molecule::diagnostics() const { return parts_->diagnostics; }
-const AtomTree& Molecule::tree() const { return *parts_->tree; }
+const AtomTree& Molecule::tree() const { return parts_->atom_tree(); }
 const CellList& Molecule::cells() const { return *parts_->cells; }
 
 }  // namespace eses::detail

@@ -55,7 +55,7 @@ class Molecule {
   /// Returns whether the atom and another one are nearly equal, see tolerance::nearly_equal.
   bool has_nearly_equal(AtomIndex atom) const { return has_nearly_equal_[atom] != 0; }
 
-  /// A k-d tree of all atoms.
+  /// A k-d tree of all atoms, which the first call makes.
   const AtomTree& tree() const;
 
   /// A cell list of all atoms.

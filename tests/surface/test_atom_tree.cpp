@@ -67,16 +67,9 @@ TEST_CASE("a k-d tree of atoms finds exactly the atoms within reach, in ascendin
                     return squared_distance(box, atom.center) <= reach * reach;
                   }));
           found_count += found.size();
-          tree.find_centers(box.low, scale / 3, found);
-          std::sort(found.begin(), found.end());
-          REQUIRE(found == chosen(atoms, [&](const Atom& atom) {
-                    const Vec3 offset = atom.center - box.low;
-                    return std::hypot(offset.x, offset.y, offset.z) < scale / 3;
-                  }));
-          found_count += found.size();
         }
       }
-  CHECK(found_count > 40000);
+  CHECK(found_count > 30000);
 }
 
 TEST_CASE("a k-d tree of no atoms finds none") {
@@ -84,9 +77,6 @@ TEST_CASE("a k-d tree of no atoms finds none") {
   const AtomTree tree(atoms);
   std::vector<AtomIndex> found{1};
   tree.find_reaching({{0, 0, 0}, {1, 1, 1}}, 1, found);
-  CHECK(found.empty());
-  found = {1};
-  tree.find_centers({0, 0, 0}, 1, found);
   CHECK(found.empty());
 }
 

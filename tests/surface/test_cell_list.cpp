@@ -77,6 +77,10 @@ TEST_CASE("a cell list finds all atoms within reach, each once") {
             const double reach = distance + atom.radius;
             return squared_distance(box, atom.center) < reach * reach;
           });
+          cells.find_centers(box, distance, found);
+          check_found(atoms, found, [&](const Atom& atom) {
+            return squared_distance(box, atom.center) < distance * distance;
+          });
         }
       }
 }

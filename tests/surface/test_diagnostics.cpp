@@ -89,6 +89,18 @@ TEST_CASE("only the first five examples are listed", "[diagnostics]") {
   CHECK(found[0].examples.back().atom == 5);
 }
 
+TEST_CASE("the examples are the first atoms, wherever they are", "[diagnostics]") {
+  std::vector<Atom> atoms;
+  for (int k = 20; k > 0; --k)
+    for (const double offset : {0.0, 0.4}) atoms.push_back({{0, 0, 9 * k + offset}, 1.5});
+  const Molecule molecule(atoms);
+  REQUIRE(counts_of(molecule.diagnostics()) == Counts{{Kind::close, 20}});
+  std::vector<AtomIndex> examples;
+  for (const Diagnostic::Example& example : molecule.diagnostics()[0].examples)
+    examples.push_back(example.atom);
+  CHECK(examples == std::vector<AtomIndex>{1, 3, 5, 7, 9});
+}
+
 TEST_CASE("atoms are read with the lines on which they stand", "[read_atoms][diagnostics]") {
   const AtomFile read =
       parse_atoms("# x\n\n0 0 0 1\r\n\r\n1 0 0 1\n#\n2 0 0 1", AtomFormat::xyzr, "t");
