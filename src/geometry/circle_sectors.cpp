@@ -5,6 +5,9 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
+#include <algorithm>
+#include <array>
+
 #include "system/dispatch.hpp"
 #include "system/padding.hpp"
 
@@ -54,6 +57,46 @@ HWY_INLINE FloatVector sector_of(FloatVector x, FloatVector y) {
   return hn::Mul(set(sectors_per_unit), hn::IfThenElse(is_upper, upper, lower));
 }
 
+#if HWY_TARGET == HWY_SCALAR
+HWY_INLINE Sectors covered_by_vector(const CoveredSectors& covered, std::size_t k) {
+  return covered.covered_by(k);
+}
+#else
+using WideIntegers = hn::Repartition<std::int64_t, Floats>;
+using WideSectors = hn::Repartition<std::uint64_t, Floats>;
+
+// Returns `length` sectors from `first` on, in all lanes. Lengths are in [0, 64).
+HWY_INLINE hn::Vec<WideSectors> run_of_sectors(hn::Vec<WideIntegers> first,
+                                               hn::Vec<WideIntegers> length) {
+  const WideSectors wide;
+  const auto last = hn::Set(wide, std::uint64_t{sector_count - 1}), one = hn::Set(wide, 1);
+  const auto from = hn::And(hn::BitCast(wide, first), last);
+  const auto run = hn::Sub(hn::Shl(one, hn::BitCast(wide, length)), one);
+  return hn::Or(hn::Shl(run, from), hn::Shr(hn::ShiftRight<1>(run), hn::Sub(last, from)));
+}
+
+HWY_INLINE hn::Vec<WideSectors> half_covered(const CoveredSectors& covered, std::size_t k) {
+  const WideIntegers wide;
+  const hn::Rebind<std::int32_t, WideIntegers> halves;
+  const auto first = hn::PromoteTo(wide, hn::LoadU(halves, &covered.first[k]));
+  const auto length = hn::PromoteTo(wide, hn::LoadU(halves, &covered.length[k]));
+  const auto is_run =
+      hn::And(hn::Gt(length, hn::Zero(wide)), hn::Lt(length, hn::Set(wide, sector_count)));
+  return run_of_sectors(first, hn::IfThenElseZero(is_run, length));
+}
+
+// Returns the sectors that the caps of a vector from cap `k` on cover.
+HWY_INLINE Sectors covered_by_vector(const CoveredSectors& covered, std::size_t k) {
+  const WideSectors wide;
+  std::array<Sectors, HWY_MAX_BYTES / sizeof(Sectors)> lanes;
+  hn::StoreU(hn::Or(half_covered(covered, k), half_covered(covered, k + hn::Lanes(wide))), wide,
+             lanes.data());
+  Sectors all = 0;
+  for (std::size_t lane = 0; lane < hn::Lanes(wide); ++lane) all |= lanes[lane];
+  return all;
+}
+#endif
+
 Sectors find_open(const CircleInFrame& circle, const FloatCaps& caps, CoveredSectors& covered) {
   const Floats floats;
   const Integers integers;
@@ -87,8 +130,7 @@ Sectors find_open(const CircleInFrame& circle, const FloatCaps& caps, CoveredSec
                        hn::Set(integers, CoveredSectors::whole));
     hn::StoreU(first, integers, &covered.first[k]);
     hn::StoreU(hn::IfThenElse(cuts, length, otherwise), integers, &covered.length[k]);
-    for (std::size_t lane = 0; lane < hn::Lanes(floats); ++lane)
-      open &= ~covered.covered_by(k + lane);
+    open &= ~covered_by_vector(covered, k);
     if (open == 0) return 0;
   }
   return open;
@@ -121,6 +163,18 @@ Sectors find_open_sectors(const CircleInFrame& circle, const FloatCaps& caps,
   if (covered.first.size() < caps.count + vector_padding)
     for (auto* values : {&covered.first, &covered.length}) values->resize(caps.x.size());
   return ESES_BEST_VERSION(find_open)(circle, caps, covered);
+}
+
+void list_touching(const CoveredSectors& covered, std::size_t count, Sectors sectors,
+                   std::size_t own, std::vector<std::int64_t>& list) {
+  list.resize(count + vector_padding);
+  std::size_t found = 0;
+  for (std::size_t k = 0; k < count; ++k) {
+    list[found] = static_cast<std::int64_t>(k);
+    found += (covered.touched_by(k) & sectors) != 0 && k != own ? 1 : 0;
+  }
+  std::fill_n(list.begin() + static_cast<std::ptrdiff_t>(found), vector_padding, 0);
+  list.resize(found);
 }
 
 }  // namespace eses::detail

@@ -52,6 +52,11 @@ struct CircleInFrame {
   double height = 0, radius = 0;
 };
 
+/// Replaces `list` by the first `count` caps that touch one of these sectors, but for `own`. Zeros
+/// follow the last one as far as a vector loop may read.
+void list_touching(const CoveredSectors& covered, std::size_t count, Sectors sectors,
+                   std::size_t own, std::vector<std::int64_t>& list);
+
 /// Returns the sectors that no single cap provably covers. `covered` has the sectors of each cap
 /// then, unless there are none. The own cap of the circle covers nothing.
 Sectors find_open_sectors(const CircleInFrame& circle, const FloatCaps& caps,

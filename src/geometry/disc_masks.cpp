@@ -127,10 +127,28 @@ HWY_INLINE bool meets(const DiscSet& a, const DiscSet& b) {
   return !hn::AllTrue(words, hn::Eq(both, hn::Zero(words)));
 }
 
-// Adds the discs that each cap contains to the set of its octant, as they are in the table.
-void add_contained(const DiscTable& table, std::size_t count, const DiscEntries& entries,
-                   std::array<DiscSet, DiscSet::octants>& by_octant) {
+// Returns the discs that the caps contain.
+#if HWY_TARGET <= HWY_AVX2
+// A set is one vector. Its words are permuted by the octant at once: sums in memory would wait for
+// each other.
+DiscSet join_contained(const DiscTable& table, std::size_t count, const DiscEntries& entries) {
   const SetWords words;
+  const auto order = hn::Iota(words, 0);
+  auto sum = hn::Zero(words);
+  for (std::size_t k = 0; k < count; ++k) {
+    const auto octant = hn::Set(words, static_cast<std::uint32_t>(entries.octant[k]));
+    const auto contained = hn::LoadU(words, table[entries.entry[k]].contained.words.data());
+    sum = hn::Or(
+        sum, hn::TableLookupLanes(contained, hn::IndicesFromVec(words, hn::Xor(order, octant))));
+  }
+  DiscSet all;
+  hn::StoreU(sum, words, all.words.data());
+  return all;
+}
+#else
+DiscSet join_contained(const DiscTable& table, std::size_t count, const DiscEntries& entries) {
+  const SetWords words;
+  std::array<DiscSet, DiscSet::octants> by_octant{};  // as they are in the table
   for (std::size_t k = 0; k < count; ++k) {
     DiscSet& sum = by_octant[static_cast<std::size_t>(entries.octant[k])];
     const DiscSet& contained = table[entries.entry[k]].contained;
@@ -138,7 +156,11 @@ void add_contained(const DiscTable& table, std::size_t count, const DiscEntries&
       hn::StoreU(hn::Or(hn::LoadU(words, &sum.words[o]), hn::LoadU(words, &contained.words[o])),
                  words, &sum.words[o]);
   }
+  DiscSet all = by_octant[0];
+  for (std::size_t o = 1; o < DiscSet::octants; ++o) all.add(by_octant[o].mirrored(o));
+  return all;
 }
+#endif
 
 // Keeps the caps of a list that may meet a disc, and returns their number. `discs` has the mirror
 // images of the set for each octant.
@@ -376,11 +398,9 @@ void find_disc_entries(const CapList& caps, double radius, DiscEntries& entries)
 }
 
 DiscSet find_open_discs(std::size_t count, const DiscEntries& entries) {
-  std::array<DiscSet, DiscSet::octants> by_octant{};
-  ESES_BEST_VERSION(add_contained)(disc_table(), count, entries, by_octant);
   DiscSet open;
   open.words.fill(~std::uint32_t{0});
-  for (std::size_t o = 0; o < DiscSet::octants; ++o) open.remove(by_octant[o].mirrored(o));
+  open.remove(ESES_BEST_VERSION(join_contained)(disc_table(), count, entries));
   return open;
 }
 

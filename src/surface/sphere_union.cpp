@@ -9,6 +9,7 @@
 
 #include "geometry/circle_arcs.hpp"
 #include "geometry/circle_sectors.hpp"
+#include "geometry/covered_arcs.hpp"
 #include "geometry/disc_masks.hpp"
 #include "geometry/pseudo_angle.hpp"
 #include "surface/atom_loops.hpp"
@@ -76,11 +77,6 @@ struct Direction {
   double pseudo_angle() const { return diamond_angle(x, y); }
 };
 
-// The ends of the interval of a circle that a cap covers, counter-clockwise.
-struct CoveredArc {
-  Direction from, to;
-};
-
 // A contact circle with a frame.
 struct UnionCircle {
   SasSphere first, second;
@@ -105,6 +101,7 @@ struct UnionCircle {
     return {-circle.axis, e1, -e2, circle.second_height / second.radius,
             circle.radius / second.radius};
   }
+  FramedCircle framed() const { return {circle.axis, e1, e2, circle.first_height, circle.radius}; }
   Vec3 radial(Direction d) const { return d.x * e1 + d.y * e2; }
   // Relative to the centre of the first sphere.
   Vec3 point(Direction d) const {
@@ -182,7 +179,8 @@ class alignas(thread_alignment) ArcFinder {
       return;
     }
     for (const auto& [low, high, low_cap, high_cap] : intervals_.intervals) {
-      const Direction start = covered_[low_cap].to, end = covered_[high_cap].from;
+      const Direction start{covered_.to_x[low_cap], covered_.to_y[low_cap]};
+      const Direction end{covered_.from_x[high_cap], covered_.from_y[high_cap]};
       if (is_in_open_sector(start) && is_open(circle, start))
         add_arc(j, circle, start, end, angle_between(start, end, high - low));
     }
@@ -192,31 +190,17 @@ class alignas(thread_alignment) ArcFinder {
   // Returns false if there are none.
   bool find_intervals(const UnionCircle& circle, std::uint32_t own) {
     intervals_.clear();
-    covered_.clear();
-    for (std::uint32_t k = 0; k < atom_->count; ++k)
-      if (k != own && (sectors_.touched_by(k) & open_sectors_) != 0 && !cut(circle, cap(k)))
-        return false;
+    list_touching(sectors_, atom_->count, open_sectors_, own, touching_);
+    find_covered_arcs(circle.framed(), section_->caps, atom_->begin, touching_,
+                      min_separation * circle.first.radius, covered_);
+    if (!covered_.is_certain) terms_->is_certain = false;
+    if (covered_.is_covered) return false;
+    for (std::uint32_t k = 0; k < touching_.size(); ++k) {
+      if (covered_.squared_chord[k] <= 0) continue;
+      intervals_.block(covered_.from[k], covered_.to[k], k);
+      if (intervals_.is_empty()) return false;
+    }
     return true;
-  }
-
-  // Removes the part that a cap covers. Returns whether some part is left.
-  bool cut(const UnionCircle& of, const Cap& cap) {
-    const ContactCircle& circle = of.circle;
-    const double x = circle.radius * dot(cap.axis, of.e1);
-    const double y = circle.radius * dot(cap.axis, of.e2);
-    const double height = cap.height - circle.first_height * dot(cap.axis, circle.axis);
-    const double squared = x * x + y * y, squared_chord = squared - height * height;
-    const double separation = min_separation * of.first.radius;
-    // All of the circle is next to the rim of the cap.
-    if (std::max(squared, height * height) < separation * separation) terms_->is_certain = false;
-    if (squared_chord <= 0) return height >= 0;
-    const double chord = std::sqrt(squared_chord), inverse = 1 / squared;
-    const Direction from{inverse * (x * height + y * chord), inverse * (y * height - x * chord)};
-    const Direction to{inverse * (x * height - y * chord), inverse * (y * height + x * chord)};
-    intervals_.block(from.pseudo_angle(), to.pseudo_angle(),
-                     static_cast<std::uint32_t>(covered_.size()));
-    covered_.push_back({from, to});
-    return !intervals_.is_empty();
   }
 
   bool is_in_open_sector(Direction d) const {
@@ -272,7 +256,8 @@ class alignas(thread_alignment) ArcFinder {
   // Its circle with another atom.
   CoveredSectors sectors_;
   Sectors open_sectors_ = 0;
-  std::vector<CoveredArc> covered_;  // by cap, as far as they cover a part of the circle
+  std::vector<std::int64_t> touching_;  // caps that may reach an open sector
+  CoveredArcs covered_;                 // by `touching_`
   OpenIntervals intervals_;
 };
 
