@@ -57,7 +57,7 @@ class GapFinder {
  public:
   GapFinder(const SurfaceModel& surface, double same_placement)
       : scheduled_(std::make_shared<ScheduledSurface>(surface, everywhere(), false)),
-        sweep_(scheduled_, {same_placement, surface.probe_radius > 0, false}, 1, check_),
+        sweep_(scheduled_, {same_placement, false, false}, 1, check_),
         gaps_(surface.atoms.size()) {}
 
   std::vector<AtomIndex> find() {
@@ -98,6 +98,9 @@ class GapFinder {
   // Replaces `angles_` by the angle of the boundary on each cap of a patch.
   void find_angles(ConcavePatch& patch, std::uint32_t number) {
     set_cone(sweep_.placements(), number, scratch_, patch);
+    const Vec3 center = sweep_.placements().centers()[number];
+    find_near_large(sweep_.placements(), {center, center}, scratch_.near);
+    find_near_small(sweep_.placements(), {center, center}, scratch_.near);
     cut_cone(sweep_.placements(), scratch_, patch);
     scratch_.finder.find(patch.caps);
     angles_.assign(patch.caps.size(), 0);

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "geometry/cap_list.hpp"
+#include "surface/concave_division.hpp"
 #include "surface/concave_gradient.hpp"
 #include "surface/saddle_gradient.hpp"
 #include "surface/tangent_spheres.hpp"
@@ -18,6 +19,12 @@ Vec3 middle_direction(const Arc& arc, Vec3 axis) {
   // If the ends are almost opposite, their sum has no direction.
   if (squared_norm(sum) < 0.01) return cross(axis, arc.start);
   return arc.kind == ArcKind::minor ? normalized(sum) : -normalized(sum);
+}
+
+Box bounds_of(std::span<const Vec3> points) {
+  Box box{points.front(), points.front()};
+  for (const Vec3 point : points) box.include(point);
+  return box;
 }
 
 // Returns the centre of the probe at the middle of an arc.
@@ -84,14 +91,30 @@ void ClusterMeasurement::measure(const Patches& all, ClusterIndex cluster, Clust
     terms.sums += sums;
     if (components_) sums_of(terms.roots, root).sums += sums;
   }
-  const std::uint32_t first = placements_.first_of_cluster()[cluster];
-  for (std::uint32_t k = first; k < first + patches.placements.size(); ++k) {
-    const PatchSums sums = add_placement(k, scratch, terms);
-    terms.sums += sums;
-    if (!components_) continue;
-    ComponentFinder::RootSums& of_root = sums_of(terms.roots, components_->root_of_placement(k));
-    of_root.sums += sums;
-    of_root.box.include(placements_.centers()[k]);
+  add_placements(patches, placements_.first_of_cluster()[cluster], scratch, terms);
+}
+
+// Placements that may cut others are looked up for the cluster, and then for a few placements near
+// each other.
+void ClusterMeasurement::add_placements(const ClusterPatches& patches, std::uint32_t first,
+                                        ClusterScratch& scratch, ClusterTerms& terms) const {
+  constexpr std::size_t max_group = 8;
+  const std::span<const Vec3> all = placements_.centers().subspan(first, patches.placements.size());
+  if (probe() > 0 && !all.empty())
+    find_near_large(placements_, bounds_of(all), scratch.concave.near);
+  for (std::size_t begin = 0; begin < all.size(); begin += max_group) {
+    const std::span<const Vec3> group = all.subspan(begin, std::min(max_group, all.size() - begin));
+    if (probe() > 0) find_near_small(placements_, bounds_of(group), scratch.concave.near);
+    for (std::size_t k = 0; k < group.size(); ++k) {
+      const auto number = static_cast<std::uint32_t>(first + begin + k);
+      const PatchSums sums = add_placement(number, scratch, terms);
+      terms.sums += sums;
+      if (!components_) continue;
+      ComponentFinder::RootSums& of_root =
+          sums_of(terms.roots, components_->root_of_placement(number));
+      of_root.sums += sums;
+      of_root.box.include(group[k]);
+    }
   }
 }
 
@@ -145,8 +168,8 @@ PatchSums ClusterMeasurement::add_placement(std::uint32_t number, ClusterScratch
   sums.concave = p * p * patch.part.solid_angle;
   sums.flux = dot(center, vector_area) - p * sums.concave;
   sums.load = sphere_load(center, vector_area);
-  if (settings_.gradients) add_concave_gradient(scratch, terms);
   if (settings_.divides_areas()) share_among_atoms(scratch, terms);
+  if (settings_.gradients) add_concave_gradient(scratch, terms);
   return sums;
 }
 
@@ -167,6 +190,13 @@ void ClusterMeasurement::record_shared_cut(const ConcavePatch& patch, ClusterTer
 void ClusterMeasurement::share_among_atoms(ClusterScratch& scratch, ClusterTerms& terms) const {
   const ConcavePatch& patch = scratch.patch;
   if (patch.part.solid_angle == 0) return;
+  if (scratch.concave.node.size() == 1) {  // a triangle
+    const auto parts = divide_among_three(surface_, placements_.centers()[patch.number], patch,
+                                          scratch.concave.finder.arcs());
+    for (std::size_t a = 0; parts && a < parts->size(); ++a)
+      terms.shares.push_back({patch.touched[a], 0, probe() * probe() * (*parts)[a]});
+    if (parts) return;
+  }
   double rest = patch.part.solid_angle;
   for (std::size_t a = 0; a < patch.touched.size(); ++a) {
     double share = std::max(0.0, rest);

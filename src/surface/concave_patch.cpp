@@ -10,6 +10,14 @@
 #include "surface/normal_cone.hpp"
 
 namespace eses::detail {
+namespace {
+
+// Returns a bound of the distance of placements that cut or touch each other's patches.
+double max_cutting_distance(const PlacementIndex& placements) {
+  return 2 * (placements.surface().probe_radius + tolerance::touching);
+}
+
+}  // namespace
 
 void set_triangle(const SurfaceModel& surface, const ProbePlacement& placement,
                   ConcavePatch& patch) {
@@ -51,6 +59,16 @@ void set_cone(const PlacementIndex& placements, std::uint32_t number, ConcaveScr
       break;
   }
   patch.part = patch.cone;
+}
+
+void find_near_large(const PlacementIndex& placements, const Box& box, NearPlacements& near) {
+  find_near_box(box, max_cutting_distance(placements), placements.center_list(), near.numbers);
+  choose_spheres(placements.center_list(), near.numbers, near.centers);
+}
+
+void find_near_small(const PlacementIndex& placements, const Box& box, NearPlacements& near) {
+  find_near_box(box, max_cutting_distance(placements), near.centers, near.in_small);
+  choose_spheres(near.centers, near.in_small, near.small_centers);
 }
 
 void cut_cone(const PlacementIndex& placements, ConcaveScratch& scratch, ConcavePatch& patch) {

@@ -5,6 +5,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "geometry/box.hpp"
+#include "geometry/cap_list.hpp"
 #include "geometry/sphere_part.hpp"
 #include "surface/placement_index.hpp"
 
@@ -26,10 +28,24 @@ struct ConcavePatch {
   std::size_t plane_count() const { return caps.size() - cutters.size(); }
 };
 
+/// The placements that may cut the patches of those in a large box, and in a small box in it.
+struct NearPlacements {
+  SpherePositions numbers, in_small;  ///< positions in the list of all placements, and in `centers`
+  SphereList centers, small_centers;
+  SpherePositions found;  ///< positions in `small_centers` of those near one placement
+
+  /// The number of the placement at a position in `small_centers`.
+  std::uint32_t number(std::int64_t position) const {
+    const std::int64_t in_large = in_small.at[static_cast<std::size_t>(position)];
+    return static_cast<std::uint32_t>(numbers.at[static_cast<std::size_t>(in_large)]);
+  }
+};
+
 /// Scratch memory of a thread.
 struct ConcaveScratch {
   SpherePartFinder finder;
-  std::vector<std::uint32_t> node, near;
+  NearPlacements near;
+  std::vector<std::uint32_t> node;
   std::vector<SphericalCap> caps;
   std::vector<AtomIndex> borders;  ///< touched atoms beside the owner of a part
 };
@@ -42,7 +58,14 @@ void set_triangle(const SurfaceModel& surface, const ProbePlacement& placement,
 void set_cone(const PlacementIndex& placements, std::uint32_t number, ConcaveScratch& scratch,
               ConcavePatch& patch);
 
-/// Finds the cutters of a cone, and the part of it that remains.
+/// Finds the placements that may cut the patches of those in a large box.
+void find_near_large(const PlacementIndex& placements, const Box& box, NearPlacements& near);
+
+/// Finds those of them that may cut the patches of the placements in a small box.
+void find_near_small(const PlacementIndex& placements, const Box& box, NearPlacements& near);
+
+/// Finds the cutters of a cone, and the part of it that remains. The placement is in the small box
+/// of `scratch.near`.
 void cut_cone(const PlacementIndex& placements, ConcaveScratch& scratch, ConcavePatch& patch);
 
 /// Returns whether another placement just touches the patch.

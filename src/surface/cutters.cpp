@@ -116,13 +116,12 @@ void find_cutters(const PlacementIndex& placements, ConcaveScratch& scratch, Con
   const Ball ball = ball_of_cutters(from, patch.toward, probe);
   patch.cutters.clear();
   patch.tangent.clear();
-  scratch.near.clear();
   scratch.caps.clear();
-  placements.for_each_within(ball.center, ball.radius + tolerance::touching,
-                             [&](std::uint32_t k) { scratch.near.push_back(k); });
-  // The order in which the tree finds them may differ between versions of its library.
-  std::sort(scratch.near.begin(), scratch.near.end());
-  for (const std::uint32_t other : scratch.near) {
+  NearPlacements& near = scratch.near;
+  find_near_box({ball.center, ball.center}, ball.radius + tolerance::touching, near.small_centers,
+                near.found);
+  for (std::size_t k = 0; k < near.found.count; ++k) {
+    const std::uint32_t other = near.number(near.found.at[k]);
     if (other == patch.number || !placements.is_first(other)) continue;
     Vec3 to_other = placements.centers()[other] - from;
     const double squared = squared_norm(to_other);

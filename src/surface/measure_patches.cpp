@@ -55,9 +55,8 @@ class PatchMeasurement {
       : settings_(settings),
         same_placement_(same_placement),
         surface_(scheduled->surface),
-        sweep_(scheduled,
-               {same_placement, surface_.probe_radius > 0 || settings.cavities, settings.gradients},
-               settings.threads, settings.check),
+        sweep_(scheduled, {same_placement, settings.cavities, settings.gradients}, settings.threads,
+               settings.check),
         origin_(middle_of(surface_.atoms)),
         sums_(surface_, scheduled->schedule.patches(), settings, origin_),
         scratch_(static_cast<std::size_t>(settings.threads)) {

@@ -11,6 +11,7 @@ void PlacementIndex::reset(const PatchSchedule& schedule) {
   const Patches& patches = schedule.patches();
   placements_.clear();
   centers_.clear();
+  center_list_.clear();
   first_of_cluster_.resize(patches.clusters().count());
   for (ClusterIndex cluster = 0; cluster < patches.clusters().count(); ++cluster) {
     first_of_cluster_[cluster] = static_cast<std::uint32_t>(placements_.size());
@@ -18,9 +19,10 @@ void PlacementIndex::reset(const PatchSchedule& schedule) {
     for (const ProbePlacement& placement : patches.of_cluster(cluster).placements) {
       placements_.push_back(&placement);
       centers_.push_back(placement.center);
+      center_list_.push_back({placement.center, 0});
     }
   }
-  if (use_.has_search || !surface_.has_slack) tree_.reset(centers_);
+  if (use_.has_tree || !surface_.has_slack) tree_.reset(centers_);
   first_of_node_.resize(placements_.size());
   std::iota(first_of_node_.begin(), first_of_node_.end(), 0U);
   if (!surface_.has_slack) find_nodes();

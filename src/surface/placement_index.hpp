@@ -7,6 +7,7 @@
 #include <unordered_map>
 #include <vector>
 
+#include "geometry/cap_list.hpp"
 #include "surface/patch_schedule.hpp"
 #include "surface/point_tree.hpp"
 
@@ -23,7 +24,7 @@ class PlacementIndex {
   /// What the index is for.
   struct Use {
     double same_placement = 0;  ///< placements within this distance coincide (angstrom)
-    bool has_search = true;     ///< whether placements near a point are searched
+    bool has_tree = true;       ///< whether the tree is needed
     bool has_parts = false;     ///< whether nodes are divided into parts
   };
 
@@ -36,6 +37,8 @@ class PlacementIndex {
   const SurfaceModel& surface() const { return surface_; }
   std::span<const ProbePlacement* const> placements() const { return placements_; }
   std::span<const Vec3> centers() const { return centers_; }
+  /// The centres as a list of spheres of radius 0.
+  const SphereList& center_list() const { return center_list_; }
   /// By cluster: the number of its first placement.
   std::span<const std::uint32_t> first_of_cluster() const { return first_of_cluster_; }
   /// By placement: the first one of its node.
@@ -43,14 +46,8 @@ class PlacementIndex {
   /// Returns whether a placement is the first one of its node, which stands for all of them.
   bool is_first(std::uint32_t number) const { return first_of_node_[number] == number; }
 
-  /// The tree of the centres.
+  /// The tree of the centres, if it is needed, or the surface has no slack.
   const PointTree& tree() const { return tree_; }
-
-  /// Calls `action(number)` for the placements nearer than `distance` to a point (angstrom).
-  template <class Action>
-  void for_each_within(Vec3 center, double distance, Action&& action) const {
-    tree_.for_each_within(center, distance, action);
-  }
 
   /// Replaces `node` by the placements of the node of a placement, which comes first.
   void find_node(std::uint32_t number, std::vector<std::uint32_t>& node) const;
@@ -71,6 +68,7 @@ class PlacementIndex {
   Use use_;
   std::vector<const ProbePlacement*> placements_;
   std::vector<Vec3> centers_;
+  SphereList center_list_;
   std::vector<std::uint32_t> first_of_cluster_;
   std::vector<std::uint32_t> first_of_node_;
   // The placements of each node with several of them, and its parts, by the first placement.
