@@ -310,6 +310,8 @@ bool has_pdb_columns(std::string_view line, double& occupancy) {
 
 /// Counts of records by their format.
 struct RecordCounts {
+  static constexpr std::uint64_t max_records = 1000;
+
   std::uint64_t all = 0;
   std::uint64_t pdb_columns = 0;  ///< have the columns of PDB files
   std::uint64_t pqr = 0;          ///< end with a possible charge and radius
@@ -322,6 +324,8 @@ struct RecordCounts {
     double occupancy = 0;
     const bool has_columns = has_pdb_columns(line, occupancy);
     pdb_columns += static_cast<std::uint64_t>(has_columns);
+    // More than a tenth of all records cannot be those of a PQR file.
+    if (10 * (all - 1 - pqr) > max_records) return;
     Record record;
     if (parse_pqr(line, record) || record.atom.radius > max_radius_of_pqr) return;
     ++pqr;
@@ -448,10 +452,9 @@ void PdbLikeness::add(std::string_view line) {
 }
 
 AtomFormat format_of_records(std::string_view text) {
-  constexpr std::uint64_t max_records = 1000;
   RecordCounts counts;
   NamedColumns columns;
-  while (!text.empty() && counts.all < max_records) {
+  while (!text.empty() && counts.all < RecordCounts::max_records) {
     const std::string_view line = take_line(text);
     if (is_pqr_record(line))
       counts.add(line);
