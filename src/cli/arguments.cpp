@@ -21,14 +21,33 @@ std::string replaced(std::string text, std::string_view from, std::string_view t
   return text;
 }
 
+constexpr int left_column = 28;  ///< characters, of the names of options
+
+/// Formats the help. CLI11 formats options and paragraphs differently since its version 2.5.
 class HelpFormatter : public CLI::Formatter {
  public:
-  explicit HelpFormatter(std::string usage) : usage_(std::move(usage)) {
-    label("Positionals", "Arguments");
-    column_width(28);
+  explicit HelpFormatter(std::string usage) : usage_(std::move(usage)) {}
+
+  std::string make_help(const CLI::App* app, std::string /*name*/,
+                        CLI::AppFormatMode mode) const override {
+    const std::string help =
+        formatted("{}\n\nUsage: {}\n{}{}\n{}\n", app->get_description(), usage_,
+                  make_positionals(app), make_groups(app, mode), app->get_footer());
+    return replaced(help, "\n\n\n", "\n\n");
   }
-  std::string make_usage(const CLI::App* /*app*/, std::string /*name*/) const override {
-    return formatted("\nUsage: {}\n", usage_);
+  std::string make_positionals(const CLI::App* app) const override {
+    const auto positionals = app->get_options([](const CLI::Option* option) {
+      return !option->get_group().empty() && option->get_positional();
+    });
+    return positionals.empty() ? "" : make_group("Arguments", true, positionals);
+  }
+  std::string make_option(const CLI::Option* option, bool is_positional) const override {
+    const std::string indent(left_column, ' ');
+    const std::string names =
+        "  " + make_option_name(option, is_positional) + make_option_opts(option);
+    const std::string gap =
+        names.size() < indent.size() ? indent.substr(names.size()) : "\n" + indent;
+    return names + gap + replaced(option->get_description(), "\n", "\n" + indent) + "\n";
   }
   // Writes names in the usual form, `-o, --output-dir`, without the `{N}` that CLI11 appends to a
   // flag with an optional value.
@@ -40,11 +59,6 @@ class HelpFormatter : public CLI::Formatter {
   std::string make_option_opts(const CLI::Option* option) const override {
     const std::string& text = option->get_option_text();
     return text.empty() || text.starts_with("[=") ? text : " " + text;
-  }
-  std::string make_help(const CLI::App* app, std::string name,
-                        CLI::AppFormatMode mode) const override {
-    const std::string help = CLI::Formatter::make_help(app, std::move(name), mode);
-    return replaced(help, "\n\n\n", "\n\n");
   }
 
  private:
@@ -177,6 +191,7 @@ void set_up(CLI::App& app, std::string usage, std::string footer) {
   app.footer(std::move(footer));
   app.allow_extras();  // refuse_extras() gives better messages
   app.set_help_flag();
+  begin_group(app, "Options");
 }
 
 std::string version_text() {

@@ -44,7 +44,6 @@ InputFile parse_xyzr_arguments(bool has_names, const Arguments& arguments) {
                          has_names ? ", with names" : ""),
                "eses-blocks " + name);
   set_up(app, formatted("eses-blocks {} [OPTIONS] [FILE]", name), xyzr_footer);
-  begin_group(app, "Options");
   add_value(app, "FILE", "", "PDB, mmCIF or PQR file; - for standard input [-]", input.path,
             any_text("a file"));
   add_value(app, "--format", "NAME", "auto (by suffix, otherwise pdb), pdb, mmcif or pqr [auto]",

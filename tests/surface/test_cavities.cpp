@@ -99,14 +99,12 @@ void check_same(const Cavity& a, const Cavity& b, double error) {
 void check_consistent(const Measures& measures, double probe) {
   double sas_area = 0, sas_volume = 0, ses_area = 0, ses_volume = 0;
   std::int64_t euler_number = 0;
-  std::size_t atoms = 0;
   for (const Piece& piece : measures.pieces) {
     sas_area += piece.sas_area;
     sas_volume += piece.sas_volume;
     ses_area += piece.ses_area;
     ses_volume += piece.ses_volume;
     euler_number += piece.euler_number;
-    atoms += piece.atoms.size();
   }
   CHECK(difference(sas_area, measures.sas_area) < 1e-10);
   CHECK(difference(sas_volume, measures.sas_volume) < 1e-10);
