@@ -86,7 +86,7 @@ double AtomFaces::measure(AtomIndex i, std::vector<AtomIndex>& found) {
   face.solid_angle = solid_angle_of(face.boundary.solid_angle, [&](Vec3 direction) {
     if (is_filled(i, direction)) return false;
     const Vec3 point = sphere.center + sphere.radius * direction;
-    surface_.tree().find_reaching(point, surface_.probe_radius + look_up_slack, found);
+    surface_.cells().find_reaching({point, point}, surface_.probe_radius + look_up_slack, found);
     return std::none_of(found.begin(), found.end(), [&](AtomIndex k) {
       const SasSphere other = surface_.sas_sphere(k);
       return k != i && !surface_.molecule.is_contained(k) &&

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <optional>
 #include <utility>
 
 #include "surface/radius_class.hpp"
@@ -14,6 +15,51 @@ namespace {
 std::int64_t cell_index(double coordinate, double side) {
   constexpr double limit = 0x1p62;
   return static_cast<std::int64_t>(std::clamp(std::floor(coordinate / side), -limit, limit));
+}
+
+using CellOfAtom = std::pair<std::array<std::int64_t, 3>, AtomIndex>;
+
+// Returns the number of cells in the box around all of them, or nothing if there are many more than
+// atoms. The numbers of cells along z, y and x replace `counts`.
+std::optional<std::size_t> count_cells(std::span<const CellOfAtom> cells,
+                                       std::array<std::int64_t, 3>& low,
+                                       std::array<std::size_t, 3>& counts) {
+  const std::size_t limit = 8 * cells.size() + 1000;
+  std::size_t product = 1;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const auto [min, max] = std::minmax_element(
+        cells.begin(), cells.end(),
+        [&](const auto& a, const auto& b) { return a.first[axis] < b.first[axis]; });
+    low[axis] = min->first[axis];
+    const auto extent =
+        static_cast<std::uint64_t>(max->first[axis]) - static_cast<std::uint64_t>(low[axis]);
+    if (extent >= limit) return std::nullopt;
+    counts[axis] = static_cast<std::size_t>(extent) + 1;
+    product *= counts[axis];
+    if (product > limit) return std::nullopt;
+  }
+  return product;
+}
+
+// Sorts atoms, which are ascending, by cell. Cells of a dense box are counted.
+void sort_by_cell(std::vector<CellOfAtom>& cells) {
+  if (cells.empty()) return;
+  std::array<std::int64_t, 3> low{};
+  std::array<std::size_t, 3> counts{};
+  const std::optional<std::size_t> count = count_cells(cells, low, counts);
+  if (!count) return std::sort(cells.begin(), cells.end());
+  const auto index_of = [&](const CellOfAtom& cell) {
+    std::size_t index = 0;
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      index = counts[axis] * index + static_cast<std::size_t>(cell.first[axis] - low[axis]);
+    return index;
+  };
+  std::vector<std::uint32_t> next(*count + 1);
+  for (const CellOfAtom& cell : cells) ++next[index_of(cell) + 1];
+  std::partial_sum(next.begin(), next.end(), next.begin());
+  std::vector<CellOfAtom> sorted(cells.size());
+  for (const CellOfAtom& cell : cells) sorted[next[index_of(cell)]++] = cell;
+  cells.swap(sorted);
 }
 
 }  // namespace
@@ -35,7 +81,7 @@ CellList::SortedAtoms CellList::sorted(std::vector<AtomIndex> members) const {
   std::vector<std::pair<Cell, AtomIndex>> cells;
   cells.reserve(members.size());
   for (const AtomIndex i : members) cells.emplace_back(cell_of(atoms_[i].center), i);
-  std::sort(cells.begin(), cells.end());
+  sort_by_cell(cells);
   SortedAtoms result;
   result.order = std::move(members);
   for (std::uint32_t position = 0; position < cells.size(); ++position) {

@@ -41,8 +41,8 @@ class DiagnosticFinder {
   /// Inspects atom `i`, which has the centre and radius of the earlier atom `first`.
   void inspect_duplicate(AtomIndex i, AtomIndex first, DiagnosticTally& tally) const;
 
-  /// Inspects atom `i`, which is no duplicate. `near` has all other atoms whose centre is within
-  /// its radius or within `close_distance`, in any order, except for duplicates.
+  /// Inspects atom `i`, which is no duplicate. `near` has all other atoms that may lie in it, or
+  /// whose centre is within `close_distance`, in any order, except for duplicates.
   void inspect(AtomIndex i, std::span<const AtomIndex> near, DiagnosticTally& tally);
 
   /// Returns the diagnostics with a positive count, in the order of `DiagnosticKind`. All atoms

@@ -136,9 +136,16 @@ void mark_contained(std::span<const Atom> atoms, const CellList& cells,
 }
 
 // Returns the maximum distance between the centres of an atom and of another one that it contains,
-// or that gives a diagnostic with it.
-double vicinity_radius(const Atom& atom) {
-  return std::max(atom.radius + 2 * tolerance::containment, close_distance) * (1 + 1e-12);
+// or that gives a diagnostic with it. No atom has a smaller radius than `min_radius`.
+double vicinity_radius(const Atom& atom, double min_radius) {
+  const double room = atom.radius - min_radius + 2 * tolerance::containment;
+  return std::max(room, close_distance) * (1 + 1e-12);
+}
+
+double min_radius_of(std::span<const Atom> atoms) {
+  double radius = std::numeric_limits<double>::infinity();
+  for (const Atom& atom : atoms) radius = std::min(radius, atom.radius);
+  return radius;
 }
 
 // A search for the atoms in the vicinity of each atom. Small atoms of a cell are looked up
@@ -146,8 +153,8 @@ double vicinity_radius(const Atom& atom) {
 class VicinitySearch {
  public:
   VicinitySearch(std::span<const Atom> atoms, const CellList& cells,
-                 std::span<const AtomIndex> first_equal)
-      : atoms_(atoms), cells_(cells), first_equal_(first_equal) {}
+                 std::span<const AtomIndex> first_equal, double min_radius)
+      : atoms_(atoms), cells_(cells), first_equal_(first_equal), min_radius_(min_radius) {}
 
   // Calls `visit(i, near)` for the atoms of a cell that repeat no earlier atom. `near` has the
   // other such atoms in the vicinity of atom `i`.
@@ -171,7 +178,7 @@ class VicinitySearch {
     double radius = 0;
     for (const AtomIndex i : together) {
       box.include(atoms_[i].center);
-      radius = std::max(radius, vicinity_radius(atoms_[i]));
+      radius = std::max(radius, vicinity_radius(atoms_[i], min_radius_));
     }
     cells_.find_centers(box, radius, found_);
     std::erase_if(found_, [&](AtomIndex j) { return first_equal_[j] != j; });
@@ -182,7 +189,7 @@ class VicinitySearch {
 
   std::span<const AtomIndex> vicinity(AtomIndex i) {
     const Vec3 center = atoms_[i].center;
-    find_near_box({center, center}, vicinity_radius(atoms_[i]), points_, positions_);
+    find_near_box({center, center}, vicinity_radius(atoms_[i], min_radius_), points_, positions_);
     near_.clear();
     for (std::size_t k = 0; k < positions_.count; ++k) {
       const AtomIndex j = found_[static_cast<std::size_t>(positions_.at[k])];
@@ -194,6 +201,7 @@ class VicinitySearch {
   std::span<const Atom> atoms_;
   const CellList& cells_;
   std::span<const AtomIndex> first_equal_;
+  double min_radius_;
   std::vector<AtomIndex> found_, near_;
   SphereList points_;  // centres of `found_`, with radius 0
   SpherePositions positions_;
@@ -239,18 +247,20 @@ struct Molecule::Parts {
     DiagnosticFinder finder(atoms, is_own);
     std::vector<DiagnosticTally> tallies(loop_range_count(cells->cell_count()));
     Containers containers(atoms.size(), no_container);
-    for_loop_ranges(cells->cell_count(), threads,
-                    [&](std::size_t range, std::size_t begin, std::size_t end) {
-                      inspect_cells(begin, end, first_equal, containers, finder, tallies[range]);
-                      check();
-                    });
+    const double min_radius = min_radius_of(atoms);
+    for_loop_ranges(
+        cells->cell_count(), threads, [&](std::size_t range, std::size_t begin, std::size_t end) {
+          VicinitySearch search(atoms, *cells, first_equal, min_radius);
+          inspect_cells(begin, end, first_equal, search, containers, finder, tallies[range]);
+          check();
+        });
     mark_contained(atoms, *cells, containers, is_contained);
     diagnostics = finder.found(tallies);
   }
 
   void inspect_cells(std::size_t begin, std::size_t end, std::span<const AtomIndex> first_equal,
-                     Containers& containers, DiagnosticFinder& finder, DiagnosticTally& tally) {
-    VicinitySearch search(atoms, *cells, first_equal);
+                     VicinitySearch& search, Containers& containers, DiagnosticFinder& finder,
+                     DiagnosticTally& tally) {
     for (std::size_t cell = begin; cell < end; ++cell) {
       for (const AtomIndex i : cells->atoms_of_cell(cell))
         if (first_equal[i] != i) finder.inspect_duplicate(i, first_equal[i], tally);
