@@ -58,6 +58,7 @@ struct DirectedArc {
   Rim rim;
   Vec3 start, end;  // unit vectors from the centre of the rim
   double angle = 0;
+  Vec3 side = cross(rim.axis, start);  // a quarter turn after the start
 };
 
 // The sums over the arcs of a region, see BoundaryFunction in sphere_union.cpp. The solid angle is
@@ -119,8 +120,7 @@ class Division {
   Difference difference(Owner a, Owner b, const DirectedArc& arc) const {
     const Vec3 d = toward_[b] - toward_[a];
     return {radius_[a] - radius_[b] + arc.rim.cosine * dot(arc.rim.axis, d),
-            arc.rim.sine * dot(arc.start, d),
-            arc.rim.sine * dot(cross(arc.rim.axis, arc.start), d)};
+            arc.rim.sine * dot(arc.start, d), arc.rim.sine * dot(arc.side, d)};
   }
 
   // Returns whether atom `a` precedes atom `b` everywhere on an arc of at most half a turn at whose
@@ -128,7 +128,7 @@ class Division {
   bool precedes_along(Owner a, Owner b, const DirectedArc& arc) const {
     const Difference of = difference(a, b, arc);
     const double cosine = dot(arc.start, arc.end);
-    const double sine = dot(arc.rim.axis, cross(arc.start, arc.end));
+    const double sine = dot(arc.side, arc.end);
     return of.slope(1, 0) <= 0 || of.slope(cosine, sine) >= 0 ||
            of.constant + of.reach() < -decision_margin;
   }
@@ -158,7 +158,8 @@ class Division {
   static std::pair<DirectedArc, DirectedArc> halves(const DirectedArc& arc, double cosine,
                                                     double sine) {
     DirectedArc low = arc, high = arc;
-    low.end = high.start = cosine * arc.start + sine * cross(arc.rim.axis, arc.start);
+    low.end = high.start = cosine * arc.start + sine * arc.side;
+    high.side = cosine * arc.side - sine * arc.start;
     if (arc.rim.cosine != 0) {
       low.angle = std::atan2(sine, cosine);
       high.angle = arc.angle - low.angle;
