@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "geometry/pseudo_angle.hpp"
 #include "system/dispatch.hpp"
@@ -307,18 +308,88 @@ void OpenIntervals::subtract(double from, double to, std::uint32_t cap) {
   intervals.erase(kept, intervals.end());
 }
 
-void accessible_arcs(const ContactCircle& circle, const CapList& caps, std::uint32_t own,
-                     ArcScratch& scratch, std::vector<CircleArc>& arcs,
-                     std::vector<CircleEnd>& ends) {
+namespace {
+
+CircleFrame frame_of(const ContactCircle& circle) {
   const Vec3 e1 = any_perpendicular(circle.axis);
-  const CircleFrame frame{e1, cross(circle.axis, e1)};
-  if (!ESES_BEST_VERSION(find_open)(circle, frame, caps, own, scratch.open)) return;
+  return {e1, cross(circle.axis, e1)};
+}
+
+// Adds the arcs of the intervals in `scratch.open`.
+void add_open_intervals(const ContactCircle& circle, const CircleFrame& frame, const CapList& caps,
+                        std::uint32_t own, ArcScratch& scratch, std::vector<CircleArc>& arcs,
+                        std::vector<CircleEnd>& ends) {
   if (scratch.open.is_whole) {
     arcs.push_back({});
     return;
   }
   for (const auto& open : scratch.open.intervals)
     add_open_interval(circle, frame, caps, own, scratch.open.origin, open, scratch, arcs, ends);
+}
+
+// Copies the caps that may cut an open sector. Angles are counted from the end of the first cap
+// that cuts the circle, so this cap is one of them: the order of arcs remains that of all caps.
+void choose_cutting_caps(const CapList& caps, Sectors open, std::uint32_t own,
+                         ArcScratch& scratch) {
+  list_touching(scratch.sectors, caps.size(), open, own, scratch.cutting);
+  std::size_t at = 0;
+  for (std::uint32_t k = 0; k < caps.size(); ++k) {
+    const std::int32_t length = scratch.sectors.length[k];
+    if (k == own || length == CoveredSectors::nothing) continue;
+    const auto place = scratch.cutting.begin() + static_cast<std::ptrdiff_t>(at);
+    if (place == scratch.cutting.end() || *place != k) scratch.cutting.insert(place, k);
+    ++at;
+    if (length != CoveredSectors::whole) break;
+  }
+  scratch.cutting_caps.make_room(scratch.cutting.size());
+  scratch.cutting_caps.clear();
+  for (const std::int64_t k : scratch.cutting)
+    scratch.cutting_caps.set(scratch.cutting_caps.count++, caps[static_cast<std::size_t>(k)]);
+}
+
+// Removes the intervals that caps cover which cut no open sector. They cover all of an interval or
+// nothing of it.
+void keep_in_sectors(Sectors sectors, ArcScratch& scratch) {
+  OpenIntervals& open = scratch.open;
+  std::erase_if(open.intervals, [&](OpenIntervals::Interval& interval) {
+    const int sector =
+        static_cast<int>(sectors_per_unit * wrap_any(interval.low + open.origin)) % sector_count;
+    interval.low_cap = static_cast<std::uint32_t>(scratch.cutting[interval.low_cap]);
+    interval.high_cap = static_cast<std::uint32_t>(scratch.cutting[interval.high_cap]);
+    return (sectors >> sector & 1) == 0;
+  });
+}
+
+}  // namespace
+
+void set_float_caps(const CapList& caps, double sphere_radius, ArcScratch& scratch) {
+  scratch.floats.assign(caps, caps.blocking_height, 0, caps.size(), sphere_radius);
+  scratch.sphere_radius = sphere_radius;
+}
+
+void accessible_arcs(const ContactCircle& circle, const CapList& caps, std::uint32_t own,
+                     ArcScratch& scratch, std::vector<CircleArc>& arcs,
+                     std::vector<CircleEnd>& ends) {
+  const CircleFrame frame = frame_of(circle);
+  if (ESES_BEST_VERSION(find_open)(circle, frame, caps, own, scratch.open))
+    add_open_intervals(circle, frame, caps, own, scratch, arcs, ends);
+}
+
+void accessible_arcs_by_sectors(const ContactCircle& circle, const CapList& caps, std::uint32_t own,
+                                ArcScratch& scratch, std::vector<CircleArc>& arcs,
+                                std::vector<CircleEnd>& ends) {
+  constexpr std::uint32_t no_cap = std::numeric_limits<std::uint32_t>::max();
+  const CircleFrame frame = frame_of(circle);
+  const double inverse = 1 / scratch.sphere_radius;
+  const Sectors open = find_open_sectors(
+      {circle.axis, frame.e1, frame.e2, inverse * circle.first_height, inverse * circle.radius},
+      scratch.floats, scratch.sectors);
+  if (open == 0) return;
+  choose_cutting_caps(caps, open, own, scratch);
+  if (!ESES_BEST_VERSION(find_open)(circle, frame, scratch.cutting_caps, no_cap, scratch.open))
+    return;
+  keep_in_sectors(open, scratch);
+  add_open_intervals(circle, frame, caps, own, scratch, arcs, ends);
 }
 
 }  // namespace eses::detail

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "geometry/cap_list.hpp"
+#include "geometry/circle_sectors.hpp"
 
 namespace eses::detail {
 
@@ -59,9 +60,18 @@ struct OpenIntervals {
 /// Scratch memory of `accessible_arcs`, and the length below which it drops arcs (angstrom).
 struct ArcScratch {
   double min_length = tolerance::arc_length;
+  /// The slackened caps of the sphere with this radius in single precision, see set_float_caps.
+  FloatCaps floats;
+  double sphere_radius = 0;
+  CoveredSectors sectors;
+  std::vector<std::int64_t> cutting;  ///< caps that may cut an open sector
+  CapList cutting_caps;
   OpenIntervals open;
   std::vector<Vec3> ends;  ///< directions from the circle's centre to the ends of one interval
 };
+
+/// Prepares the caps of a sphere for accessible_arcs_by_sectors.
+void set_float_caps(const CapList& caps, double sphere_radius, ArcScratch& scratch);
 
 /// Appends the accessible arcs of `circle` to `arcs`, and the placements at their ends to `ends`.
 /// `caps` are the caps of the circle's first sphere; the one with index `own` belongs to its second
@@ -72,5 +82,11 @@ struct ArcScratch {
 void accessible_arcs(const ContactCircle& circle, const CapList& caps, std::uint32_t own,
                      ArcScratch& scratch, std::vector<CircleArc>& arcs,
                      std::vector<CircleEnd>& ends);
+
+/// Does the same for caps that set_float_caps has prepared: first in sectors of single precision,
+/// which cover most circles, and then with the caps that may cut an open sector.
+void accessible_arcs_by_sectors(const ContactCircle& circle, const CapList& caps, std::uint32_t own,
+                                ArcScratch& scratch, std::vector<CircleArc>& arcs,
+                                std::vector<CircleEnd>& ends);
 
 }  // namespace eses::detail

@@ -142,7 +142,8 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace eses::detail {
 
-void FloatCaps::assign(const CapList& caps, std::size_t begin, std::size_t size, double radius) {
+void FloatCaps::assign(const CapList& caps, const std::vector<double>& heights, std::size_t begin,
+                       std::size_t size, double radius) {
   count = size;
   const std::size_t padded = size + vector_padding;
   if (x.size() < padded)
@@ -152,7 +153,7 @@ void FloatCaps::assign(const CapList& caps, std::size_t begin, std::size_t size,
     x[k] = static_cast<float>(caps.x[begin + k]);
     y[k] = static_cast<float>(caps.y[begin + k]);
     z[k] = static_cast<float>(caps.z[begin + k]);
-    height[k] = static_cast<float>(inverse * caps.height[begin + k]);
+    height[k] = static_cast<float>(inverse * heights[begin + k]);
   }
   // Empty caps fill the last vector.
   for (std::size_t k = size; k < padded; ++k) x[k] = height[k] = 2, y[k] = z[k] = 0;

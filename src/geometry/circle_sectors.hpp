@@ -24,8 +24,10 @@ struct FloatCaps {
   std::vector<float> x, y, z, height;
   std::size_t count = 0;
 
-  /// Replaces the caps by `size` caps of the list from `begin`, in this order.
-  void assign(const CapList& caps, std::size_t begin, std::size_t size, double radius);
+  /// Replaces the caps by `size` caps of the list from `begin`, in this order. `heights` are those
+  /// of the list, exact or slackened.
+  void assign(const CapList& caps, const std::vector<double>& heights, std::size_t begin,
+              std::size_t size, double radius);
 };
 
 /// The sectors that each cap covers or touches: those from `first`, `length` of them. There are

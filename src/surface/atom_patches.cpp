@@ -16,8 +16,11 @@ void keep_caps(const SurfaceModel& surface, AtomIndex i, AtomPatchScratch& scrat
       kept.set(kept.count++, scratch.near.caps[k]);
       scratch.kept_neighbours.push_back(scratch.near.neighbour(k));
     }
+  const double radius = surface.sas_sphere(i).radius;
   if (scratch.kept_caps.size() > max_uncrowded)
-    scratch.crowded.reset(surface, scratch.kept_caps, surface.sas_sphere(i).radius);
+    scratch.crowded.reset(surface, scratch.kept_caps, radius);
+  else
+    set_float_caps(scratch.kept_caps, radius, scratch.arc);
 }
 
 PlacementKey make_key(AtomIndex i, AtomIndex j, AtomIndex k, const CircleEnd& end) {
@@ -62,6 +65,9 @@ void add_circle(const SurfaceModel& surface, AtomIndex i, std::uint32_t own,
   scratch.ends.clear();
   if (is_crowded) {
     scratch.crowded.accessible_arcs(circle, own, scratch.arc, scratch.arcs, scratch.ends);
+  } else if (!surface.molecule.has_nearly_equal(j)) {
+    accessible_arcs_by_sectors(circle, scratch.kept_caps, own, scratch.arc, scratch.arcs,
+                               scratch.ends);
   } else {
     accessible_arcs(circle, caps_on_circle(surface, i, own, scratch), own, scratch.arc,
                     scratch.arcs, scratch.ends);

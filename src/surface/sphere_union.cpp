@@ -159,7 +159,7 @@ class alignas(thread_alignment) ArcFinder {
       section_ = &section;
       atom_ = &open;
       sphere_ = surface_.sas_sphere(open.atom);
-      floats_.assign(section.caps, open.begin, open.count, sphere_.radius);
+      floats_.assign(section.caps, section.caps.height, open.begin, open.count, sphere_.radius);
       for (std::uint32_t k = 0; k < open.count; ++k)
         if (is_measured_from(open.atom, neighbours[k], atoms)) add_circle(k);
     }

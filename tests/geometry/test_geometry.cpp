@@ -103,6 +103,51 @@ TEST_CASE("accessible arcs are the parts of a circle outside all other spheres")
   CHECK(partial > 300);
 }
 
+// On a lattice, circles have equal ends, and rims that touch them.
+TEST_CASE("sectors change no accessible arc") {
+  Random random(12);
+  ArcScratch scratch;
+  std::size_t arc_count = 0, end_count = 0;
+  for (int repetition = 0; repetition < 20'000; ++repetition) {
+    const bool is_lattice = repetition % 2 == 0;
+    const auto coordinate = [&] {
+      const double value = random.uniform(-3, 3);
+      return is_lattice ? std::round(value) : value;
+    };
+    const double radius = is_lattice ? 2.0 + (repetition & 2) : random.uniform(1.5, 4);
+    const SasSphere sphere{{}, radius};
+    CapList caps;
+    const std::size_t count = random.integer(1, 14);
+    while (caps.size() < count) {
+      const SasSphere other{{coordinate(), coordinate(), coordinate()}, radius};
+      const double distance = norm(other.center);
+      if (distance < 0.5 || distance > 2 * radius - 1e-3) continue;
+      caps.push_back(make_cap(sphere, other));
+    }
+    set_float_caps(caps, radius, scratch);
+    const Cap own = caps[0];
+    const ContactCircle circle =
+        make_contact_circle(sphere, {2 * own.height * own.axis, radius}, own);
+    std::vector<CircleArc> arcs, expected;
+    std::vector<CircleEnd> ends, expected_ends;
+    accessible_arcs(circle, caps, 0, scratch, expected, expected_ends);
+    accessible_arcs_by_sectors(circle, caps, 0, scratch, arcs, ends);
+    INFO("repetition " << repetition);
+    REQUIRE(arcs.size() == expected.size());
+    for (std::size_t k = 0; k < arcs.size(); ++k)
+      REQUIRE((arcs[k].kind == expected[k].kind && arcs[k].start == expected[k].start &&
+               arcs[k].end == expected[k].end));
+    REQUIRE(ends.size() == expected_ends.size());
+    for (std::size_t k = 0; k < ends.size(); ++k)
+      REQUIRE((ends[k].cap == expected_ends[k].cap && ends[k].side == expected_ends[k].side &&
+               ends[k].is_uncertain == expected_ends[k].is_uncertain));
+    arc_count += arcs.size();
+    end_count += ends.size();
+  }
+  CHECK(arc_count > 5000);
+  CHECK(end_count > 5000);
+}
+
 TEST_CASE("caps of many spheres are the caps of those that meet the sphere") {
   Random random(11);
   for (int round = 0; round < 200; ++round) {

@@ -136,7 +136,8 @@ TEST_CASE(
       caps.push_back({random_direction(random), cosine, cosine});
     }
     FloatCaps floats;
-    floats.assign(list_of(caps), 0, caps.size(), 1);
+    const CapList list = list_of(caps);
+    floats.assign(list, list.height, 0, caps.size(), 1);
     CoveredSectors sectors;
     const Sectors open = find_open_sectors(circle, floats, sectors);
     closed_count += sector_count - std::popcount(open);
