@@ -1,11 +1,13 @@
 #pragma once
 /// Maps of grid points and edges in memory, and their files.
 
+#include <array>
 #include <cstdint>
 #include <deque>
 #include <functional>
 #include <mutex>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "eses/grid.hpp"
@@ -50,27 +52,17 @@ class GridMap {
     std::uint64_t index;
     std::uint32_t fraction;
   };
-  struct Tile;
   struct Slice;
-  class Compressor;
 
   std::uint64_t dx_index(std::int64_t x, std::int64_t row) const;
-  std::int64_t tiles_of_cell() const;
-  Tile tile(std::int64_t index) const;
-  std::vector<std::uint64_t> words_of(const Tile& tile) const;
-  Slice slice(const Tile& tile, std::int64_t x, std::span<const std::uint64_t> words) const;
-  template <class Action>
-  void for_each_x(const Tile& tile, Action&& action) const;
-  void fill_points(const Slice& slice, std::span<char> text) const;
-  void fill_edges(const Slice& slice, std::span<char> text) const;
-  void fill_values(const Slice& slice, std::vector<char>& text) const;
-  void write_tiles(OutputFile& file, int threads, const std::function<void()>& check) const;
-  void write_planes(OutputFile& file, int threads, const std::function<void()>& check) const;
-  void append_members(OutputFile& file, int threads, const std::function<void()>& check) const;
+  template <std::size_t digits>
+  void fill_slice(const Slice& slice, std::vector<char>& text) const;
+  void fill_plane(std::int64_t z, std::vector<char>& bytes) const;
 
   MapChoice map_;
   MapLayout layout_;
   GridIndex size_{};
+  std::array<std::string, 2> texts_;  // of values whose bit is 0 and 1
   // Bit i % 64 of word [i / 64][z][y] is point i of row (y, z), or whether its edge is wholly
   // inside.
   std::vector<std::uint64_t> bits_;
