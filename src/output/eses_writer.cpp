@@ -27,62 +27,17 @@ std::size_t decimal_digits(std::uint64_t value) {
   return digits;
 }
 
-// A line of grid_info.txt after its first index, with zero bytes in place of that index. A bitwise
-// or with the text of the index gives the line.
-template <std::size_t words>
-struct LineTail {
-  std::array<std::uint64_t, words> text{};
-  std::size_t length = 0;  // length of the whole line
-
-  LineTail(std::size_t index_length, std::span<const char> tail)
-      : length(index_length + tail.size()) {
-    std::memcpy(reinterpret_cast<char*>(text.data()) + index_length, tail.data(), tail.size());
-  }
-};
-
-template <std::size_t words>
-char* append_line(char* out, const TextToken& token, const LineTail<words>& tail) {
-  std::array<std::uint64_t, 2> index{};
-  std::memcpy(index.data(), token.text.data(), sizeof index);
-  std::array<std::uint64_t, words> line = tail.text;
-  line[0] |= index[0];
-  line[1] |= index[1];
-  std::memcpy(out, line.data(), sizeof line);
-  return out + tail.length;
-}
-
-// Appends the lines of points whose first indices have the same number of digits.
-template <std::size_t words>
-char* append_lines(char* out, std::span<const TextToken> indices, std::size_t begin,
-                   std::size_t end, std::span<const std::uint64_t> inside,
-                   const std::array<LineTail<words>, 2>& tails) {
-  for (std::size_t i = begin; i < end;) {
-    const std::uint64_t bits = inside[i / 64];
-    const std::size_t stop = std::min(end, (i / 64 + 1) * 64);
-    if (bits == 0 || bits == ~std::uint64_t{0}) {
-      const LineTail<words> tail = tails[bits & 1];
-      for (; i < stop; ++i) out = append_line(out, indices[i], tail);
-    } else {
-      for (; i < stop; ++i) out = append_line(out, indices[i], tails[bits >> (i % 64) & 1]);
-    }
-  }
-  return out;
-}
-
-// Appends the lines of a row. `first` is the first index of the first point. `tails` is the rest of
-// the line for each sign, which is the same for all points of the row.
-template <std::size_t words>
-char* append_row_lines(char* out, std::span<const TextToken> indices, std::size_t first,
-                       std::span<const std::uint64_t> inside,
-                       const std::array<std::string, 2>& tails) {
-  std::size_t digits = 1, power = 10;
-  for (std::size_t begin = 0; begin < indices.size(); power *= 10, ++digits) {
-    if (power <= first + begin) continue;
-    const std::size_t end = power - first;
-    const std::array<LineTail<words>, 2> line_tails{LineTail<words>(digits + 1, tails[0]),
-                                                    LineTail<words>(digits + 1, tails[1])};
-    out = append_lines(out, indices, begin, std::min(end, indices.size()), inside, line_tails);
-    begin = end;
+// Writes the lines of points: an index, and the rest of the line for the sign of the point. Copies
+// `copied` bytes of each, which is faster than their exact lengths.
+template <std::size_t copied>
+char* put_row(char* out, std::span<const TextToken> indices, std::span<const std::uint64_t> inside,
+              const std::array<TextToken, 2>& rests) {
+  for (std::size_t i = 0; i < indices.size(); ++i) {
+    const TextToken& rest = rests[inside[i / 64] >> (i % 64) & 1];
+    std::memcpy(out, indices[i].text.data(), copied);
+    out += indices[i].length;
+    std::memcpy(out, rest.text.data(), copied);
+    out += rest.length;
   }
   return out;
 }
@@ -102,15 +57,14 @@ GridText::GridText(const Grid& grid, const GridRegion& region, const FileIndices
 
 void GridText::append_row(TextBuffer& text, std::int64_t y, std::int64_t z,
                           std::span<const std::uint64_t> inside) const {
-  constexpr std::size_t short_words = 2, long_words = 5;
+  constexpr std::size_t short_copy = 16, long_copy = sizeof(TextToken) - 1;
   const std::string rest = formatted("{} {} ", y, z);
-  const std::array<std::string, 2> tails{rest + "-1\n", rest + "1\n"};
+  const std::array<TextToken, 2> rests{make_token(rest + "-1\n"), make_token(rest + "1\n")};
   const auto indices = std::span(indices_[0]).subspan(begin_x_, end_x_ - begin_x_);
-  const std::size_t longest = decimal_digits(end_x_) + 1 + tails[0].size();
-  char* out = text.reserve(indices.size() * longest + long_words * sizeof(std::uint64_t));
-  text.advance_to(longest <= short_words * sizeof(std::uint64_t)
-                      ? append_row_lines<short_words>(out, indices, begin_x_, inside, tails)
-                      : append_row_lines<long_words>(out, indices, begin_x_, inside, tails));
+  const std::size_t longest = decimal_digits(end_x_) + 1 + rests[0].length;
+  char* const out = text.reserve(indices.size() * longest + token_overrun);
+  text.advance_to(rests[0].length <= short_copy ? put_row<short_copy>(out, indices, inside, rests)
+                                                : put_row<long_copy>(out, indices, inside, rests));
 }
 
 // Text that the lines of one row share.
