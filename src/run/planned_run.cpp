@@ -458,8 +458,7 @@ void take_slab(const Molecule& whole, std::span<const Atom> atoms,
   // The parts do not depend on the chunks that happen to be complete.
   const std::span<const PlaneRange> free =
       request.part ? std::span<const PlaneRange>() : run.finished_planes;
-  const std::vector<PlaneRange> slabs =
-      cut_into_slabs(atoms, run.plan, request.outputs, free, count);
+  const std::vector<PlaneRange> slabs = cut_into_slabs(atoms, run.plan, free, count);
   const PlaneRange planes = slabs[static_cast<std::size_t>(index)];
   run.slab = make_slab(atoms, groups, run.plan, request.outputs,
                        range_around(remaining(planes, run.finished_planes)), threads);

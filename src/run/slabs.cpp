@@ -7,76 +7,61 @@
 #include <utility>
 
 #include "grid/region_box.hpp"
-#include "output/map_writer.hpp"
 #include "run/memory.hpp"
 
 namespace eses::detail {
 namespace {
 
-// Seconds on one processor, measured with proteins. Only their ratios matter.
-constexpr double seconds_per_atom = 14e-6;  // building the patches
-constexpr double seconds_per_crossing = 0.45e-6;
-constexpr double seconds_per_crossing_text = 0.25e-6;
-constexpr double seconds_per_point = 0.3e-9;
-constexpr double seconds_per_point_text = 2e-9;
-constexpr double seconds_per_crossing_of_mesh = 0.3e-6;
-constexpr double seconds_per_point_of_map = 3e-9;
+// Costs in units of a grid point, measured with proteins that are written with all outputs:
+// building the patches of an atom, and a crossing.
+constexpr double cost_of_atom = 5000, cost_of_crossing = 300;
 // The fraction of the area of a protein's atoms that is part of its surface.
 constexpr double exposed_fraction = 0.1;
 
 // Maximum number of bins of planes. It limits the memory for grids with very many planes.
 constexpr std::int64_t max_bins = 1 << 16;
 
-// Bins of consecutive planes of a region.
-class Bins {
- public:
-  Bins(const Grid& grid, const PlaneRange& planes)
-      : grid_(grid), planes_(planes), per_bin_((planes_.count() + max_bins - 1) / max_bins) {}
+// Divides planes into bins of nearly equal numbers, and returns the begin of each and the end.
+std::vector<std::int64_t> bins_of(const PlaneRange& planes) {
+  const std::int64_t count = std::min(planes.count(), max_bins);
+  std::vector<std::int64_t> begins;
+  for (std::int64_t bin = 0; bin <= count; ++bin)
+    begins.push_back(planes.begin + static_cast<std::int64_t>(static_cast<double>(planes.count()) *
+                                                              static_cast<double>(bin) /
+                                                              static_cast<double>(count)));
+  return begins;
+}
 
-  std::size_t count() const {
-    return static_cast<std::size_t>((planes_.count() + per_bin_ - 1) / per_bin_);
-  }
-  PlaneRange planes(std::size_t begin, std::size_t end) const { return {plane(begin), plane(end)}; }
-  // Returns the bin of the plane nearest to `z`, or of the nearest plane in a bin.
-  std::size_t bin_of(double z) const {
-    const double nearest = std::floor((z - grid_.origin.z) / grid_.spacing + 0.5);
-    const auto plane = static_cast<std::int64_t>(std::clamp(
-        nearest, static_cast<double>(planes_.begin), static_cast<double>(planes_.end - 1)));
-    return static_cast<std::size_t>((plane - planes_.begin) / per_bin_);
-  }
-
- private:
-  std::int64_t plane(std::size_t bin) const {
-    return std::min(planes_.end, planes_.begin + static_cast<std::int64_t>(bin) * per_bin_);
-  }
-
-  const Grid& grid_;
-  PlaneRange planes_;
-  std::int64_t per_bin_;
-};
-
-// Returns the estimated seconds of each bin. The cost of an atom is spread over its height.
+// Returns the costs of the bins, without those of finished planes. The cost of an atom is spread
+// over its height.
 std::vector<double> estimate_costs(std::span<const Atom> atoms, const Plan& plan,
-                                   const Outputs& outputs, const Bins& bins) {
-  const double point = seconds_per_point + (outputs.grid ? seconds_per_point_text : 0) +
-                       seconds_per_point_of_map * static_cast<double>(chosen_maps(outputs).size());
-  const double crossing = seconds_per_crossing + (outputs.edges ? seconds_per_crossing_text : 0) +
-                          (outputs.mesh ? seconds_per_crossing_of_mesh : 0);
-  std::vector<double> costs(bins.count() + 1);  // differences of consecutive bins
+                                   std::span<const std::int64_t> begins,
+                                   std::span<const PlaneRange> finished) {
+  const Grid& grid = plan.grid;
+  const auto bin_of = [&](double z) {
+    const double plane =
+        std::clamp(std::round((z - grid.origin.z) / grid.spacing),
+                   static_cast<double>(begins.front()), static_cast<double>(begins.back() - 1));
+    return std::ranges::upper_bound(begins, static_cast<std::int64_t>(plane)) - begins.begin() - 1;
+  };
+  std::vector<double> costs(begins.size());  // differences of consecutive bins
   for (const auto& [center, radius] : atoms) {
-    const std::size_t begin = bins.bin_of(center.z - radius);
-    const std::size_t end = bins.bin_of(center.z + radius) + 1;
+    const auto begin = bin_of(center.z - radius), end = bin_of(center.z + radius) + 1;
     const double area = exposed_fraction * 4 * std::numbers::pi * radius * radius;
-    const double cost = seconds_per_atom + crossing * expected_crossings(area, plan.grid.spacing);
-    costs[begin] += cost / static_cast<double>(end - begin);
-    costs[end] -= cost / static_cast<double>(end - begin);
+    const double cost = (cost_of_atom + cost_of_crossing * expected_crossings(area, grid.spacing)) /
+                        static_cast<double>(end - begin);
+    costs[static_cast<std::size_t>(begin)] += cost;
+    costs[static_cast<std::size_t>(end)] -= cost;
   }
   costs.pop_back();
   std::partial_sum(costs.begin(), costs.end(), costs.begin());
   const GridIndex size = plan.tiling.region.size();
-  for (std::size_t b = 0; b < costs.size(); ++b)
-    costs[b] = std::max(0.0, costs[b]) +
-               point * static_cast<double>(size[0] * size[1] * bins.planes(b, b + 1).count());
+  for (std::size_t b = 0; b < costs.size(); ++b) {
+    const PlaneRange planes{begins[b], begins[b + 1]};
+    const auto all = static_cast<double>(planes.count());
+    costs[b] = (std::max(0.0, costs[b]) + static_cast<double>(size[0] * size[1]) * all) *
+               static_cast<double>(plane_count(remaining(planes, finished))) / all;
+  }
   return costs;
 }
 
@@ -107,22 +92,17 @@ std::vector<std::size_t> cut_evenly(std::span<const double> costs, int parts) {
 }
 
 std::vector<PlaneRange> cut_into_slabs(std::span<const Atom> atoms, const Plan& plan,
-                                       const Outputs& outputs, std::span<const PlaneRange> finished,
-                                       int count) {
-  const Bins bins(plan.grid, region_planes(plan));
-  std::vector<double> costs = estimate_costs(atoms, plan, outputs, bins);
-  for (std::size_t b = 0; b < costs.size(); ++b) {
-    const PlaneRange planes = bins.planes(b, b + 1);
-    costs[b] *= static_cast<double>(plane_count(remaining(planes, finished))) /
-                static_cast<double>(planes.count());
-  }
+                                       std::span<const PlaneRange> finished, int count) {
+  const std::vector<std::int64_t> bins = bins_of(region_planes(plan));
+  const std::vector<double> costs = estimate_costs(atoms, plan, bins, finished);
   std::vector<std::size_t> begins = cut_evenly(costs, count);
   const auto all = static_cast<std::size_t>(count);
   for (std::size_t i = 1; i < all && all <= costs.size(); ++i)
     begins[i] = std::clamp(begins[i], begins[i - 1] + 1, costs.size() - (all - i));
   std::vector<PlaneRange> slabs;
   for (std::size_t slab = 0; slab + 1 < begins.size(); ++slab)
-    slabs.push_back(range_around(remaining(bins.planes(begins[slab], begins[slab + 1]), finished)));
+    slabs.push_back(
+        range_around(remaining({bins[begins[slab]], bins[begins[slab + 1]]}, finished)));
   return slabs;
 }
 

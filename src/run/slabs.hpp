@@ -45,8 +45,7 @@ std::vector<std::size_t> cut_evenly(std::span<const double> costs, int parts);
 /// (ascending, disjoint) cost nothing and are at no end of a slab. Slabs without unfinished planes
 /// are empty.
 std::vector<PlaneRange> cut_into_slabs(std::span<const Atom> atoms, const Plan& plan,
-                                       const Outputs& outputs, std::span<const PlaneRange> finished,
-                                       int count);
+                                       std::span<const PlaneRange> finished, int count);
 
 /// Makes a slab of these planes from all atoms and their groups. `threads` is the number of threads
 /// to use.
