@@ -64,7 +64,6 @@ struct PlaneChunk {
   std::vector<AtomSum> sums;
   /// Scratch files of the texts. In a checkpoint they are closed when the chunk is complete.
   std::array<std::unique_ptr<ScratchFile>, chunk_text_count> texts;
-  bool is_restored = false;  ///< whether an earlier run wrote it, so that it may be damaged
 
   /// The scratch file of a text, or null.
   std::unique_ptr<ScratchFile>& text(ChunkText which) {

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cstring>
-#include <future>
 #include <memory>
 #include <utility>
 
@@ -18,30 +17,6 @@ namespace {
 // Bytes that are read at a time. The run can end after each part.
 constexpr std::uint64_t bytes_per_read = std::uint64_t{1} << 22;
 
-// Calls `take(bytes, offset)` for parts of a scratch file of this length, whose lengths are
-// multiples of `unit`. `loaded(bytes, offset)` is called before, from another thread if there are
-// several threads and it can be started.
-template <class Loaded, class Take>
-void read_parts(const ScratchFile& from, std::uint64_t length, std::uint64_t unit, int threads,
-                const std::function<void()>& check, Loaded&& loaded, Take&& take) {
-  const std::uint64_t step = std::max<std::uint64_t>(1, bytes_per_read / unit) * unit;
-  std::vector<char> part, next;
-  const auto load = [&](std::uint64_t offset) {
-    next.resize(std::min(step, length - offset));
-    from.read_at(next, offset);
-    loaded(std::span<const char>(next), offset);
-  };
-  const auto how = threads > 1 ? std::launch::async | std::launch::deferred : std::launch::deferred;
-  std::future<void> loading = std::async(how, load, 0);
-  for (std::uint64_t offset = 0; offset < length; offset += part.size()) {
-    check();
-    loading.get();
-    part.swap(next);
-    if (offset + part.size() < length) loading = std::async(how, load, offset + part.size());
-    take(std::span<const char>(part), offset);
-  }
-}
-
 }  // namespace
 
 Merge::Merge(PlannedRun& run, std::function<void()> check) : run_(run), check_(std::move(check)) {
@@ -53,8 +28,6 @@ void Merge::read_chunks() {
   sums_.atom_shares.resize(run_.atoms);
   for (const PlaneRange& planes : run_.checkpoint->complete()) {
     PlaneChunk& chunk = chunks_.emplace_back(run_.checkpoint->read(planes));
-    chunk.is_restored =
-        std::ranges::find(run_.finished_planes, planes) != run_.finished_planes.end();
     const ChunkInfo& info = chunk.info;
     if (info.planes.begin != next)
       throw Error("the checkpoint has gaps or overlaps; remove its directory and run again");
@@ -71,15 +44,6 @@ void Merge::read_chunks() {
   mesh::require_vertex_count(sums_.mesh.vertices);
 }
 
-ScratchFile& Merge::open(PlaneChunk& chunk, ChunkText text) const {
-  auto& file = chunk.text(text);
-  if (!file) file = run_.checkpoint->open(chunk.info.planes, text);
-  return *file;
-}
-
-// Closes the file of a text, as the number of open files is limited.
-void Merge::close(PlaneChunk& chunk, ChunkText text) const { chunk.text(text).reset(); }
-
 void Merge::require_sound(const PlaneChunk& chunk, ChunkText text, std::uint32_t checksum) const {
   if (checksum == chunk.info.checksums[static_cast<std::size_t>(text)]) return;
   run_.checkpoint->drop(chunk.info.planes);
@@ -90,36 +54,32 @@ void Merge::require_sound(const PlaneChunk& chunk, ChunkText text, std::uint32_t
 }
 
 // Calls `take(bytes, offset)` for parts of a chunk's text, whose lengths are multiples of `unit`.
-// Compares the checksum of a chunk of an earlier run.
+// Throws Error at the end if the text is damaged. Closes its file, as the number of open files is
+// limited.
 template <class Take>
 void Merge::read(PlaneChunk& chunk, ChunkText text, std::uint64_t unit, Take&& take) const {
   const std::uint64_t length = chunk.info.bytes_of(text);
   if (length == 0) return;
+  const std::uint64_t step = std::max<std::uint64_t>(1, bytes_per_read / unit) * unit;
+  const std::unique_ptr<ScratchFile> file = run_.checkpoint->open(chunk.info.planes, text);
   TextChecksum checksum;
-  read_parts(
-      open(chunk, text), length, unit, run_.process_schedule.threads, check_,
-      [&](std::span<const char> bytes, std::uint64_t offset) {
-        if (chunk.is_restored) checksum.add(bytes, offset);
-      },
-      std::forward<Take>(take));
-  if (chunk.is_restored) require_sound(chunk, text, checksum.value());
-}
-
-// Copies a text to the file `to` from `begin` on.
-void Merge::copy(PlaneChunk& chunk, ChunkText text, OutputFile& to, std::uint64_t begin) const {
-  if (chunk.is_restored)
-    read(chunk, text, 1, [&](std::span<const char> bytes, std::uint64_t offset) {
-      to.write_at(bytes, begin + offset);
-    });
-  else
-    copy_file(open(chunk, text), chunk.info.bytes_of(text), to, begin, check_);
-  close(chunk, text);
+  std::vector<char> part;
+  for (std::uint64_t offset = 0; offset < length; offset += part.size()) {
+    check_();
+    part.resize(std::min(step, length - offset));
+    file->read_at(part, offset);
+    checksum.add(part, offset);
+    take(std::span<const char>(part), offset);
+  }
+  require_sound(chunk, text, checksum.value());
 }
 
 std::uint64_t Merge::write_text(OutputFile& file, ChunkText text) {
   std::uint64_t bytes = 0;
   for (PlaneChunk& chunk : chunks_) {
-    copy(chunk, text, file, bytes);
+    read(chunk, text, 1, [&](std::span<const char> part, std::uint64_t offset) {
+      file.write_at(part, bytes + offset);
+    });
     bytes += chunk.info.bytes_of(text);
   }
   return bytes;
@@ -139,7 +99,6 @@ void Merge::add_rows(GridMap& map) {
       std::memcpy(words.data(), bytes.data(), bytes.size());
       map.add_rows(first_row + static_cast<std::int64_t>(offset / row_bytes), words);
     });
-    close(chunk, text);
   }
 }
 
@@ -149,7 +108,6 @@ void Merge::add_pieces(RunMesh& mesh) {
     PieceReader reader(first_vertex, [&](const mesh::MeshPiece& piece) { mesh.add(piece); });
     read(chunk, ChunkText::mesh, 1,
          [&](std::span<const char> bytes, std::uint64_t) { reader.add(bytes); });
-    close(chunk, ChunkText::mesh);
     first_vertex += chunk.info.mesh.vertices;
   }
 }

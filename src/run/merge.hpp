@@ -33,12 +33,9 @@ class Merge {
 
  private:
   void read_chunks();
-  ScratchFile& open(PlaneChunk& chunk, ChunkText text) const;
-  void close(PlaneChunk& chunk, ChunkText text) const;
   template <class Take>
   void read(PlaneChunk& chunk, ChunkText text, std::uint64_t unit, Take&& take) const;
   void require_sound(const PlaneChunk& chunk, ChunkText text, std::uint32_t checksum) const;
-  void copy(PlaneChunk& chunk, ChunkText text, OutputFile& to, std::uint64_t begin) const;
 
   PlannedRun& run_;
   std::function<void()> check_;
