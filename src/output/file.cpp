@@ -52,12 +52,6 @@ void File::read_at(std::span<char> bytes, std::uint64_t offset) const try {
   fail(read_, error.code().value());
 }
 
-std::uint64_t File::copy_from(int file, const CopyRange& range) try {
-  return file_.copy_from(file, range);
-} catch (const std::system_error& error) {
-  fail("write", error.code().value());
-}
-
 void File::sync() {
   while (fsync(file_.value()) != 0)
     if (errno != EINTR) fail("write", errno);
@@ -86,18 +80,9 @@ ScratchFile::ScratchFile(const std::filesystem::path& directory, const std::stri
 
 void copy_file(const File& from, std::uint64_t bytes, File& to, std::uint64_t begin,
                const std::function<void()>& check) {
-  constexpr std::uint64_t bytes_per_copy = 1 << 24, bytes_per_read = 1 << 20;
-  std::uint64_t copied = 0;
-  while (copied < bytes) {
-    check();
-    const std::uint64_t count = to.copy_from(
-        from.descriptor(),
-        {.from = copied, .to = begin + copied, .bytes = std::min(bytes_per_copy, bytes - copied)});
-    if (count == 0) break;
-    copied += count;
-  }
+  constexpr std::uint64_t bytes_per_read = 1 << 20;
   std::vector<char> part;
-  for (; copied < bytes; copied += part.size()) {
+  for (std::uint64_t copied = 0; copied < bytes; copied += part.size()) {
     check();
     part.resize(std::min(bytes_per_read, bytes - copied));
     from.read_at(part, copied);

@@ -32,12 +32,8 @@ class File {
   std::uint64_t size() const { return size_; }
   /// Reads bytes before the end of the file. Bytes in gaps that were never written are 0.
   void read_at(std::span<char> bytes, std::uint64_t offset) const;
-  /// Copies a range of another open file by FileDescriptor::copy_from.
-  std::uint64_t copy_from(int file, const CopyRange& range);
   /// Waits until all written bytes are on the disk.
   void sync();
-  /// Descriptor of the file, open during the lifetime of the object.
-  int descriptor() const { return file_.value(); }
 
  protected:
   /// `name` and `read`, the verb for reading, are used in messages.
@@ -69,8 +65,8 @@ class ScratchFile : public File {
   ScratchFile(const std::filesystem::path& directory, const std::string& name, Kept kept);
 };
 
-/// Copies the first `bytes` bytes of a file to another one from `begin` on, in the kernel if it
-/// can. Calls `check` between parts.
+/// Copies the first `bytes` bytes of a file to another one from `begin` on. Calls `check` between
+/// parts.
 void copy_file(const File& from, std::uint64_t bytes, File& to, std::uint64_t begin,
                const std::function<void()>& check);
 

@@ -28,8 +28,6 @@ class OutputFile : public File {
 
   /// Final path of the file.
   std::string path() const { return path_in(directory_.path(), name_); }
-  /// Path of the file before `commit`.
-  std::string temporary_path() const { return path_in(directory_.path(), temporary_name_); }
 
   /// Closes the file. Some file systems report failed writes only here.
   void close();

@@ -193,17 +193,6 @@ ssize_t pwrite(int descriptor, const void* bytes, std::size_t size, off_t offset
                                                                        offset);
 }
 
-// Fails unless the whole copy fits on the disk.
-ssize_t copy_file_range(int from, off64_t* from_offset, int to, off64_t* to_offset,
-                        std::size_t size, unsigned flags) {
-  if (descriptor_call_fails("write", to)) return -1;
-  if (room_for(to, size, *to_offset) < size) {
-    errno = ENOSPC;
-    return -1;
-  }
-  return syscall(SYS_copy_file_range, from, from_offset, to, to_offset, size, flags);
-}
-
 ssize_t pread(int descriptor, void* bytes, std::size_t size, off_t offset) {
   if (descriptor_call_fails("read", descriptor)) return -1;
   return next<ssize_t(int, void*, std::size_t, off_t)>("pread")(descriptor, bytes, size, offset);

@@ -170,31 +170,6 @@ TEST_CASE("a library's run does not replace a device, FIFO or socket") {
   }
 }
 
-TEST_CASE("a range is copied between files in the kernel, or by reading and writing", "[output]") {
-  const TemporaryDirectory directory;
-  const OutputDirectory place(directory.path());
-  std::string text(100'000, ' ');
-  for (std::size_t i = 0; i < text.size(); ++i) text[i] = static_cast<char>('a' + i * i % 23);
-  ScratchFile scratch(directory.path());
-  scratch.write_at(text, 0);
-  OutputFile file(place, "file");
-  std::uint64_t copied = file.copy_from(scratch.descriptor(), {5000, 70, 60'000});
-  CHECK((copied == 0 || copied == 60'000));  // the file system may not support it
-  if (copied > 0) {
-    std::string found(60'000, ' ');
-    file.read_at(found, 70);
-    CHECK(found == text.substr(5000, 60'000));
-  }
-  // After the end of the file there is nothing to copy.
-  copied = file.copy_from(scratch.descriptor(), {text.size() - 10, 0, 100});
-  CHECK((copied == 0 || copied == 10));
-  // The kernel cannot copy a pipe.
-  std::array<int, 2> pipe_ends{};
-  REQUIRE(pipe(pipe_ends.data()) == 0);
-  CHECK(file.copy_from(pipe_ends[0], {0, 0, 10}) == 0);
-  for (const int end : pipe_ends) close(end);
-}
-
 TEST_CASE("a read-only directory is refused and left empty") {
   if (geteuid() == 0) SKIP("the super-user may write anywhere");
   const TemporaryDirectory directory;
