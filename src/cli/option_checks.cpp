@@ -116,25 +116,26 @@ void refuse_files(const Outputs& outputs) {
 }  // namespace
 
 void choose_values(const CLI::App& app, const Lengths& lengths, Options& options) {
-  choose("PROBE", "--probe-radius", lengths.probe_radius, options.parameters.probe_radius);
+  choose("PROBE", "--probe-radius", lengths.probe_radius, options.request.parameters.probe_radius);
   GridOptions grid;
   choose("SPACING", "--spacing", lengths.spacing, grid.spacing);
   choose("MARGIN", "--margin", lengths.margin, grid.margin);
-  options.parameters.grid = grid;
+  options.request.parameters.grid = grid;
   check_grid_choice(app, options.grid, lengths.margin);
   options.grid.has_spacing = lengths.spacing.is_given();
-  if (options.is_join) options.join = Join::required;
-  if (options.part && options.parameters.exact)
+  if (options.is_join) options.request.join = Join::required;
+  if (options.request.part && options.request.parameters.exact)
     throw UsageError("--exact cannot be combined with --part; it needs all atoms in one process");
-  if (options.outputs.residues) refuse_xyzr(options.input(), "--write residues", "residues");
-  const bool has_directory = options.output_directory != "-";
+  if (options.request.outputs.residues)
+    refuse_xyzr(options.input(), "--write residues", "residues");
+  const bool has_directory = options.request.output_directory != "-";
   if (!has_directory) {
-    options.output_directory = ".";
-    leave_out_text_files(options.outputs);
+    options.request.output_directory = ".";
+    leave_out_text_files(options.request.outputs);
   }
-  choose_maps(app, options.output_directory, options.outputs);
-  choose_mesh(app, options.input(), options.outputs);
-  if (!has_directory) refuse_files(options.outputs);
+  choose_maps(app, options.request.output_directory, options.request.outputs);
+  choose_mesh(app, options.input(), options.request.outputs);
+  if (!has_directory) refuse_files(options.request.outputs);
 }
 
 }  // namespace eses::detail::cli

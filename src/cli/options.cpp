@@ -102,7 +102,7 @@ void add_grid_choice(CLI::App& app, GridChoice& grid) {
 void add_grid_options(CLI::App& app, Options& options, Lengths& lengths) {
   begin_group(app, "Surface and grid");
   const GridOptions grid;
-  Parameters& parameters = options.parameters;
+  Parameters& parameters = options.request.parameters;
   add_value(app, "FILE", "", "input file (xyzr, PQR, PDB or mmCIF); - for standard input",
             options.input().path, any_text("a file"))
       ->required();
@@ -234,12 +234,12 @@ void add_sharing_options(CLI::App& app, Options& options) {
   add_flag(app, "--resume",
            "keep finished parts if the run is interrupted, and\n"
            "continue an interrupted run",
-           options.resume);
+           options.request.resume);
   CLI::Option* const part =
       add_value(app, part_option, "K/N",
                 "compute only part K of N, and keep it in the output\n"
                 "directory; the last part of all writes the files",
-                options.part, Format{part_in, "K/N, two whole numbers, 1 <= K <= N"});
+                options.request.part, Format{part_in, "K/N, two whole numbers, 1 <= K <= N"});
   add_flag(app, "--join",
            "compute nothing; write the files of parts that are\n"
            "complete",
@@ -253,10 +253,10 @@ void add_sharing_options(CLI::App& app, Options& options) {
 
 void add_file_options(CLI::App& app, Options& options) {
   begin_group(app, "Input and output");
-  Outputs& outputs = options.outputs;
+  Outputs& outputs = options.request.outputs;
   add_format(app, options.input().format);
   add_value(app, "-o,--output-dir", "DIR", "output directory, created if missing [.]",
-            options.output_directory, any_text("a directory"));
+            options.request.output_directory, any_text("a directory"));
   add_value(app, "--write", "LIST",
             "files to write besides bounding_box.txt: some of\n"
             "grid,edges,areas,residues,atoms; all (the first\n"
@@ -305,7 +305,7 @@ void add_checks(CLI::App& app, Parameters& parameters) {
 void add_messages(CLI::App& app, Options& options) {
   begin_group(app, "Messages");
   add_flag(app, "--dry-run", "print the plan and input diagnostics; compute nothing",
-           options.dry_run);
+           options.request.dry_run);
   add_flag(app, "--strict", "treat warnings as errors", options.strict);
   add_flag(app, "-q,--quiet", "print only area and volume (or JSON), no plan or warnings",
            options.quiet);
@@ -324,9 +324,9 @@ void add_options(CLI::App& app, Options& options, Lengths& lengths) {
   add_grid_options(app, options, lengths);
   add_file_options(app, options);
   add_structure_options(app, options.input().structure);
-  add_solver_maps(app, options.outputs);
-  add_computation_options(app, options.parameters);
-  add_checks(app, options.parameters);
+  add_solver_maps(app, options.request.outputs);
+  add_computation_options(app, options.request.parameters);
+  add_checks(app, options.request.parameters);
   add_messages(app, options);
 }
 
@@ -382,7 +382,7 @@ bool asks_to_be_independent(std::span<const std::string> arguments) {
 
 std::optional<Grid> chosen_grid(const Options& options) {
   const GridChoice& choice = options.grid;
-  const double spacing = std::get<GridOptions>(options.parameters.grid).spacing;
+  const double spacing = std::get<GridOptions>(options.request.parameters.grid).spacing;
   if (choice.origin) return Grid{*choice.origin, spacing, *choice.points};
   if (choice.center) return centered_grid(*choice.center, spacing, *choice.points);
   if (choice.like.empty()) return std::nullopt;
@@ -404,7 +404,7 @@ Options parse_arguments(const Arguments& arguments) {
       "eses-blocks");
   Options options;
   Lengths lengths;
-  options.output_directory = ".";
+  options.request.output_directory = ".";
   add_options(app, options, lengths);
   require_known_instruction_set();
   refuse_separate_number(arguments);

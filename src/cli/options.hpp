@@ -21,7 +21,8 @@ struct GridChoice {
 };
 
 /// The values of all options: the request of a run, the choice of its grid, and what is printed.
-struct Options : Request {
+struct Options {
+  Request request;
   GridChoice grid;
   bool is_join = false;      ///< whether to compute nothing; see Request::join
   bool independent = false;  ///< whether not to share the run with other processes
@@ -30,8 +31,8 @@ struct Options : Request {
   bool strict = false;  ///< whether warnings are errors
 
   /// The input file. The path `-` is standard input.
-  const InputFile& input() const { return std::get<InputFile>(atoms); }
-  InputFile& input() { return std::get<InputFile>(atoms); }
+  const InputFile& input() const { return std::get<InputFile>(request.atoms); }
+  InputFile& input() { return std::get<InputFile>(request.atoms); }
 };
 
 /// Returns whether two paths name the same directory, without following symbolic links.

@@ -124,10 +124,10 @@ std::string path_text(const std::filesystem::path& path) {
 
 std::string written_text(const Report& report) {
   if (has_faults(report.summary)) return "written: nothing, as there are faults\n";
-  const Outputs& outputs = report.options.outputs;
+  const Outputs& outputs = report.options.request.outputs;
   std::vector<std::string> targets;
   if (const std::vector<std::string> names = file_names(outputs); !names.empty())
-    targets.push_back(formatted("to {} ({})", path_text(report.options.output_directory),
+    targets.push_back(formatted("to {} ({})", path_text(report.options.request.output_directory),
                                 path_text(formatted("{}", fmt::join(names, ", ")))));
   if (outputs.mesh)
     for (const std::filesystem::path& file : mesh_files(*outputs.mesh))
@@ -140,7 +140,7 @@ std::string written_text(const Report& report) {
 /// Returns the planes of a part. Thin parts build many patches twice.
 std::string planes_text(const Report& report) {
   constexpr double min_height = 50;  // angstrom
-  const auto& [index, count] = *report.options.part;
+  const auto& [index, count] = *report.options.request.part;
   const double height = report.plan.grid.spacing * static_cast<double>(report.planes.count());
   return formatted("part: {} of {}, {} planes, {:.4g} angstrom high{}\n", index + 1, count,
                    report.planes.count(), height,
@@ -152,11 +152,11 @@ std::string mesh_text(const Report& report) {
   if (!counts) return "";
   std::string text =
       formatted("mesh: {} vertices, {} triangles\n", counts->vertices, counts->triangles);
-  if (const auto component = report.options.outputs.mesh->component)
+  if (const auto component = report.options.request.outputs.mesh->component)
     text += *component == 0
                 ? "component: the outer surface; its area and volume\n"
                 : formatted("component: cavity {}; area and volume of its void\n", *component);
-  if (const auto& potential = report.options.outputs.mesh->potential)
+  if (const auto& potential = report.options.request.outputs.mesh->potential)
     text += formatted("potential: colours from {} (red) to {} kT/e (blue), {} angstrom outside\n",
                       -potential->limit, potential->limit, potential->offset);
   if (const auto& quality = report.summary.mesh_quality)
@@ -173,11 +173,11 @@ bool is_known(const DiskSpace& disk) {
 
 /// Returns the names of the files in the output directory, and the path of a mesh elsewhere.
 std::vector<std::string> written_files(const Options& options) {
-  std::vector<std::string> files = file_names(options.outputs);
-  if (!options.outputs.mesh) return files;
-  for (const std::filesystem::path& file : mesh_files(*options.outputs.mesh)) {
+  std::vector<std::string> files = file_names(options.request.outputs);
+  if (!options.request.outputs.mesh) return files;
+  for (const std::filesystem::path& file : mesh_files(*options.request.outputs.mesh)) {
     const std::filesystem::path mesh = std::filesystem::absolute(file);
-    const bool is_there = is_same_directory(mesh.parent_path(), options.output_directory);
+    const bool is_there = is_same_directory(mesh.parent_path(), options.request.output_directory);
     files.push_back((is_there ? mesh.filename() : mesh.lexically_normal()).string());
   }
   return files;
@@ -349,7 +349,7 @@ Json plan_json(const Plan& plan, const std::vector<DiskSpace>& disk) {
 Json mesh_json(const Report& report) {
   const auto& mesh = report.summary.mesh;
   if (!mesh) return nullptr;
-  const MeshOptions& choice = *report.options.outputs.mesh;
+  const MeshOptions& choice = *report.options.request.outputs.mesh;
   return {{"file", choice.file.string()},  {"vertices", mesh->vertices},
           {"triangles", mesh->triangles},  {"component", choice.component},
           {"potential", choice.potential}, {"quality", report.summary.mesh_quality}};
@@ -358,7 +358,7 @@ Json mesh_json(const Report& report) {
 Json output_json(const Report& report) {
   std::vector<std::string> names;
   if (!has_faults(report.summary)) names = written_files(report.options);
-  return {{"directory", report.options.output_directory.string()},
+  return {{"directory", report.options.request.output_directory.string()},
           {"files", names},
           {"bytes", report.summary.bytes_written}};
 }
@@ -383,7 +383,7 @@ std::string result_text(const Summary& summary) {
 
 std::string plan_text(const Report& report) {
   const Plan& plan = report.plan;
-  const Parameters& parameters = report.options.parameters;
+  const Parameters& parameters = report.options.request.parameters;
   const auto* const grid = std::get_if<GridOptions>(&parameters.grid);
   std::string text = formatted("input: {} ({}{})\n", path_text(report.options.input().path),
                                counted(report.atoms, "atom"), usual_text(report.diagnostics));
@@ -401,16 +401,16 @@ std::string plan_text(const Report& report) {
   text += region_text(plan);
   text += formatted("blocks: {} of {} points; {}\n", fmt::join(plan.tiling.blocks, " x "),
                     fmt::join(plan.tiling.block_size, " x "), workers_text(report));
-  if (report.options.part) text += planes_text(report);
+  if (report.options.request.part) text += planes_text(report);
   text += formatted("expected: {} of memory{}, {} of files\n", bytes_text(plan.memory_bytes),
                     report.process_count > 1 ? " per process at most" : "",
                     bytes_text(plan.files.output()));
-  if (!report.options.dry_run) return text;
+  if (!report.options.request.dry_run) return text;
   if (parameters.max_memory > 0)
     text += formatted("memory limit: {} ({})\n", binary_bytes_text(parameters.max_memory),
                       bytes_text(parameters.max_memory));
   if (plan.files.output() > 0)
-    text += formatted("files: {}\n", files_text(plan.files, report.options.outputs));
+    text += formatted("files: {}\n", files_text(plan.files, report.options.request.outputs));
   for (const DiskSpace& disk : report.disk)
     if (is_known(disk))
       text +=
@@ -419,7 +419,7 @@ std::string plan_text(const Report& report) {
 }
 
 std::string part_text(const Report& report, bool is_locked) {
-  const auto& [index, count] = *report.options.part;
+  const auto& [index, count] = *report.options.request.part;
   return formatted(
       "part {} of {} is complete: {} planes\n{}", index + 1, count, report.planes.count(),
       is_locked ? "" : "note: when all parts are complete, write the files with --join\n");
@@ -460,19 +460,19 @@ std::string json_text(const Report& report) {
                 {"structure", report.structure},
                 {"diagnostics", report.diagnostics},
                 {"parameters", parameters_json(plan)},
-                {"maps", maps_json(report.options.outputs)},
+                {"maps", maps_json(report.options.request.outputs)},
                 {"grid", plan.grid},
                 {"region", null_unless(!is_whole(plan), plan.tiling.region)},
                 {"blocks", plan.tiling},
                 {"threads", plan.threads},
                 {"instruction_set", name_of(instruction_set())},
                 {"plan", plan_json(plan, report.disk)},
-                {"dry_run", report.options.dry_run}};
-  if (const auto& part = report.options.part)
+                {"dry_run", report.options.request.dry_run}};
+  if (const auto& part = report.options.request.part)
     document.update({{"part", {{"index", part->index + 1}, {"count", part->count}}},
                      {"peak_memory_bytes", report.peak_memory_bytes},
                      {"processes", report.processes}});
-  else if (!report.options.dry_run)
+  else if (!report.options.request.dry_run)
     document.update({{"area", summary.area},
                      {"volume", summary.volume},
                      {"divergence_volume", summary.divergence_volume},
@@ -503,7 +503,7 @@ std::vector<std::string> warnings(const Report& report) {
   std::vector<std::string> lines;
   for (const DiagnosticText& diagnostic : report.diagnostics)
     if (!diagnostic.is_usual) lines.push_back(diagnostic.message);
-  const Parameters& parameters = report.options.parameters;
+  const Parameters& parameters = report.options.request.parameters;
   if (const double spacing = report.plan.grid.spacing, probe = parameters.probe_radius;
       probe < min_usual_probe && spacing > max_usual_spacing)
     lines.push_back(formatted(

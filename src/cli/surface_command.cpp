@@ -33,10 +33,12 @@ namespace {
 /// have the same command line and would write the same files.
 void refuse_same_files(const Options& options, const Processes& processes) {
   const int launched = Processes::launched_count();
-  if (launched == 1 || processes.count() > 1 || options.independent || options.dry_run) return;
-  if (options.part) return;
-  const bool has_files = !output_paths(options.outputs, options.output_directory).final.empty();
-  if (!options.resume && !has_files) return;
+  if (launched == 1 || processes.count() > 1 || options.independent || options.request.dry_run)
+    return;
+  if (options.request.part) return;
+  const bool has_files =
+      !output_paths(options.request.outputs, options.request.output_directory).final.empty();
+  if (!options.request.resume && !has_files) return;
   throw Error(
       formatted("started as one of {} processes that would all write the same files; to share "
                 "one run, {}; for separate runs, use --independent and separate output "
@@ -64,7 +66,7 @@ std::vector<ReadFile> files_to_read(const Options& options) {
   std::vector<ReadFile> files{{options.input().path, "the input"}};
   if (!options.grid.like.empty()) files.push_back({options.grid.like, "the file of --grid-like"});
   files.push_back({options.input().structure.radii, "the file of --radii"});
-  if (const auto& mesh = options.outputs.mesh; mesh && mesh->potential)
+  if (const auto& mesh = options.request.outputs.mesh; mesh && mesh->potential)
     files.push_back({mesh->potential->file, "the file of --potential"});
   return files;
 }
@@ -73,12 +75,14 @@ std::vector<ReadFile> files_to_read(const Options& options) {
 void refuse_to_lose_input(const Options& options) {
   const std::vector<ReadFile> read = files_to_read(options);
   const ReadFiles files(read);
-  for (const std::string& file : output_paths(options.outputs, options.output_directory).final)
+  for (const std::string& file :
+       output_paths(options.request.outputs, options.request.output_directory).final)
     files.refuse(file);
-  for (const std::string& file : stale_paths(options.outputs, options.output_directory))
-    files.refuse(file, options.outputs.gzip ? "removed, as a gzipped file takes its place"
-                                            : "removed, as a plain file takes its place");
-  const std::filesystem::path checkpoint = options.output_directory / checkpoint_name;
+  for (const std::string& file :
+       stale_paths(options.request.outputs, options.request.output_directory))
+    files.refuse(file, options.request.outputs.gzip ? "removed, as a gzipped file takes its place"
+                                                    : "removed, as a plain file takes its place");
+  const std::filesystem::path checkpoint = options.request.output_directory / checkpoint_name;
   std::error_code missing;  // if there is no checkpoint
   for (const auto& [path, role] : read)
     if (path.has_parent_path() && equivalent(path.parent_path(), checkpoint, missing))
@@ -90,7 +94,7 @@ void refuse_to_lose_input(const Options& options) {
 void check_request(const Options& options) {
   require_standard_output();
   refuse_to_lose_input(options);
-  require_writable_files(options.outputs, options.output_directory);
+  require_writable_files(options.request.outputs, options.request.output_directory);
 }
 
 Report report_of(const Options& options, const PlannedRun& run, const Processes& processes) {
@@ -126,8 +130,9 @@ void announce(const Report& report) {
 // except in a dry run.
 void present_plan(Report& report) {
   const Options& options = report.options;
-  report.disk = require_disk_space(report.plan.files, options.outputs, options.output_directory);
-  if (options.dry_run) {
+  report.disk = require_disk_space(report.plan.files, options.request.outputs,
+                                   options.request.output_directory);
+  if (options.request.dry_run) {
     print(options.json ? json_text(report) : plan_text(report));
     warn(report);
     return;
@@ -147,7 +152,7 @@ std::string final_text(const Report& report) {
 
 // Prints a warning if no point is inside the surface.
 void warn_if_empty(const Report& report) {
-  const Parameters& parameters = report.options.parameters;
+  const Parameters& parameters = report.options.request.parameters;
   const bool is_whole =
       std::holds_alternative<std::monostate>(parameters.part) && !parameters.has_custom_grid();
   if (report.summary.inside_points > 0 || !is_whole) return;
@@ -173,7 +178,8 @@ void add_result(RunResult result, std::vector<ProcessFigures> processes, bool is
 // Computes the surface and adds the results to the report.
 void run_with_progress(const Options& options, PlannedRun& run, const Processes& processes,
                        Report& report) {
-  const OutputPaths paths = options.part ? OutputPaths() : paths_of(options, processes);
+  const OutputPaths paths =
+      options.request.part ? OutputPaths() : paths_of(options.request, processes);
   InterruptibleRun interruptible(paths);
   ProgressBar bar(!options.quiet && processes.is_first());
   const auto show_blocks = [&](std::int64_t done, std::int64_t total) {
@@ -188,8 +194,8 @@ void run_with_progress(const Options& options, PlannedRun& run, const Processes&
     run.checkpoint->remove_temporary();
   };
   try {
-    RunResult result =
-        execute(options, run, {.progress = show_blocks, .verification = show_checks}, processes);
+    RunResult result = execute(options.request, run,
+                               {.progress = show_blocks, .verification = show_checks}, processes);
     add_result(std::move(result), gather_figures(run, processes), run.is_in_place, report);
     interruptible.check();
   } catch (const SharedError&) {
@@ -214,16 +220,16 @@ Options with_chosen_grid(Options options, const Processes& processes) {
     const std::optional<Grid> grid = chosen_grid(options);
     if (!grid) return;
     require_chosen(*grid);
-    options.parameters.grid = *grid;
+    options.request.parameters.grid = *grid;
   });
   return options;
 }
 
 int perform_run(const Options& options, const Processes& processes) {
-  PlannedRun run = plan_run(options, processes);
+  PlannedRun run = plan_run(options.request, processes);
   Report report = report_of(options, run, processes);
   on_rank_zero(processes, [&] { present_plan(report); });
-  if (options.dry_run) return exit_done;
+  if (options.request.dry_run) return exit_done;
   run_with_progress(options, run, processes, report);
   on_rank_zero(processes, [&] { present_result(report); });
   return has_faults(report.summary) ? exit_failure : exit_done;
@@ -231,8 +237,8 @@ int perform_run(const Options& options, const Processes& processes) {
 
 // Joins the parts of a run. Returns false if parts are missing, or if another process joins them.
 bool join_parts(Options options, const Processes& processes) try {
-  options.part.reset();
-  options.join = Join::if_complete;
+  options.request.part.reset();
+  options.request.join = Join::if_complete;
   // The plan and its warnings were printed for the part.
   if (!options.json) options.quiet = true;
   options.strict = false;
@@ -247,10 +253,10 @@ int perform_part(const Options& options, const Processes& processes) {
   Report report;
   bool is_locked = false, is_last = false;
   {
-    PlannedRun run = plan_run(options, processes);
+    PlannedRun run = plan_run(options.request, processes);
     report = report_of(options, run, processes);
     present_plan(report);
-    if (options.dry_run) return exit_done;
+    if (options.request.dry_run) return exit_done;
     run_with_progress(options, run, processes, report);
     is_locked = run.checkpoint->is_locked();
     is_last = remaining(region_planes(run.plan), run.checkpoint->complete()).empty();
@@ -273,13 +279,13 @@ int perform_surface(const Arguments& arguments, const Processes& processes) {
   end_on_signals();
   const Options given = parse_arguments(arguments);
   refuse_same_files(given, processes);
-  if (given.parameters.exact && processes.count() > 1)
+  if (given.request.parameters.exact && processes.count() > 1)
     throw UsageError(
         "--exact needs all atoms in one process; use eses-blocks measure for exact areas and "
         "volumes");
   on_rank_zero(processes, [&] { check_request(given); });
   const Options options = with_chosen_grid(given, processes);
-  return options.part ? perform_part(options, processes) : perform_run(options, processes);
+  return options.request.part ? perform_part(options, processes) : perform_run(options, processes);
 }
 
 }  // namespace eses::detail::cli
