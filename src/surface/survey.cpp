@@ -2,11 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <numbers>
 #include <numeric>
 
-#include "geometry/arc_sector.hpp"
 #include "geometry/patch_boxes.hpp"
 #include "system/resources.hpp"
 
@@ -17,47 +15,30 @@ using std::numbers::pi;
 // The sample is small, so that the survey takes little time compared with the patches of all atoms.
 constexpr std::size_t min_samples = 128, max_samples = 1024, atoms_per_sample = 16;
 constexpr std::size_t sampled_boxes = 12;
-constexpr int exposure_frequency = 3;  // 92 directions sample the exposed part of a sphere
-constexpr std::size_t bins = 4096;     // number of bins along z
+constexpr double max_ratio_to_mean = 16;  // of the area of a sampled SAS sphere
+constexpr double sampling_slack = 1.15;   // of the area of a slab
+constexpr std::size_t bins = 4096;        // number of bins along z
 
 std::size_t sample_size(std::size_t atoms) {
   return std::min(atoms, std::clamp(atoms / atoms_per_sample, min_samples, max_samples));
 }
 
-// Returns the directions that sample a sphere. They are built once.
-const CoveringDirections& exposure_directions() {
-  static const CoveringDirections directions = make_covering_directions(exposure_frequency);
+// Returns directions that sample a sphere, each for an equal part of it. They are on a spiral,
+// without the symmetries of molecules (E. B. Saff, A. B. J. Kuijlaars, Math. Intelligencer 19, 5,
+// 1997, doi:10.1007/BF03024331). They are built once.
+const std::vector<Vec3>& sphere_directions() {
+  static const std::vector<Vec3> directions = [] {
+    constexpr int count = 92;
+    std::vector<Vec3> spiral;
+    double turn = 0;
+    for (int k = 0; k < count; ++k) {
+      const double z = (2 * k + 1.0) / count - 1, rho = std::sqrt(1 - z * z);
+      turn += 3.6 / (std::sqrt(count) * rho);
+      spiral.push_back({rho * std::cos(turn), rho * std::sin(turn), z});
+    }
+    return spiral;
+  }();
   return directions;
-}
-
-// Returns the angle of an arc in radians.
-double arc_angle(const Arc& arc, Vec3 axis) {
-  if (arc.kind == ArcKind::full) return 2 * pi;
-  const double angle = std::atan2(dot(axis, cross(arc.start, arc.end)), dot(arc.start, arc.end));
-  return angle < 0 ? angle + 2 * pi : angle;
-}
-
-// Returns the area of a saddle patch: of the torus that is swept by the probe's outline between its
-// points of contact with the two atoms, without the part beyond the axis. By Pappus's theorem, it
-// is the integral of probe (rho - probe cos t) over the angle t along the outline, times the arc's
-// angle (Connolly, J. Appl. Cryst. 16, 548, 1983, doi:10.1107/S0021889883010985).
-double saddle_area(const SurfaceModel& surface, const Arc& arc, const ContactCircle& circle) {
-  const double probe = surface.probe_radius, rho = circle.radius;
-  const double low = -std::atan2(circle.first_height, rho);
-  const double high = std::atan2(circle.second_height, rho);
-  const double cusp = rho < probe ? std::acos(rho / probe) : 0;
-  const auto swept = [&](double from, double to) {
-    return from < to ? rho * (to - from) - probe * (std::sin(to) - std::sin(from)) : 0;
-  };
-  return arc_angle(arc, circle.axis) * probe *
-         (swept(low, std::min(high, -cusp)) + swept(std::max(low, cusp), high));
-}
-
-// Returns the solid angle of the cone of three unit vectors (Van Oosterom and Strackee, IEEE Trans.
-// Biomed. Eng. 30, 125, 1983, doi:10.1109/TBME.1983.325207).
-double solid_angle(const std::array<Vec3, 3>& toward) {
-  const auto& [a, b, c] = toward;
-  return 2 * std::atan2(std::fabs(dot(a, cross(b, c))), 1 + dot(a, b) + dot(b, c) + dot(c, a));
 }
 
 // Returns the fraction of the box `part` that lies in `box`.
@@ -91,37 +72,21 @@ std::vector<Vec3> exposed_directions(const CapList& caps, double radius,
   return exposed;
 }
 
-// Converts the differences between consecutive bins to cumulative sums of the values of all bins.
-void integrate_steps(std::vector<double>& steps) {
-  std::partial_sum(steps.begin(), steps.end(), steps.begin());
-  std::partial_sum(steps.begin(), steps.end(), steps.begin());
-}
-
 }  // namespace
 
 SurfaceSurvey::SurfaceSurvey(const Molecule& molecule, double probe_radius)
-    : surface_(molecule, probe_radius),
-      burial_(burial_patches(probe_radius > 0)),
-      directions_(exposure_directions()) {
+    : surface_(molecule, probe_radius), burial_(burial_patches(probe_radius > 0)) {
   take_samples();
 }
 
 SurfaceSurvey::SurfaceSurvey(const Molecule& molecule, double probe_radius, const Box& box)
-    : surface_(molecule, probe_radius),
-      burial_(burial_patches(probe_radius > 0)),
-      directions_(exposure_directions()) {
+    : surface_(molecule, probe_radius), burial_(burial_patches(probe_radius > 0)) {
   surface_.confine_to(box);
   for (AtomIndex i = 0; i < surface_.atoms.size(); ++i)
     if (surface_.needs_patches(i)) reach_.push_back(i);
   // A box far from all atoms needs no patches. The survey needs at least one atom.
   if (reach_.empty()) reach_.push_back(0);
   take_samples();
-}
-
-// Returns the sampling weight of an atom, which is proportional to the area of its SAS sphere.
-double SurfaceSurvey::size_of(std::size_t patched) const {
-  const double radius = surface_.atoms[patched_atom(patched)].radius + surface_.probe_radius;
-  return radius * radius;
 }
 
 void SurfaceSurvey::prepare_bins() {
@@ -142,61 +107,32 @@ void SurfaceSurvey::prepare_bins() {
     max_radius_ = std::max(max_radius_, surface_.atoms[patched_atom(i)].radius);
   }
   area_.assign(bins + 1, 0);
-  variance_.assign(bins + 1, 0);
 }
 
-// Divides the atoms into strata of equal size. One atom is drawn from each stratum, with a
-// probability proportional to its size. Atoms larger than a stratum are excluded and always
-// visited.
-SurfaceSurvey::Strata SurfaceSurvey::make_strata() const {
-  const std::size_t count = patched_count(), samples = sample_size(count);
-  if (samples == count) return {};
-  std::vector<double> sizes(count);
-  for (std::size_t i = 0; i < count; ++i) sizes[i] = size_of(i);
-  std::partial_sort(sizes.begin(), sizes.begin() + static_cast<std::ptrdiff_t>(samples),
-                    sizes.end(), std::greater<>());
-  Strata strata{samples, 0};
-  // Sums start with the small sizes, so that they are not lost in rounding.
-  double sum =
-      std::accumulate(sizes.rbegin(), sizes.rend() - static_cast<std::ptrdiff_t>(samples), 0.0);
-  std::vector<double> rest(samples);  // sum of this and all smaller sizes
-  for (std::size_t k = samples; k-- > 0;) rest[k] = sum += sizes[k];
-  std::size_t certain = 0;
-  while (certain + 1 < samples &&
-         sizes[certain] * static_cast<double>(samples - certain) >= rest[certain])
-    ++certain;
-  strata.count = samples - certain;
-  strata.size = rest[certain] / static_cast<double>(strata.count);
-  return strata;
-}
-
+// Visits all atoms whose SAS spheres are much larger than the mean, and a sample of the others. The
+// fractional parts of the multiples of the golden ratio choose it, so that the sample does not
+// follow periods in the file.
 void SurfaceSurvey::take_samples() {
   prepare_bins();
-  const Strata strata = make_strata();
+  const std::size_t count = patched_count();
+  const auto size_of = [&](std::size_t i) {
+    const double radius = surface_.sas_sphere(patched_atom(i)).radius;
+    return radius * radius;
+  };
+  double sum = 0;
+  for (std::size_t i = 0; i < count; ++i) sum += size_of(i);
+  const double large = max_ratio_to_mean * sum / static_cast<double>(count);
+  const double share = static_cast<double>(sample_size(count)) / static_cast<double>(count);
   AtomPatchScratch scratch;
   BuiltPatches patches;
-  // The position within a stratum is the fractional part of a multiple of the golden ratio, so that
-  // the sample does not follow periods in the file.
-  const auto position_in = [&](std::size_t s) {
-    const auto stratum = static_cast<double>(s);
-    return (stratum + std::fmod(stratum * std::numbers::phi, 1)) * strata.size;
-  };
-  std::size_t stratum = 0;
-  double passed = 0;
-  for (std::size_t i = 0; i < patched_count(); ++i) {
-    const double size = size_of(i);
-    if (size >= strata.size) {
+  for (std::size_t i = 0; i < count; ++i)
+    if (size_of(i) > large)
       visit(patched_atom(i), 1, scratch, patches);
-      continue;
-    }
-    passed += size;
-    double weight = 0;
-    for (; stratum < strata.count && position_in(stratum) < passed; ++stratum)
-      weight += strata.size / size;
-    if (weight > 0) visit(patched_atom(i), weight, scratch, patches);
-  }
-  integrate_steps(area_);
-  integrate_steps(variance_);
+    else if (std::fmod(static_cast<double>(i) * std::numbers::phi, 1) < share)
+      visit(patched_atom(i), 1 / share, scratch, patches);
+  // From the differences between consecutive bins to the sums up to each bin.
+  for (int i = 0; i < 2; ++i) std::partial_sum(area_.begin(), area_.end(), area_.begin());
+  slack_ = share < 1 ? sampling_slack : 1;
 }
 
 void SurfaceSurvey::visit(AtomIndex i, double weight, AtomPatchScratch& scratch,
@@ -216,52 +152,34 @@ void SurfaceSurvey::visit(AtomIndex i, double weight, AtomPatchScratch& scratch,
                                      patches.placements.size());
   }
   if (exposure == AtomExposure::unknown || exposure == AtomExposure::exposed)
-    add_convex(i, weight, scratch.kept_caps);
-  const double probe = surface_.probe_radius;
-  for (const Arc& arc : patches.arcs) {
-    const ContactCircle circle =
-        make_contact_circle(surface_.sas_sphere(arc.first), surface_.sas_sphere(arc.second));
-    const ArcSector sector = make_arc_sector(circle.axis, arc.kind, arc.start, arc.end);
-    const Box box =
-        saddle_box(circle, direction_bounds(sector, circle.axis),
-                   {surface_.atoms[arc.first].radius, surface_.atoms[arc.second].radius}, probe);
-    const double area = saddle_area(surface_, arc, circle);
-    add_area(area, weight, box, area);
-  }
-  // Three arcs end at each placement, so it is counted three times.
-  for (const PlacementKey& key : patches.placements) {
-    const Vec3 center =
-        placement_center(surface_.sas_sphere(key.atoms[0]), surface_.sas_sphere(key.atoms[1]),
-                         surface_.sas_sphere(key.atoms[2]), key.side);
-    std::array<Vec3, 3> toward;
-    for (std::size_t q = 0; q < 3; ++q)
-      toward[q] = normalized(surface_.atoms[key.atoms[q]].center - center);
-    const double area = probe * probe * solid_angle(toward) / 3;
-    add_area(area, weight, concave_box(center, probe, toward), area);
-  }
+    add_area_of(i, weight, scratch.kept_caps);
 }
 
-void SurfaceSurvey::add_convex(AtomIndex i, double weight, const CapList& caps) {
+// Adds the area of the surface around the exposed part of an atom. An atom without neighbours has
+// the area of its sphere. Between close neighbours, the saddle and concave patches are so large
+// that the area is about that of the SAS. The area is spread over the directions of the exposed
+// part, and over the heights of each.
+void SurfaceSurvey::add_area_of(AtomIndex i, double weight, const CapList& caps) {
   const Atom& atom = surface_.atoms[i];
-  const std::vector<Vec3>& all = directions_.directions;
+  const std::vector<Vec3>& all = sphere_directions();
   const std::vector<Vec3> exposed = exposed_directions(caps, surface_.sas_sphere(i).radius, all);
-  const double sphere = 4 * pi * atom.radius * atom.radius;
+  const double share = 1 / static_cast<double>(all.size());
+  const double fraction = share * static_cast<double>(exposed.size());
+  const double radius = atom.radius + surface_.probe_radius * (1 - fraction * fraction);
   if (exposed.size() == all.size()) {
-    add_area(sphere, weight, ball_box(atom.center, atom.radius), sphere);
+    add_area(weight * 4 * pi * radius * radius, ball_box(atom.center, atom.radius));
     return;
   }
-  const double share = 1 / static_cast<double>(all.size());
   // Cosine of the angular radius of a cap with this fraction of the sphere's area.
   const double cosine = 1 - 2 * share;
-  const double area = sphere * share, whole = area * static_cast<double>(exposed.size());
   for (const Vec3 direction : exposed)
-    add_area(area, weight, cap_box(atom.center, atom.radius, direction, cosine), whole);
+    add_area(weight * share * 4 * pi * radius * radius,
+             cap_box(atom.center, atom.radius, direction, cosine));
 }
 
 // Distributes an area evenly over the bins along z. This is exact for spheres, whose area between
 // two planes is proportional to their distance (Archimedes), and sufficient for other patches.
-// `patch_area` is the area of the whole patch, which determines the sampling error.
-void SurfaceSurvey::add_area(double area, double weight, Box box, double patch_area) {
+void SurfaceSurvey::add_area(double area, Box box) {
   if (surface_.reach) {
     const Box& within = surface_.reach->box;
     area *= share_within(within, box);
@@ -269,43 +187,24 @@ void SurfaceSurvey::add_area(double area, double weight, Box box, double patch_a
     box.low.z = std::max(box.low.z, within.low.z);
     box.high.z = std::min(box.high.z, within.high.z);
   }
-  totals_.area += weight * area;
+  totals_.area += area;
   const auto bin_of = [&](double z) {
     return static_cast<std::size_t>(
         std::clamp((z - low_z_) / bin_, 0.0, static_cast<double>(bins - 1)));
   };
   const std::size_t begin = bin_of(box.low.z), end = bin_of(box.high.z) + 1;
-  const auto add = [&](std::vector<double>& steps, double amount) {
-    const double step = amount / static_cast<double>(end - begin);
-    steps[begin] += step;
-    steps[end] -= step;
-  };
-  add(area_, weight * area);
-  // The variance is 0 for an atom that is always visited, with the weight 1.
-  add(variance_, weight * (weight - 1) * area * patch_area);
-}
-
-double SurfaceSurvey::area_between(double low_z, double high_z) const {
-  const auto area_below = [this](double z) {
-    const double position = std::clamp((z - low_z_) / bin_, 0.0, static_cast<double>(bins));
-    const auto bin = static_cast<std::size_t>(position);
-    const double below = bin > 0 ? area_[bin - 1] : 0;
-    return below + (position - static_cast<double>(bin)) * (area_[bin] - below);
-  };
-  return area_below(high_z) - area_below(low_z);
+  const double step = area / static_cast<double>(end - begin);
+  area_[begin] += step;
+  area_[end] -= step;
 }
 
 double SurfaceSurvey::max_slab_area(double thickness) const {
   const auto count = static_cast<double>(area_.size());
   const auto width = static_cast<std::size_t>(std::min(count, std::ceil(thickness / bin_) + 1));
   double max_area = 0;
-  for (std::size_t end = width; end <= area_.size(); ++end) {
-    const auto within = [&](const std::vector<double>& sums) {
-      return sums[end - 1] - (end > width ? sums[end - width - 1] : 0);
-    };
-    max_area = std::max(max_area, within(area_) + 2 * std::sqrt(std::max(0.0, within(variance_))));
-  }
-  return max_area;
+  for (std::size_t end = width; end <= area_.size(); ++end)
+    max_area = std::max(max_area, area_[end - 1] - (end > width ? area_[end - width - 1] : 0));
+  return slack_ * max_area;
 }
 
 // Returns the maximum fraction of the atoms with patches whose centres are between two planes

@@ -13,7 +13,7 @@ struct PatchTotals {
   double arcs = 0;
   double placements = 0;
   double face_neighbours = 0;
-  double area = 0;  ///< square angstrom; overlapping parts of concave patches are included
+  double area = 0;                ///< square angstrom
   double crowded_patches = 0;     ///< patches of crowded atoms, see CrowdedPatches
   double crowded_neighbours = 0;  ///< sum of the numbers of neighbours of crowded atoms
   double max_neighbours = 0;      ///< maximum number of neighbours of a sampled crowded atom
@@ -22,8 +22,7 @@ struct PatchTotals {
 /// A survey: the patches of a sample of the atoms.
 class SurfaceSurvey {
  public:
-  /// Builds the patches of a sample of the atoms, or of all atoms if there are few. The probability
-  /// of an atom to be sampled is proportional to the area of its SAS sphere.
+  /// Builds the patches of a sample of the atoms, or of all atoms if there are few.
   SurfaceSurvey(const Molecule& molecule, double probe_radius);
   /// Surveys a part of space: the patches that are needed for the points in `box`, and the area in
   /// the box.
@@ -33,11 +32,9 @@ class SurfaceSurvey {
   std::size_t atom_count() const { return surface_.atoms.size(); }
   /// Number of atoms whose patches are built.
   std::size_t patched_count() const { return reach_.empty() ? atom_count() : reach_.size(); }
-  /// Returns the area (square angstrom) between two heights (angstrom).
-  double area_between(double low_z, double high_z) const;
 
   /// Returns the maximum area (square angstrom) between two planes across z that are `thickness`
-  /// apart (angstrom), plus twice the standard error of the sample.
+  /// apart (angstrom), with slack for the error of a sample.
   double max_slab_area(double thickness) const;
 
   /// Returns the estimated memory in bytes of the patches that are needed at the same time, while
@@ -59,27 +56,21 @@ class SurfaceSurvey {
   AtomIndex patched_atom(std::size_t i) const {
     return reach_.empty() ? static_cast<AtomIndex>(i) : reach_[i];
   }
-  struct Strata {
-    std::size_t count = 0;
-    double size = 0;  // sum of size_of over a stratum
-  };
-  double size_of(std::size_t patched) const;
   void prepare_bins();
-  Strata make_strata() const;
   void visit(AtomIndex i, double weight, AtomPatchScratch& scratch, BuiltPatches& patches);
-  void add_convex(AtomIndex i, double weight, const CapList& caps);
-  void add_area(double area, double weight, Box box, double patch_area);
+  void add_area_of(AtomIndex i, double weight, const CapList& caps);
+  void add_area(double area, Box box);
 
   SurfaceModel surface_;
   std::vector<AtomIndex> reach_;  // atoms with patches; empty if these are all atoms
   const BurialPatches& burial_;
-  const CoveringDirections& directions_;
   PatchTotals totals_;
   double low_z_ = 0, bin_ = 1, max_radius_ = 0;
   std::vector<std::size_t> atoms_;  // per bin: number of atoms whose centre is in it
   // Per bin: the step from the previous bin while samples are taken, and then the sum up to the
   // bin.
-  std::vector<double> area_, variance_;
+  std::vector<double> area_;
+  double slack_ = 1;
 };
 
 }  // namespace eses::detail
