@@ -77,8 +77,8 @@ std::string lines_text(const DiagnosticText& text, std::string_view relation) {
 }
 
 /// Returns a label such as `A/LYS 33/CE`, if it is known.
-std::optional<std::string> label_text(const std::map<AtomIndex, AtomLabel>& labels,
-                                      AtomIndex atom) {
+std::optional<std::string> label_text(const std::map<FileIndex, AtomLabel>& labels,
+                                      FileIndex atom) {
   const auto found = labels.find(atom);
   if (found == labels.end()) return std::nullopt;
   const auto& [chain, residue, number, name, element] = found->second;
@@ -103,12 +103,12 @@ std::vector<DiagnosticText> describe(const FileDiagnostics& diagnostics,
         text.examples.push_back({.line = of_record});
         continue;
       }
-      auto& example = text.examples.emplace_back(
-          DiagnosticText::Example{atom, lines.at(atom), label_text(labels, atom)});
+      auto& example = text.examples.emplace_back(DiagnosticText::Example{
+          atom, lines.at(FileIndex{atom}), label_text(labels, FileIndex{atom})});
       if (other == atom) continue;
       example.other_atom = other;
-      example.other_line = lines.at(other);
-      example.other_label = label_text(labels, other);
+      example.other_line = lines.at(FileIndex{other});
+      example.other_label = label_text(labels, FileIndex{other});
     }
     text.message = formatted("{}: {} {}: {}", input_name(input), text.count, text.short_text,
                              lines_text(text, wording.relation));
@@ -122,7 +122,7 @@ std::vector<DiagnosticText> describe(const AtomFile& atoms, const Surface& surfa
   all.add(atoms.diagnostics, atoms.lines);
   all.add(surface.diagnostics(), atoms.lines);
   if (!surface.labels().empty())
-    for (const auto& [atom, line] : all.lines) all.labels[atom] = surface.labels()[atom];
+    for (const auto& [atom, line] : all.lines) all.labels[atom] = surface.labels()[as_number(atom)];
   return describe(all, input);
 }
 

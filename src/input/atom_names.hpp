@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "input/file_index.hpp"
 #include "input/residue_runs.hpp"
 
 namespace eses::detail {
@@ -52,8 +53,9 @@ class AtomNames {
   /// Whether the names of atoms are known besides their residues.
   bool has_atoms() const { return !of_atom_.empty(); }
 
-  /// Returns the label of an atom, numbered from 0 in the order of add().
-  AtomLabel label(std::size_t atom) const {
+  /// Returns the label of an atom, by the order of add().
+  AtomLabel label(FileIndex index) const {
+    const std::size_t atom = as_number(index);
     const auto after = std::upper_bound(first_atoms_.begin(), first_atoms_.end(), atom);
     AtomLabel result = residues_.labels[static_cast<std::size_t>(after - first_atoms_.begin()) - 1];
     const Name& name = names_[of_atom_[atom]];

@@ -13,10 +13,10 @@ namespace eses::detail {
 namespace {
 
 // Returns the label of an atom of the file. It is empty if the input has no names.
-AtomLabel label_of(const PlannedRun& run, std::size_t atom) {
+AtomLabel label_of(const PlannedRun& run, FileIndex atom) {
   if (run.names.has_atoms()) return run.names.label(atom);
   const std::span<const AtomLabel> labels = run.slab.molecule.labels();
-  return labels.empty() ? AtomLabel() : labels[atom];
+  return labels.empty() ? AtomLabel() : labels[as_number(atom)];
 }
 
 TextSink appender(OutputFile& file) {
@@ -71,7 +71,8 @@ std::uint64_t write_atom_table(std::span<const double> areas, const PlannedRun& 
   append_atom_header(table);
   for (std::size_t i = 0; i < areas.size(); ++i) {
     const double radius = run.radii.empty() ? run.slab.molecule.atoms()[i].radius : run.radii[i];
-    append_atom(table, {i + 1, label_of(run, i), radius, areas[i]});
+    append_atom(table,
+                {i + 1, label_of(run, FileIndex{static_cast<AtomIndex>(i)}), radius, areas[i]});
   }
   table.flush();
   return file.size();

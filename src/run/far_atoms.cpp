@@ -115,7 +115,7 @@ std::optional<FarAtoms> find_far_atoms(std::span<const Atom> atoms, const Plan& 
   for (const AtomIndex i : kept) is_kept[i] = true;
   if (2 * kept.size() >= atoms.size())
     for (AtomIndex i = 0; i < atoms.size(); ++i)
-      if (!is_kept[i]) far.atoms.push_back(i);
+      if (!is_kept[i]) far.atoms.push_back(FileIndex{i});
   return far;
 }
 
@@ -127,8 +127,9 @@ std::string far_atoms_text(const FarAtoms& far, const std::filesystem::path& fil
   const std::size_t count = far.atoms.size();
   if (count == 0) return formatted("{}: the grid has {}", input, points);
   std::vector<std::uint64_t> shown;
-  for (const AtomIndex i : far.atoms)
-    if (i < lines.size() && shown.size() < max_lines) shown.push_back(lines[i]);
+  for (const FileIndex i : far.atoms)
+    if (as_number(i) < lines.size() && shown.size() < max_lines)
+      shown.push_back(lines[as_number(i)]);
   std::string text = formatted(
       "{}: {} far from the others and stretch{} the grid to {}; without {}, the grid has {} points",
       input, count == 1 ? "1 atom is" : formatted("{} atoms are", count), count == 1 ? "es" : "",

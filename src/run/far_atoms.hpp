@@ -10,6 +10,7 @@
 
 #include "eses/atoms.hpp"
 #include "eses/error.hpp"
+#include "input/file_index.hpp"
 #include "run/plan.hpp"
 #include "system/hints.hpp"
 
@@ -17,7 +18,7 @@ namespace eses::detail {
 
 /// A grid with few points near atoms, and the atoms that are far from the others.
 struct FarAtoms {
-  std::vector<AtomIndex> atoms;  ///< ascending; empty if no atoms are far from most of the others
+  std::vector<FileIndex> atoms;  ///< ascending; empty if no atoms are far from most of the others
   double points = 0;             ///< of the grid
   double points_without = 0;     ///< of a grid around the other atoms
   double near_points = 0;        ///< upper bound of the points near atoms
