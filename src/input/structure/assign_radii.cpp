@@ -40,7 +40,7 @@ class AtomKinds {
     const std::string &residue = atom.residue->name, &name = atom.atom->name;
     const std::string_view element = symbol_of(atom.atom->element);
     key_.assign(residue).append(1, '\0').append(name).append(1, '\0').append(element);
-    const auto [at, is_new] = indices_.emplace(key_, kinds_.size());
+    const auto [at, is_new] = indices_.try_emplace(key_, kinds_.size());
     if (is_new) {
       const auto found = radii_.find({residue, name, element, atom.atom->is_hydrogen()});
       const double radius = found ? found->radius : unknown_radius_;
