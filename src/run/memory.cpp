@@ -22,7 +22,7 @@ namespace eses::detail {
 namespace {
 
 constexpr double mebibyte = 1 << 20;
-constexpr double base_bytes = 6 * mebibyte;           // program, libraries, survey
+constexpr double base_bytes = 7.5 * mebibyte;         // program, libraries, survey
 constexpr double bytes_per_thread = 0.75 * mebibyte;  // stack, allocator, batches
 // The atom, its line number, its entries in the cell list, in the k-d tree and in the clusters, and
 // its area share.
