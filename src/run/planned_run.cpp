@@ -35,7 +35,7 @@ namespace eses::detail {
 namespace {
 
 // Version of checkpoints. Must increase with each change of the results or of the format of chunks.
-constexpr int checkpoint_format = 5;
+constexpr int checkpoint_format = 6;
 
 // Memory of the patches of an atom, and of all patches that are kept for the sweep (bytes).
 constexpr double kept_patch_bytes = 400;
