@@ -174,7 +174,9 @@ void CavityMap::keep_only(ComponentNumber component) {
 void CavityMap::choose_boxes() {
   boxes_unlike_outside_.clear();
   for (std::size_t k = 0; k < boxes_.size(); ++k)
-    if (is_filled_[k + 1] != is_filled_[0]) boxes_unlike_outside_.push_back(grown(boxes_[k], same));
+    if (is_filled_[k + 1] != is_filled_[0])
+      boxes_unlike_outside_.push_back(
+          grown({boxes_[k].low + offset_, boxes_[k].high + offset_}, same));
 }
 
 bool CavityMap::has_filled() const {
@@ -196,6 +198,12 @@ void CavityMap::renumber(const std::function<std::optional<AtomIndex>(AtomIndex)
   index_ = std::move(renumbered);
 }
 
+void CavityMap::move(Vec3 by) {
+  has_slack_ = false;
+  offset_ = offset_ + by;
+  choose_boxes();
+}
+
 const WallAtom* CavityMap::find(AtomIndex atom) const {
   const auto found =
       std::lower_bound(index_.begin(), index_.end(), std::pair(atom, std::uint32_t{0}));
@@ -212,8 +220,9 @@ bool CavityMap::is_filled(const WallAtom* atom) const {
 // Returns the component of a probe centre that is accessible up to the tolerance: 0 if it is not
 // near the cavities.
 ComponentNumber CavityMap::component_near(Vec3 center) const {
+  const Vec3 here = center - offset_;
   const bool is_near = std::any_of(boxes_.begin(), boxes_.end(), [&](const Box& box) {
-    return overlap(grown(box, same), {center, center});
+    return overlap(grown(box, same), {here, here});
   });
   std::vector<AtomIndex> found;
   return is_near ? locate(center, found).component : 0;
@@ -237,6 +246,7 @@ ComponentNumber CavityMap::component_of(const SurfaceModel& surface, const Arc& 
 }
 
 ComponentNumber CavityMap::component_of_placement(Vec3 center) const {
+  center = center - offset_;
   auto near =
       std::lower_bound(placements_.begin(), placements_.end(), center.x - same,
                        [](const Placement& placement, double x) { return placement.center.x < x; });
@@ -310,6 +320,7 @@ CavityMap::Location CavityMap::locate(Vec3 center, std::vector<AtomIndex>& found
   if (const ComponentNumber component = component_of_placement(center)) return {component, 0};
   const std::span<const Atom> balls = balls_->balls;
   if (balls.empty()) return {};
+  center = center - offset_;
   double gap = find_nearest_balls(center, found);
   for (int move = 0; move < max_moves && gap < -equally_near && gap > -same; ++move) {
     const Atom& deepest = balls[found.front()];

@@ -74,6 +74,10 @@ class CavityMap {
   /// the index of an atom there, or nothing.
   void renumber(const std::function<std::optional<AtomIndex>(AtomIndex)>& index_of);
 
+  /// Moves all atoms by a vector (angstrom). The map then serves surfaces of the moved atoms, whose
+  /// patches may differ because their coordinates are rounded.
+  void move(Vec3 by);
+
   /// Returns the atom if it touches probes in a cavity, else null.
   const WallAtom* find(AtomIndex atom) const;
   /// Returns whether the atom has faces in filled components, and in no other one. Null is an atom
@@ -138,7 +142,10 @@ class CavityMap {
   double find_nearest_balls(Vec3 center, std::vector<AtomIndex>& found) const;
   bool meets_box_unlike_outside(const Box& box) const;
 
-  bool has_slack_;                                 // of the surface with these components
+  // Whether the surface with these components has slack, and its patches are those of the surfaces
+  // that the map serves.
+  bool has_slack_;
+  Vec3 offset_;  // of the molecule from the atoms of the map, where all positions here are
   std::vector<double> void_volumes_;               // by cavity
   std::vector<std::uint8_t> is_filled_;            // by component
   std::vector<ComponentNumber> numbers_;           // by component: see number_at

@@ -9,6 +9,7 @@
 #include "surface/cavity_list.hpp"
 #include "surface/cluster_terms.hpp"
 #include "surface/measure_patches.hpp"
+#include "surface/near_origin.hpp"
 #include "surface/patch_sweep.hpp"
 #include "surface/void_volumes.hpp"
 
@@ -48,6 +49,21 @@ std::optional<Components> sweep_components(const std::shared_ptr<ScheduledSurfac
   return finder.finish({});
 }
 
+// Finds the cavities of a molecule far away from the origin, as for measures. The patches of the
+// molecule are others than those near the origin, because rounding moves them.
+FoundCavities find_far_cavities(const Molecule& molecule, const MeasureSettings& settings,
+                                bool keeps_patches) {
+  const MovedMolecule moved = near_origin(molecule, settings.threads);
+  CavityMap map = *find_cavities(moved.molecule, settings, false).map;
+  map.move(moved.offset);
+  FoundCavities found{std::make_shared<const CavityMap>(std::move(map)), nullptr};
+  if (!keeps_patches) return found;
+  SurfaceModel surface(molecule, settings.probe_radius);
+  if (found.map->has_filled()) surface.cavities = found.map;
+  found.patches = schedule_patches(surface, true);
+  return found;
+}
+
 }  // namespace
 
 std::shared_ptr<ScheduledSurface> schedule_patches(const SurfaceModel& surface, bool has_bounds) {
@@ -81,6 +97,7 @@ std::shared_ptr<const CavityMap> find_cavities(const std::shared_ptr<ScheduledSu
 
 FoundCavities find_cavities(const Molecule& molecule, const MeasureSettings& settings,
                             bool keeps_patches) {
+  if (is_far_away(molecule)) return find_far_cavities(molecule, settings, keeps_patches);
   auto surface = schedule_patches(SurfaceModel(molecule, settings.probe_radius), keeps_patches);
   if (keeps_patches) surface->schedule.keep_passed();
   FoundCavities found{find_cavities(surface, settings), nullptr};

@@ -15,6 +15,7 @@
 #include "surface/cluster_terms.hpp"
 #include "surface/find_cavities.hpp"
 #include "surface/measure_sums.hpp"
+#include "surface/near_origin.hpp"
 #include "surface/patch_sweep.hpp"
 #include "surface/sphere_union.hpp"
 #include "system/parallel.hpp"
@@ -233,30 +234,14 @@ std::unique_ptr<PatchMeasurement> measure_consistently(const Molecule& molecule,
                               make_measurement(molecule, settings, Accessibility()));
 }
 
-Measures measure_here(const Molecule& molecule, const MeasureSettings& settings) {
-  return measure_consistently(molecule, settings)->take_result();
-}
-
-// Coordinates larger than this are rounded too much for placements that are close together
-// (angstrom).
-constexpr double far_away = 1024;
-
-bool is_far_away(const Molecule& molecule) { return norm(middle_of(molecule.atoms())) >= far_away; }
-
 }  // namespace
 
-// The difference of a large coordinate and a whole number near it has no rounding error.
 Measures measure_patches(const Molecule& molecule, const MeasureSettings& settings) {
-  if (!is_far_away(molecule)) return measure_here(molecule, settings);
-  const std::span<const Atom> atoms = molecule.atoms();
-  Vec3 middle = middle_of(atoms);
-  for (std::size_t axis = 0; axis < 3; ++axis) middle[axis] = std::round(middle[axis]);
-  std::vector<Atom> moved(atoms.begin(), atoms.end());
-  for (Atom& atom : moved) atom.center = atom.center - middle;
-  Measures measures = measure_here(Molecule(std::move(moved), {}, settings.threads), settings);
+  const MovedMolecule moved = near_origin(molecule, settings.threads);
+  Measures measures = measure_consistently(moved.molecule, settings)->take_result();
   for (Cavity& cavity : measures.cavities)
     for (Vec3* point : {&cavity.centroid, &cavity.low, &cavity.high, &cavity.largest_probe_center})
-      *point = *point + middle;
+      *point = *point + moved.offset;
   return measures;
 }
 

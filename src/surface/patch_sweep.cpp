@@ -4,7 +4,6 @@
 #include <limits>
 #include <utility>
 
-#include "geometry/box.hpp"
 #include "system/parallel.hpp"
 
 namespace eses::detail {
@@ -17,12 +16,6 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr ClusterIndex clusters_per_layer = 128;
 
 }  // namespace
-
-Vec3 middle_of(std::span<const Atom> atoms) {
-  Box box{atoms.front().center, atoms.front().center};
-  for (const Atom& atom : atoms) box.include(atom.center);
-  return 0.5 * box.low + 0.5 * box.high;
-}
 
 PatchSweep::PatchSweep(std::shared_ptr<ScheduledSurface> scheduled, const PlacementIndex::Use& use,
                        int threads, const CheckCallback& check)

@@ -12,9 +12,6 @@
 
 namespace eses::detail {
 
-/// Returns the middle of the box around the centres.
-Vec3 middle_of(std::span<const Atom> atoms);
-
 /// Visits all clusters, layer by layer.
 class PatchSweep {
  public:

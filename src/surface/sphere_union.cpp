@@ -14,7 +14,7 @@
 #include "geometry/pseudo_angle.hpp"
 #include "surface/atom_loops.hpp"
 #include "surface/crowded_atoms.hpp"
-#include "surface/patch_sweep.hpp"
+#include "surface/near_origin.hpp"
 #include "surface/relevant_caps.hpp"
 #include "system/padding.hpp"
 #include "system/parallel.hpp"

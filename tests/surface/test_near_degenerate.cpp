@@ -268,6 +268,36 @@ TEST_CASE("near-degenerate: nearly equal atoms have the cavities of one of them"
   }
 }
 
+TEST_CASE("near-degenerate: grids far from the origin have the cavities of the measures") {
+  const Vec3 far{1e9, -2e9, 5e8};
+  for (std::uint64_t seed = 0; seed < set_count() / 2; ++seed) {
+    const NearDegenerateSet set = make_near_cavity_set(seed);
+    INFO(set.name << ", noise " << set.noise << ", probe radius " << set.probe_radius);
+    const std::vector<Atom> atoms = moved(set.atoms, far), near = moved(atoms, -far);
+    const auto find = [&](const std::vector<Atom>& of) {
+      return find_cavities(Molecule(of), {.probe_radius = set.probe_radius, .max_filled_void = 1e9},
+                           false);
+    };
+    const FoundCavities here = find(near), there = find(atoms);
+    REQUIRE(there.map->filled().size() == here.map->filled().size());
+    for (std::size_t k = 0; k < here.map->filled().size(); ++k)
+      CHECK(there.map->filled()[k].void_volume ==
+            Catch::Approx(here.map->filled()[k].void_volume).epsilon(1e-6));
+    // Points outside of all SAS balls, with coordinates that the move does not round.
+    std::vector<AtomIndex> found;
+    for (int x = -16; x <= 16; ++x)
+      for (int y = -16; y <= 16; ++y) {
+        const Vec3 point{0.25 * x, 0.25 * y, 0.125};
+        if (std::any_of(near.begin(), near.end(), [&](const Atom& atom) {
+              return norm(point - atom.center) < atom.radius + set.probe_radius;
+            }))
+          continue;
+        CHECK(there.map->locate(point + far, found).component ==
+              here.map->locate(point, found).component);
+      }
+  }
+}
+
 TEST_CASE("near-degenerate: equal spheres in a row have no cavity between them", "[degenerate]") {
   // Seen from the other atom, the caps of the three are the same but for a few digits.
   for (const double offset : {2e-9, 5e-9, 1.7e-8, 1e-7}) {
