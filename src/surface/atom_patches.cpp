@@ -36,21 +36,26 @@ PlacementKey make_key(AtomIndex i, AtomIndex j, AtomIndex k, const CircleEnd& en
   return key;
 }
 
-// Returns the kept caps of atom `i`, from which the accessible arcs of its circle with the atom of
-// cap `own` follow. Those of atoms nearly equal to that atom are replaced.
+// Returns kept cap `k` of atom `i` for its circle with the atom of cap `own`: another cap if these
+// two neighbours are nearly equal.
+Cap cap_on_circle(const SurfaceModel& surface, AtomIndex i, std::uint32_t own, std::uint32_t k,
+                  const AtomPatchScratch& scratch) {
+  const SasSphere second = surface.sas_sphere(scratch.kept_neighbours[own]);
+  const SasSphere third = surface.sas_sphere(scratch.kept_neighbours[k]);
+  if (k == own || !are_nearly_equal(second, third)) return scratch.kept_caps[k];
+  Cap cap = make_cap_from_second(surface.sas_sphere(i), second, third);
+  if (!surface.has_slack) cap.blocking_height = cap.height;
+  return cap;
+}
+
+// Returns the kept caps of atom `i` for its circle with the atom of cap `own`.
 const CapList& caps_on_circle(const SurfaceModel& surface, AtomIndex i, std::uint32_t own,
                               AtomPatchScratch& scratch) {
-  const AtomIndex j = scratch.kept_neighbours[own];
-  if (!surface.molecule.has_nearly_equal(j)) return scratch.kept_caps;
-  const SasSphere first = surface.sas_sphere(i), second = surface.sas_sphere(j);
-  scratch.circle_caps = scratch.kept_caps;
-  for (std::uint32_t k = 0; k < scratch.kept_caps.size(); ++k) {
-    const SasSphere third = surface.sas_sphere(scratch.kept_neighbours[k]);
-    if (k == own || !are_nearly_equal(second, third)) continue;
-    Cap cap = make_cap_from_second(first, second, third);
-    if (!surface.has_slack) cap.blocking_height = cap.height;
-    scratch.circle_caps.set(k, cap);
-  }
+  if (!surface.molecule.has_nearly_equal(scratch.kept_neighbours[own])) return scratch.kept_caps;
+  scratch.circle_caps.make_room(scratch.kept_caps.size());
+  scratch.circle_caps.count = scratch.kept_caps.size();
+  for (std::uint32_t k = 0; k < scratch.kept_caps.size(); ++k)
+    scratch.circle_caps.set(k, cap_on_circle(surface, i, own, k, scratch));
   return scratch.circle_caps;
 }
 
@@ -64,7 +69,9 @@ void add_circle(const SurfaceModel& surface, AtomIndex i, std::uint32_t own,
   scratch.arcs.clear();
   scratch.ends.clear();
   if (is_crowded) {
-    scratch.crowded.accessible_arcs(circle, own, scratch.arc, scratch.arcs, scratch.ends);
+    scratch.crowded.accessible_arcs(
+        circle, own, [&](std::uint32_t k) { return cap_on_circle(surface, i, own, k, scratch); },
+        scratch.arc, scratch.arcs, scratch.ends);
   } else if (!surface.molecule.has_nearly_equal(j)) {
     accessible_arcs_by_sectors(circle, scratch.kept_caps, own, scratch.arc, scratch.arcs,
                                scratch.ends);

@@ -59,16 +59,16 @@ void find_listed(std::span<const PatchListing> listings, std::span<const AtomInd
 }
 
 void CrowdedCaps::reset(const SurfaceModel& surface, const CapList& caps, double radius) {
-  caps_ = &caps;
   tree_.reset(caps, radius, surface.has_slack ? min_part_with_slack : min_part_without_slack);
 }
 
 void CrowdedCaps::accessible_arcs(const ContactCircle& circle, std::uint32_t own,
+                                  const std::function<Cap(std::uint32_t)>& cap_at,
                                   ArcScratch& scratch, std::vector<CircleArc>& arcs,
                                   std::vector<CircleEnd>& ends) {
   tree_.find_blocking(own, blocking_);
   blocking_caps_.clear();
-  for (const std::uint32_t k : blocking_) blocking_caps_.push_back((*caps_)[k]);
+  for (const std::uint32_t k : blocking_) blocking_caps_.push_back(cap_at(k));
   const std::size_t first_end = ends.size();
   constexpr std::uint32_t not_listed = std::numeric_limits<std::uint32_t>::max();
   eses::detail::accessible_arcs(circle, blocking_caps_, not_listed, scratch, arcs, ends);

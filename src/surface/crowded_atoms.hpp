@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -62,19 +63,20 @@ void for_each_patch(std::span<const std::uint32_t> begins, std::uint32_t member,
 /// The caps of one crowded atom. The object holds scratch memory, so each thread needs its own.
 class CrowdedCaps {
  public:
-  /// Replaces the caps. Keeps a view of them.
+  /// Replaces the caps.
   void reset(const SurfaceModel& surface, const CapList& caps, double radius);
 
   /// Returns whether the contact circle with the neighbour of a cap may have accessible points.
   bool has_open_circle(std::uint32_t own) const { return tree_.has_open_rim(own); }
 
   /// Does the same as the function accessible_arcs for the contact circle with the neighbour of cap
-  /// `own`. Uses only the caps that decide about points of the circle.
-  void accessible_arcs(const ContactCircle& circle, std::uint32_t own, ArcScratch& scratch,
+  /// `own`. Uses only the caps that decide about points of the circle. `cap_at(k)` returns cap `k`,
+  /// or one that contains the same points of the circle.
+  void accessible_arcs(const ContactCircle& circle, std::uint32_t own,
+                       const std::function<Cap(std::uint32_t)>& cap_at, ArcScratch& scratch,
                        std::vector<CircleArc>& arcs, std::vector<CircleEnd>& ends);
 
  private:
-  const CapList* caps_ = nullptr;
   CapTree tree_;
   std::vector<std::uint32_t> blocking_;  // the caps that may block one circle
   CapList blocking_caps_;

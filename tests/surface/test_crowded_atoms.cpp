@@ -5,10 +5,12 @@
 #include <cmath>
 #include <cstdint>
 #include <numbers>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "catch.hpp"
+#include "eses/measure.hpp"
 #include "geometry/cap_tree.hpp"
 #include "solve/block_features.hpp"
 #include "support/all_patches.hpp"
@@ -78,7 +80,8 @@ void check_arcs(const SurfaceModel& surface, AtomIndex i) {
     found_ends.clear();
     accessible_arcs(circle, caps, own, scratch, expected, expected_ends);
     if (crowded.has_open_circle(own))
-      crowded.accessible_arcs(circle, own, scratch, found, found_ends);
+      crowded.accessible_arcs(
+          circle, own, [&](std::uint32_t k) { return caps[k]; }, scratch, found, found_ends);
     REQUIRE(found.size() == expected.size());
     // The arcs begin with another one, because other caps are looked at first.
     for (const CircleArc& arc : found)
@@ -148,6 +151,25 @@ TEST_CASE("the arcs of a crowded atom are those that all its caps leave", "[crow
       const SurfaceModel surface(make_crowd(atoms, radius, place), probe);
       check_arcs(surface, static_cast<AtomIndex>(place));
     }
+}
+
+TEST_CASE("a crowded set of nearly equal atoms has the surface of one of each",
+          "[crowded][degenerate]") {
+  const std::vector<Atom> single = make_crowd(400, 20, 0);
+  const Measures expected = measure(Surface(single), {.cavities = true});
+  for (const double offset : {2e-9, 1.7e-8, 1e-7}) {
+    INFO("offset " << offset);
+    Random random(7);
+    std::vector<Atom> twice = single;
+    for (const Atom& atom : std::span(single).subspan(1))
+      twice.push_back(
+          {atom.center + offset * Vec3{random.uniform(-1, 1), random.uniform(-1, 1), 0.8},
+           atom.radius});
+    const Measures measures = measure(Surface(twice), {.cavities = true});
+    CHECK(measures.cavities.size() == expected.cavities.size());
+    CHECK(measures.euler_number == expected.euler_number);
+    CHECK(measures.ses_area == Catch::Approx(expected.ses_area).epsilon(1e-6));
+  }
 }
 
 TEST_CASE("few caps decide about each circle of an atom, also at a probe that touches all atoms",
