@@ -194,8 +194,7 @@ void append_derivatives(const MeasuredAtoms& atoms, BufferedText& text) {
     for (const Gradient* gradient :
          {&gradients.ses_area, &gradients.ses_volume, &gradients.sas_area, &gradients.sas_volume}) {
       const Vec3& center = gradient->centers[i];
-      text.append(",{:.12g},{:.12g},{:.12g},{:.12g}", center.x, center.y, center.z,
-                  gradient->radii[i]);
+      text.append(",{},{},{},{}", center.x, center.y, center.z, gradient->radii[i]);
     }
     text.append("\n");
   }

@@ -265,7 +265,8 @@ TEST_CASE("measure: derivatives have the closed values of spheres") {
   for (const int side : {0, 1}) {
     const auto value = [&](std::size_t column) { return std::stod(rows[side][column]); };
     CHECK(rows[side][0] == std::to_string(side + 1));
-    CHECK(value(9) == Catch::Approx((side == 0 ? -1 : 1) * 2 * std::numbers::pi * sas));
+    // The table has all digits.
+    CHECK(std::fabs(value(9) - (side == 0 ? -1 : 1) * 2 * std::numbers::pi * sas) < 1e-12);
     CHECK(value(10) == Catch::Approx(0).margin(1e-9));
     CHECK(value(16) == Catch::Approx(sas_of_one()));
   }
