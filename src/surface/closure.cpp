@@ -16,8 +16,9 @@ namespace {
 
 // Bounds of the rounding errors. The force has those of the contact circles of atoms almost in the
 // same place, too. In units of angstrom, they are those of the angles that the curvature adds up.
-// Faults of the curvature are of the order of 1, so their bound stays far below it.
-constexpr double min_curvature_error = 1e-6, max_curvature_error = 1e-3;
+// The curvature has those of the positions of placements as well. Its faults are of the order of 1,
+// so its bound stays far below it.
+constexpr double min_curvature_error = 1e-8, max_curvature_error = 1e-3;
 constexpr double max_force_error = 1e-6;      // square angstrom
 constexpr double max_relative_force = 1e-10;  // of the area
 
@@ -40,13 +41,14 @@ double extent_of(const SurfaceModel& surface) {
   return 0.5 * norm(box.high - box.low) + radius + std::max(0.0, surface.probe_radius);
 }
 
-Closure make_closure(double curvature, double area, double extent, const PressureLoad& ses,
-                     const PressureLoad& sas) {
+Closure make_closure(double curvature, double curvature_rounding, double area, double extent,
+                     const PressureLoad& ses, const PressureLoad& sas) {
   Closure closure;
   closure.curvature = std::fabs(curvature - 2 * std::round(curvature / 2));
   closure.force = std::max(largest_of(ses.force), largest_of(sas.force));
   closure.torque = std::max(largest_of(ses.torque), largest_of(sas.torque));
-  closure.max_curvature = std::min(min_curvature_error + ses.rounding, max_curvature_error);
+  closure.max_curvature =
+      std::min(min_curvature_error + curvature_rounding + ses.rounding, max_curvature_error);
   closure.max_force = max_force_error + max_relative_force * area + ses.rounding;
   closure.max_torque = closure.max_force * std::max(1.0, extent);
   return closure;
@@ -168,8 +170,8 @@ double Closure::excess() const {
 Closure worse_of(const Closure& a, const Closure& b) { return a.excess() < b.excess() ? b : a; }
 
 Closure closure_of(const MeasureSums& sums, const SurfaceModel& surface) {
-  return make_closure(sums.result().total_curvature, sums.result().sas_area, extent_of(surface),
-                      sums.ses_load(), sums.sas_load());
+  return make_closure(sums.result().total_curvature, sums.curvature_rounding(),
+                      sums.result().sas_area, extent_of(surface), sums.ses_load(), sums.sas_load());
 }
 
 Closure closure_of(const Components& components, const SurfaceModel& surface) {
@@ -191,7 +193,8 @@ Closure closure_of(const Components& components, const SurfaceModel& surface) {
     PressureLoad ses = faces.convex_load;
     ses += patches.load;
     const double curvature = (faces.solid_angle + patches.curvature) / (2 * std::numbers::pi);
-    const Closure closure = make_closure(curvature, faces.sas_area, extent, ses, faces.sas_load);
+    const Closure closure = make_closure(curvature, patches.curvature_rounding, faces.sas_area,
+                                         extent, ses, faces.sas_load);
     worst = c == 0 ? closure : worse_of(worst, closure);
   }
   return worst;

@@ -159,6 +159,7 @@ PatchSums ClusterMeasurement::add_placement(std::uint32_t number, ClusterScratch
   ConcavePatch& patch = scratch.patch;
   set_cone(placements_, number, scratch.concave, patch);
   sums.curvature = patch.cone.solid_angle;
+  sums.curvature_rounding = patch.rounding(placements_.same_placement(), probe());
   if (probe() <= 0 || patch.cone.solid_angle == 0) return sums;
   cut_cone(placements_, scratch.concave, patch);
   if (components_) record_shared_cut(patch, terms);

@@ -390,9 +390,10 @@ void ComponentFinder::find_overlaps(const std::vector<Node>& labels, Components&
     const SpherePart part = finder.find(caps);
     const double angle = part.solid_angle - cut.part.solid_angle;
     const Vec3 vector_area = p * p * (part.vector_area - cut.part.vector_area);
-    components.corrections[own] +=
-        {0, p * p * angle, -dot(cut.center, vector_area) - p * p * p * angle, 0,
-         sphere_load(cut.center, -vector_area)};
+    PatchSums& correction = components.corrections[own];
+    correction.concave += p * p * angle;
+    correction.flux -= dot(cut.center, vector_area) + p * p * p * angle;
+    correction.load += sphere_load(cut.center, -vector_area);
   }
   std::sort(components.overlaps.begin(), components.overlaps.end());
   components.overlaps.erase(std::unique(components.overlaps.begin(), components.overlaps.end()),

@@ -3,7 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <numbers>
+#include <span>
+#include <utility>
+#include <vector>
 
 #include "geometry/tolerances.hpp"
 #include "surface/cutters.hpp"
@@ -15,6 +19,71 @@ namespace {
 // Returns a bound of the distance of placements that cut or touch each other's patches.
 double max_cutting_distance(const PlacementIndex& placements) {
   return 2 * (placements.surface().probe_radius + tolerance::touching);
+}
+
+// If the probe touches more atoms than this, the nearest ones bound the part of an atom first.
+constexpr std::size_t max_borders = 32;
+
+// Slack of the test whether a border can bound the part of an atom, far above the angles by which
+// a probe fails to touch its atoms (radians).
+constexpr double border_slack = 1e-5;
+
+void add_border(const SurfaceModel& surface, AtomIndex owner, AtomIndex other,
+                ConcaveScratch& scratch) {
+  const Vec3 toward = surface.atoms[other].center - surface.atoms[owner].center;
+  const double length = norm(toward);
+  scratch.borders.push_back(other);
+  scratch.caps.push_back({(1 / length) * toward,
+                          (surface.atoms[other].radius - surface.atoms[owner].radius) / length});
+}
+
+// Returns a bound of the angle between a direction and the points of a part outside of caps.
+double max_angle_from(Vec3 direction, std::span<const SphericalCap> caps,
+                      std::span<const RimArc> arcs) {
+  constexpr double pi = std::numbers::pi;
+  const bool has_opposite = std::none_of(caps.begin(), caps.end(), [&](const SphericalCap& cap) {
+    return -dot(direction, cap.axis) > cap.cosine;
+  });
+  if (has_opposite) return pi;
+  double largest = 0;
+  for (const RimArc& arc : arcs) {
+    const SphericalCap& cap = caps[arc.cap];
+    const double sine = std::sqrt((1 - cap.cosine) * (1 + cap.cosine));
+    for (const Vec3 radial : {arc.start, arc.end}) {
+      const double cosine = dot(direction, cap.cosine * cap.axis + sine * radial);
+      largest = std::max(largest, std::acos(std::clamp(cosine, -1.0, 1.0)) + arc.angle * sine / 2);
+    }
+  }
+  return std::min(largest, pi);
+}
+
+// Does the same as part_of_atom. With the SAS radius R of an atom and the angle t from its
+// direction, a point belongs to the atom with the smallest R (1 - cos t). So an atom in the
+// direction at the angle b from the owner has no point of a part within the angle a, unless
+// R_min (1 - cos(b - a)) < R (1 - cos a).
+SpherePart part_among_many(const SurfaceModel& surface, const ConcavePatch& patch, AtomIndex owner,
+                           ConcaveScratch& scratch) {
+  const auto number = std::find(patch.touched.begin(), patch.touched.end(), owner);
+  const Vec3 direction = patch.toward[static_cast<std::size_t>(number - patch.touched.begin())];
+  double min_radius = surface.sas_sphere(owner).radius;
+  std::vector<std::pair<double, AtomIndex>> others;  // by the angle from the owner
+  for (std::size_t k = 0; k < patch.touched.size(); ++k) {
+    min_radius = std::min(min_radius, surface.sas_sphere(patch.touched[k]).radius);
+    if (patch.touched[k] == owner) continue;
+    const double chord = std::min(norm(patch.toward[k] - direction), 2.0);
+    others.emplace_back(2 * std::asin(chord / 2), patch.touched[k]);
+  }
+  std::sort(others.begin(), others.end());
+  const double ratio = surface.sas_sphere(owner).radius / min_radius;
+  for (std::size_t used = 0, next = max_borders / 2;;) {
+    for (; used < next; ++used) add_border(surface, owner, others[used].second, scratch);
+    const SpherePart part = scratch.finder.find(scratch.caps);
+    const double largest = max_angle_from(direction, scratch.caps, scratch.finder.arcs());
+    const double reach =
+        largest + border_slack + std::acos(std::max(-1.0, 1 - ratio * (1 - std::cos(largest))));
+    while (next < others.size() && others[next].first <= reach) ++next;
+    if (next == used) return part;
+  }
 }
 
 }  // namespace
@@ -37,6 +106,15 @@ void set_triangle(const SurfaceModel& surface, const ProbePlacement& placement,
     patch.caps.push_back({(sign / length) * normal, 0});
   }
   patch.cone = patch.part = triangle_part(a, b, c);
+}
+
+// Three spheres meet in a point whose error is that of their radii divided by the volume of the
+// unit vectors to their centres.
+double ConcavePatch::rounding(double same_placement, double probe_radius) const {
+  if (toward.size() != 3)
+    return static_cast<double>(toward.size()) * same_placement / std::max(probe_radius, 0.1);
+  constexpr double factor = 8 * std::numeric_limits<double>::epsilon();
+  return factor / std::max(std::fabs(dot(toward[0], cross(toward[1], toward[2]))), factor);
 }
 
 void set_cone(const PlacementIndex& placements, std::uint32_t number, ConcaveScratch& scratch,
@@ -89,14 +167,9 @@ SpherePart part_of_atom(const SurfaceModel& surface, const ConcavePatch& patch, 
                         ConcaveScratch& scratch) {
   scratch.caps = patch.caps;
   scratch.borders.clear();
-  for (const AtomIndex other : patch.touched) {
-    if (other == owner) continue;
-    const Vec3 toward = surface.atoms[other].center - surface.atoms[owner].center;
-    const double length = norm(toward);
-    scratch.borders.push_back(other);
-    scratch.caps.push_back({(1 / length) * toward,
-                            (surface.atoms[other].radius - surface.atoms[owner].radius) / length});
-  }
+  if (patch.touched.size() > max_borders) return part_among_many(surface, patch, owner, scratch);
+  for (const AtomIndex other : patch.touched)
+    if (other != owner) add_border(surface, owner, other, scratch);
   return scratch.finder.find(scratch.caps);
 }
 

@@ -26,6 +26,11 @@ struct ConcavePatch {
   SpherePart part;
 
   std::size_t plane_count() const { return caps.size() - cutters.size(); }
+
+  /// Estimate of the rounding error of the curvature at the placement (radians): that of its
+  /// position, seen from the centres of the atoms. Placements within `same_placement` of each other
+  /// (angstrom) have one position.
+  double rounding(double same_placement, double probe_radius) const;
 };
 
 /// The placements that may cut the patches of those in a large box, and in a small box in it.

@@ -34,6 +34,8 @@ class MeasureSums {
   /// The loads of the SES and of the SAS.
   const PressureLoad& ses_load() const { return ses_load_; }
   const PressureLoad& sas_load() const { return sas_load_; }
+  /// Estimate of the rounding error of the total curvature (radians).
+  double curvature_rounding() const { return sums_.curvature_rounding; }
 
  private:
   // In the order of Quantity, followed by the volume of the SAS.

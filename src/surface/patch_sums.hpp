@@ -27,6 +27,7 @@ struct PatchSums {
   double saddle = 0, concave = 0;  ///< areas, square angstrom
   double flux = 0;                 ///< integral of position . normal over both kinds of patches
   double curvature = 0;            ///< integral of the curvature over arcs and placements
+  double curvature_rounding = 0;   ///< estimate of the rounding error of `curvature`
   PressureLoad load;               ///< of both kinds of patches
 
   PatchSums& operator+=(const PatchSums& other) {
@@ -34,6 +35,7 @@ struct PatchSums {
     concave += other.concave;
     flux += other.flux;
     curvature += other.curvature;
+    curvature_rounding += other.curvature_rounding;
     load += other.load;
     return *this;
   }

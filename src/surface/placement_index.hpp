@@ -35,6 +35,8 @@ class PlacementIndex {
   void reset(const PatchSchedule& schedule);
 
   const SurfaceModel& surface() const { return surface_; }
+  /// Placements within this distance coincide (angstrom).
+  double same_placement() const { return use_.same_placement; }
   std::span<const ProbePlacement* const> placements() const { return placements_; }
   std::span<const Vec3> centers() const { return centers_; }
   /// The centres as a list of spheres of radius 0.

@@ -17,6 +17,7 @@
 #include "support/atom_sets.hpp"
 #include "support/measured_sets.hpp"
 #include "support/near_degenerate.hpp"
+#include "surface/concave_patch.hpp"
 
 namespace eses::detail::test {
 namespace {
@@ -356,6 +357,52 @@ TEST_CASE("measure: many atoms that hold a probe") {
   const Measures held = measure_atoms(atoms, probe), tighter = measure_atoms(atoms, probe + 1e-6);
   CHECK(std::fabs(held.ses_area - tighter.ses_area - 4 * pi * probe * probe) < 1e-3);
   CHECK(held.euler_number == tighter.euler_number + 2);
+}
+
+TEST_CASE("measure: the part of each of many atoms that a probe touches") {
+  Random random(3);
+  const auto random_direction = [&] {
+    return normalized(Vec3{random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)});
+  };
+  for (const bool is_cut : {false, true}) {
+    // Atoms all over a sphere, and some of them almost in the same direction.
+    std::vector<Atom> atoms;
+    ConcavePatch patch;
+    for (AtomIndex i = 0; i < 150; ++i) {
+      const Vec3 direction = i % 10 == 9
+                                 ? normalized(patch.toward.back() + 1e-3 * random_direction())
+                                 : random_direction();
+      const double radius = random.uniform(1, 2);
+      atoms.push_back({(1.4 + radius) * direction, radius});
+      patch.touched.push_back(i);
+      patch.toward.push_back(direction);
+    }
+    if (is_cut) patch.caps = {{{0, 0, 1}, 0.3}, {{0.6, 0, -0.8}, 0.1}};
+    const SurfaceModel surface(atoms, 1.4);
+    ConcaveScratch scratch;
+    std::size_t borders = 0;
+    double sum = 0;
+    for (const AtomIndex owner : patch.touched) {
+      const SpherePart part = part_of_atom(surface, patch, owner, scratch);
+      sum += part.solid_angle;
+      std::vector<SphericalCap> caps = patch.caps;
+      for (const AtomIndex other : patch.touched) {
+        if (other == owner) continue;
+        const Vec3 toward = atoms[other].center - atoms[owner].center;
+        caps.push_back(
+            {normalized(toward), (atoms[other].radius - atoms[owner].radius) / norm(toward)});
+      }
+      SpherePartFinder finder;
+      const SpherePart expected = finder.find(caps);
+      CHECK(std::fabs(part.solid_angle - expected.solid_angle) < 1e-9);
+      CHECK(norm(part.vector_area - expected.vector_area) < 1e-9);
+      borders += scratch.borders.size();
+    }
+    CHECK(borders < 150 * 149 / 2);
+    SpherePartFinder finder;
+    const double whole = is_cut ? finder.find(patch.caps).solid_angle : 4 * pi;
+    CHECK(std::fabs(sum - whole) < 1e-8);
+  }
 }
 
 TEST_CASE("measure: invalid options") {
