@@ -2,7 +2,7 @@
 
 import os
 from types import TracebackType
-from typing import Any, Callable, Iterable, Iterator, Literal, Optional, Sequence, SupportsIndex, Tuple, Type, Union, overload
+from typing import IO, Any, Callable, Iterable, Iterator, Literal, Optional, Sequence, SupportsIndex, Tuple, Type, Union, overload
 
 import numpy as np
 import numpy.typing as npt
@@ -52,7 +52,7 @@ class Atoms:
     def to_dataframe(self) -> DataFrame: ...
 
 def read_atoms(
-    path: _Path,
+    path: Union[_Path, IO[Any]],
     *,
     format: Literal["auto", "xyzr", "pqr", "pdb", "mmcif"] = "auto",
     radii: _Path = "protor",

@@ -102,6 +102,7 @@ class _Source:
 
 # ------------------------------------------------------------------------------------------ files
 
+_GZIP = b"\x1f\x8b"
 _FILE_OPTIONS = ("format", "model", "altloc", "hetatm", "chains", "select", "assembly")
 
 
@@ -118,6 +119,14 @@ def _format_of(text: bytes, name: str) -> str:
     return "pdb" if record else "xyzr"
 
 
+def read_opened(found: Any, layout: str) -> tuple[bytes, str, str]:
+    """Returns the content, the name and the format of an open file, or of the bytes or text of a file."""
+    name = str(getattr(found, "name", "")) if hasattr(found, "read") else ""
+    data = found.read() if hasattr(found, "read") else found
+    data = _unpacked(data.encode() if isinstance(data, str) else bytes(data))
+    return data, name or "text", _format_of(data, name) if layout == "auto" else layout
+
+
 def _read_file(found: Any, radii: str, unknown: Optional[float], waters: bool, hydrogens: str,
                options: dict[str, Any]) -> _Source:
     """Reads a path, an open file, or the bytes or text of a file."""
@@ -131,14 +140,10 @@ def _read_file(found: Any, radii: str, unknown: Optional[float], waters: bool, h
             choices: dict[str, Any] = given | {"select": select, "hydrogens": hydrogens}
             return _core.read_atoms(found, radii=radii, unknown_radius=unknown, waters=waters, **choices)
     else:
-        name = str(getattr(found, "name", "")) if hasattr(found, "read") else ""
-        data = found.read() if hasattr(found, "read") else found
-        data = data.encode() if isinstance(data, str) else bytes(data)
-        data = _unpacked(data)
-        layout = _format_of(data, name) if given["format"] == "auto" else given["format"]
+        data, name, layout = read_opened(found, given["format"])
 
         def read(select: str) -> _core.Atoms:
-            return _core._parse_atoms(data, name or "text", layout, radii, unknown, given["model"], given["altloc"],
+            return _core._parse_atoms(data, name, layout, radii, unknown, given["model"], given["altloc"],
                                       waters, given["hetatm"], hydrogens, list(given["chains"]), select,
                                       given["assembly"])
     atoms = read(given["select"])
@@ -157,7 +162,7 @@ def _read_file(found: Any, radii: str, unknown: Optional[float], waters: bool, h
 
 
 def _unpacked(data: bytes) -> bytes:
-    return gzip.decompress(data) if data[:2] == b"\x1f\x8b" else data
+    return gzip.decompress(data) if data[:2] == _GZIP else data
 
 
 def _of_atoms(atoms: _core.Atoms) -> _Source:
@@ -176,6 +181,8 @@ def _source_of(found: Any, radii: Any, unknown: Optional[float], waters: bool, h
                options: dict[str, Any]) -> _Source:
     if wrong := set(options) - set(_FILE_OPTIONS):
         raise TypeError(f"unknown arguments: {', '.join(sorted(wrong))}")
+    if isinstance(found, bytes) and found and b"\n" not in found and found[:2] != _GZIP:
+        found = os.fsdecode(found)
     is_file = isinstance(found, (str, bytes, bytearray, memoryview, os.PathLike)) or hasattr(found, "read")
     if not is_file and options:
         raise TypeError(f"{', '.join(sorted(options))}: only files have these arguments")
@@ -307,7 +314,7 @@ def read_molecule(molecule: Any, radii: Any = None, *, waters: bool = False, hyd
     Parameters
     ----------
     molecule : object
-        A path, an open file, the bytes or the text of a file, ``(centers, radii)``, ``Atoms``,
+        A path (``str``, ``bytes`` or ``os.PathLike``), an open file, the bytes or the text of a file, ``(centers, radii)``, ``Atoms``,
         ``Surface``, or an object of one of the libraries in ``adaptors.ADAPTORS``: gemmi Structure,
         Model, Chain; MDAnalysis Universe, AtomGroup; MDTraj Trajectory; Biopython Structure, Model,
         Chain, Residue; Biotite AtomArray, AtomArrayStack; RDKit Mol; ASE Atoms; ParmEd Structure;

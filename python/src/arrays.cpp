@@ -11,11 +11,30 @@ std::string shape_text(const py::array& array) {
   return text + (array.ndim() == 1 ? ",)" : ")");
 }
 
+namespace {
+
+// Whether values are a table or a column of pandas whose types are real numbers. numpy makes arrays
+// of objects from the types that have missing values, such as Float64.
+bool is_real_frame(const py::object& values) {
+  if (!py::hasattr(values, "to_numpy") || !py::hasattr(values, "dtypes")) return false;
+  const py::object types = values.attr("dtypes");
+  const py::list list = py::hasattr(types, "kind") ? py::list(py::make_tuple(types)) : py::list(types);
+  for (const py::handle type : list) {
+    const auto kind = py::str(py::getattr(type, "kind", py::str(""))).cast<std::string>();
+    if (kind != "f" && kind != "i" && kind != "u") return false;
+  }
+  return true;
+}
+
+}  // namespace
+
 py::array real_array(const py::object& values, const std::string& name) {
   const auto numpy = py::module_::import("numpy");
   if (numpy.attr("ma").attr("is_masked")(values).cast<bool>())
     throw py::value_error(name + " has masked entries; leave these atoms out of both arrays");
-  const auto array = numpy.attr("asarray")(values).cast<py::array>();
+  const auto array =
+      (is_real_frame(values) ? values.attr("to_numpy")("float64") : numpy.attr("asarray")(values))
+          .cast<py::array>();
   // asarray makes an array of floats from an empty list, so an empty list passes this check.
   if (const char kind = array.dtype().kind(); kind != 'f' && kind != 'i' && kind != 'u')
     throw py::type_error(name + " must be an array of real numbers, not of type " +

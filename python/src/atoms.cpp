@@ -31,12 +31,12 @@ Read the atoms of a file.
 
 Parameters
 ----------
-path : str or os.PathLike
-    Name of the file, which may be gzipped.
+path : str, bytes, os.PathLike or file object
+    Name of the file, which may be gzipped, or an open file.
 format : {'auto', 'xyzr', 'pqr', 'pdb', 'mmcif'}, optional
     Format of the file. With ``auto`` the suffix decides: ``.pqr``, ``.pdb``, ``.pdb1``, ``.pdb2`` and so
-    on, ``.ent``, ``.cif``, ``.mmcif``, ``.mcif`` and ``.pdbx``, each also with ``.gz``. Everything else
-    is xyzr, which has one atom a line as ``x y z radius``. The arguments below are for PDB and mmCIF
+    on, ``.ent``, ``.cif``, ``.mmcif``, ``.mcif`` and ``.pdbx``, each also with ``.gz``. For open files
+    whose name has no such suffix, the first lines decide. Everything else is xyzr, which has one atom a line as ``x y z radius``. The arguments below are for PDB and mmCIF
     files.
 radii : str or os.PathLike, optional
     Set of radii: ``protor``, ``bondi``, ``msms``, or the path of a file in FreeSASA's configuration
@@ -118,12 +118,36 @@ StructureOptions structure_options(const std::filesystem::path& radii,
           .assembly = assembly};
 }
 
-std::shared_ptr<AtomFile> read(const std::filesystem::path& path, const std::string& format,
+std::shared_ptr<AtomFile> parse(const py::bytes& text, const std::string& name,
+                                const std::string& format, const std::filesystem::path& radii,
+                                std::optional<double> unknown_radius, int model,
+                                const std::string& altloc, bool waters, bool hetatm,
+                                const std::string& hydrogens,
+                                const std::vector<std::string>& chains, const std::string& select,
+                                const std::string& assembly);
+
+std::filesystem::path path_of(const py::object& file) {
+  py::detail::make_caster<std::filesystem::path> caster;
+  if (!caster.load(file, true))
+    throw py::type_error("path must be a str, bytes, os.PathLike or an open file, not " +
+                         py::str(py::type::of(file).attr("__name__")).cast<std::string>());
+  return py::detail::cast_op<std::filesystem::path>(std::move(caster));
+}
+
+std::shared_ptr<AtomFile> read(const py::object& found, const std::string& format,
                                const std::filesystem::path& radii,
                                std::optional<double> unknown_radius, int model,
                                const std::string& altloc, bool waters, bool hetatm,
                                const std::string& hydrogens, const std::vector<std::string>& chains,
                                const std::string& select, const std::string& assembly) {
+  if (py::hasattr(found, "read")) {
+    const py::tuple opened =
+        py::module_::import("eses_blocks._molecule").attr("read_opened")(found, format);
+    return parse(opened[0], opened[1].cast<std::string>(), opened[2].cast<std::string>(), radii,
+                 unknown_radius, model, altloc, waters, hetatm, hydrogens, chains, select,
+                 assembly);
+  }
+  const std::filesystem::path path = path_of(found);
   // The library would read "-" from standard input, where Ctrl-C cannot interrupt it.
   if (path == "-") throw py::value_error("path must be the name of a file, not '-'");
   ReadOptions options;

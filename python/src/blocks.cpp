@@ -99,6 +99,11 @@ void bind_blocks(py::module_& module) {
   type.attr("__module__") = "eses_blocks";
   type.def("__iter__", [](const py::object& self) { return self; })
       .def("__next__", &next_block)
+      .def("__repr__",
+           [](const BlockStream& self) {
+             return self.summary() != nullptr ? "<eses_blocks.BlockIterator: all blocks taken>"
+                                              : "<eses_blocks.BlockIterator: not at its end>";
+           })
       .def("__enter__", [](const py::object& self) { return self; })
       .def("__exit__",
            [](BlockStream& self, const py::args&) {

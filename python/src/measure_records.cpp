@@ -189,7 +189,13 @@ void bind_measure_records(py::module_& module) {
     return py::str("<eses_blocks.Gradient: centers of shape {}>")
         .format(py::getattr(self.values[0], "shape", py::none()));
   });
-  bind_record<GradientsKind>(module);
+  bind_record<GradientsKind>(module).def("__repr__", [](const Record<GradientsKind>& self) {
+    std::string names;
+    for (std::size_t k = 0; k < GradientsKind::fields.size(); ++k)
+      if (GradientsKind::fields[k].shape != Shape::flag && !self.values[k].is_none())
+        names += std::string(names.empty() ? "" : ", ") + GradientsKind::fields[k].name;
+    return "<eses_blocks.Gradients: " + names + ">";
+  });
   bind_record<MeasuresKind>(module).def("__repr__", [](const Record<MeasuresKind>& self) {
     return py::str("<eses_blocks.Measures: SES area {:.6g}, SES volume {:.6g}>")
         .format(self.values[0], self.values[1]);

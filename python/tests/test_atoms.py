@@ -1,6 +1,7 @@
 """Tests of reading files."""
 
 import gzip
+import io
 import os
 import pathlib
 
@@ -40,6 +41,29 @@ def test_pqr_file_has_labels():
 @pytest.mark.parametrize("as_path", [str, pathlib.Path, os.fspath])
 def test_any_kind_of_path_is_accepted(as_path):
     assert len(eses.read_atoms(as_path(DATA / "c60.xyzr"))) == 60
+
+
+def test_open_files_and_bytes_are_taken(tmp_path):
+    path = tmp_path / "two.pqr.gz"
+    path.write_bytes(gzip.compress((DATA / "fas2.pqr").read_bytes()))
+    expected = eses.read_atoms(DATA / "fas2.pqr")
+    area = eses.measure(DATA / "fas2.pqr").sas_area
+    for found in (os.fsencode(path), os.fsencode(DATA / "fas2.pqr")):
+        atoms = eses.read_atoms(found)
+        assert np.array_equal(atoms.centers, expected.centers) and np.array_equal(atoms.radii, expected.radii)
+        assert eses.measure(found).sas_area == area
+    for mode in ("r", "rb"):
+        with open(DATA / "fas2.pqr", mode) as opened:
+            atoms = eses.read_atoms(opened)
+            opened.seek(0)
+            assert eses.measure(opened).sas_area == area
+        assert np.array_equal(atoms.radii, expected.radii) and np.array_equal(atoms.charge, expected.charge)
+    assert len(eses.read_atoms(io.BytesIO(b"0 0 0 1\n"))) == 1
+    assert len(eses.read_atoms(io.StringIO("0 0 0 1\n"), format="xyzr")) == 1
+    with pytest.raises(TypeError, match="^path must be a str, bytes, os.PathLike or an open file, not int"):
+        eses.read_atoms(5)
+    with pytest.raises(ValueError, match="text:1:"):
+        eses.read_atoms(io.StringIO("no numbers\n"))
 
 
 def test_gzipped_file_and_format_are_accepted(tmp_path):

@@ -165,6 +165,19 @@ def test_arguments_of_measure_are_checked(chain):
         surface.measure(probe_radius="1.4")
 
 
+def test_all_results_have_a_representation(chain):
+    surface = eses.Surface(*chain)
+    gradients = surface.measure(derivatives=True).gradients
+    assert repr(gradients) == "<eses_blocks.Gradients: ses_area, ses_volume, sas_area, sas_volume>"
+    blocks = surface.blocks(surface.grid(spacing=1))
+    assert repr(blocks) == "<eses_blocks.BlockIterator: not at its end>"
+    list(blocks)
+    assert repr(blocks) == "<eses_blocks.BlockIterator: all blocks taken>"
+    for name in eses.__all__:
+        if isinstance(found := getattr(eses, name), type):
+            assert found.__repr__ is not object.__repr__, name
+
+
 def test_representation():
     assert repr(eses.Surface([[0, 0, 0]], [1]).measure()) == "<eses_blocks.Measures: SES area 12.5664, SES volume 4.18879>"
     assert repr(eses.measure_frames(np.zeros((3, 1, 3)), [1])) == "<eses_blocks.FrameMeasures: 3 frames>"

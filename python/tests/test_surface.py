@@ -70,6 +70,22 @@ def test_float32_keeps_its_values(chain):
     assert np.array_equal(surface.centers, centers.astype(np.float64))
 
 
+@pytest.mark.parametrize("type", ["Float64", "Float32", "Int64"])
+def test_columns_of_pandas_are_taken(chain, type):
+    pandas = pytest.importorskip("pandas")
+    centers, radii = np.round(chain[0]), np.round(chain[1])
+    expected = eses.Surface(centers, radii).measure().ses_area
+    frame = pandas.DataFrame(centers, columns=list("xyz")).astype(type)
+    column = pandas.Series(radii).astype(type)
+    assert eses.Surface(frame[["x", "y", "z"]], column).measure().ses_area == expected
+    assert eses.measure((frame, column)).ses_area == expected
+    column[3] = pandas.NA
+    with pytest.raises(ValueError):
+        eses.Surface(frame, column)
+    with pytest.raises(TypeError, match="^radii must be an array of real numbers"):
+        eses.Surface(frame, column.astype(str))
+
+
 @pytest.mark.parametrize("values", [
     np.zeros((2, 3), complex), np.zeros((2, 3), bool), np.full((2, 3), "1"),
     np.full((2, 3), None), None, "atoms", {"x": 1},

@@ -20,9 +20,7 @@ void require_valid(const MeasureOptions& options) {
     throw std::invalid_argument(
         formatted("the probe radius must be 0 or between {} and {} angstrom, and is {}",
                   min_probe_radius, max_probe_radius, probe_radius));
-  if (options.threads < 0)
-    throw std::invalid_argument(
-        formatted("the number of threads must not be negative, and is {}", options.threads));
+  require_threads(options.threads);
   if (!options.ses && (options.gradients || options.cavities || !options.weights.empty()))
     throw std::invalid_argument(
         "derivatives, cavities and weighted areas need the solvent excluded surface");
@@ -49,7 +47,7 @@ Measures measure(const Surface& surface, const MeasureOptions& options) {
   const double probe_radius = options.probe_radius.value_or(surface.probe_radius());
   const detail::Molecule& molecule = detail::SurfaceAccess::molecule(surface);
   require_valid_weights(options.weights, molecule.atoms().size());
-  const int threads = options.threads > 0 ? options.threads : detail::available_threads();
+  const int threads = detail::chosen_threads(options.threads);
   detail::MeasureSettings settings{
       probe_radius,      options.by_atom,
       options.gradients, options.weights,

@@ -42,7 +42,7 @@ class FrameMeasurement {
   // Frames start in ascending order, so that all frames before the first one with a fault are
   // measured.
   void run(std::size_t frame_count) {
-    const int threads = options_.threads > 0 ? options_.threads : detail::available_threads();
+    const int threads = detail::chosen_threads(options_.threads);
     const bool at_once =
         radii_.size() <= max_atoms_at_once && frame_count >= static_cast<std::size_t>(threads);
     detail::parallel_for(static_cast<std::int64_t>(frame_count), at_once ? threads : 1,

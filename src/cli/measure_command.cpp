@@ -244,7 +244,7 @@ int perform_measure(const Arguments& arguments, const Processes& /*processes*/) 
     interruptible.check();
     reporter.show_time();
   };
-  const int threads = options.threads > 0 ? options.threads : available_threads();
+  const int threads = chosen_threads(options.threads);
   // Parallel loops are not nested: either files or the atoms of a file are measured in parallel.
   const auto files = static_cast<std::int64_t>(options.inputs.size());
   const int file_threads = static_cast<int>(std::min<std::int64_t>(threads, files));

@@ -402,9 +402,9 @@ std::string plan_text(const Report& report) {
   text += formatted("blocks: {} of {} points; {}\n", fmt::join(plan.tiling.blocks, " x "),
                     fmt::join(plan.tiling.block_size, " x "), workers_text(report));
   if (report.options.request.part) text += planes_text(report);
-  text += formatted("expected: {} of memory{}, {} of files\n", bytes_text(plan.memory_bytes),
-                    report.process_count > 1 ? " per process at most" : "",
-                    bytes_text(plan.files.output()));
+  text += formatted(
+      "needs: at most {} of memory{}, about {} of files\n", bytes_text(plan.memory_bytes),
+      report.process_count > 1 ? " per process at most" : "", bytes_text(plan.files.output()));
   if (!report.options.request.dry_run) return text;
   if (parameters.max_memory > 0)
     text += formatted("memory limit: {} ({})\n", binary_bytes_text(parameters.max_memory),

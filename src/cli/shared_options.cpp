@@ -13,12 +13,10 @@
 #include "input/other_formats.hpp"
 #include "input/radii_set.hpp"
 #include "system/formatted.hpp"
+#include "system/parallel.hpp"
 
 namespace eses::detail::cli {
 namespace {
-
-// Maximum of --threads. OpenMP ends the process if it cannot start all threads.
-constexpr std::int64_t max_threads = 4096;
 
 constexpr char model_option[] = "--model";
 constexpr char structure_group[] = "PDB and mmCIF files";

@@ -17,6 +17,9 @@ namespace {
 // products do not overflow.
 constexpr double max_cells_along_axis = 2e9;
 
+// Numbers of spacings from the origin of a chosen grid to any atom are 64-bit integers.
+constexpr double min_spacing = 1e-9;
+
 // Bound of the rounding errors of the distance between a point on a face of the grid and a van der
 // Waals sphere, in units of the largest coordinate: those of the point, of the bounding box, and of
 // the classification of the point are a few units in the last place each.
@@ -120,6 +123,9 @@ void require_valid(const Grid& grid) {
   if (!(grid.spacing > 0) || !std::isfinite(grid.spacing))
     throw std::invalid_argument(formatted(
         "the spacing of a grid must be a positive number of angstrom, not {}", grid.spacing));
+  if (grid.spacing < min_spacing)
+    throw std::invalid_argument(formatted(
+        "the spacing of a grid must be at least {} angstrom, not {}", min_spacing, grid.spacing));
   double points = 1;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const auto size = static_cast<double>(grid.size[axis]);

@@ -94,6 +94,18 @@ char* put_stl_triangle(char* out, const TrianglePoints& corners) {
   return put_little(out, std::uint16_t{0});
 }
 
+// Returns a name for a comment of a PLY header. Readers search the header for lines, and for the text
+// of its last one.
+std::string ply_text(std::string_view name) {
+  constexpr std::string_view end = "end_header";
+  std::string text(name);
+  for (char& character : text)
+    if (static_cast<unsigned char>(character) < ' ' || character == '\x7f') character = '_';
+  for (std::size_t at = 0; (at = text.find(end, at)) != std::string::npos; at += end.size())
+    text[at + 3] = '-';
+  return text;
+}
+
 char* put_ply_triangle(char* out, const Triangle& triangle) {
   out = put(out, std::uint8_t{3});
   for (const std::uint64_t vertex : triangle) out = put(out, static_cast<std::int32_t>(vertex));
@@ -145,7 +157,7 @@ void MeshText::append_header_begin(BufferedText& text) const {
 void MeshText::append_chain_name(BufferedText& text, std::uint64_t number,
                                  const AtomLabel& label) const {
   const std::string_view name = truncated_name(label.chain);
-  if (is_ply(format_)) text.append("comment chain {} {}\n", number, name);
+  if (is_ply(format_)) text.append("comment chain {} {}\n", number, ply_text(name));
   if (format_ == MeshFormat::vtp) append_vtp_name(text, name);
 }
 
@@ -159,7 +171,7 @@ void MeshText::append_residue_name(BufferedText& text, std::uint64_t number,
   const std::string name =
       formatted("{} {} {}", truncated_name(label.residue), truncated_name(label.residue_number),
                 truncated_name(label.chain));
-  if (is_ply(format_)) text.append("comment residue {} {}\n", number, name);
+  if (is_ply(format_)) text.append("comment residue {} {}\n", number, ply_text(name));
   if (format_ == MeshFormat::vtp) append_vtp_name(text, name);
 }
 

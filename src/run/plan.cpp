@@ -138,7 +138,7 @@ std::vector<Schedule> possible_schedules(const Grid& grid, const GridRegion& reg
   const std::vector<GridIndex> block_sizes =
       possible_block_sizes(survey, grid.spacing, p.block_size);
   std::vector<Schedule> schedules;
-  for (int threads = p.threads > 0 ? p.threads : available_threads(); threads > 0; threads /= 2) {
+  for (int threads = chosen_threads(p.threads); threads > 0; threads /= 2) {
     for (const GridIndex& block_size : block_sizes) {
       const BlockTiling tiling = make_tiling(grid, block_size, region);
       const int used = useful_threads(tiling, threads, survey.patched_count());
@@ -295,7 +295,7 @@ void require_valid(const Parameters& p) {
   require(p.verify >= 0 && p.verify <= max_verify,
           "the number of points to verify must be between 0 and 10000000",
           static_cast<double>(p.verify));
-  require(p.threads >= 0, "the number of threads must not be negative", p.threads);
+  require_threads(p.threads);
   if (p.max_filled_void)
     require(*p.max_filled_void >= 0, "the maximum void of filled cavities must not be negative",
             *p.max_filled_void);

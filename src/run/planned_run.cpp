@@ -251,8 +251,34 @@ int threads_of(const Request& request, const Processes::Machine& machine,
   return chosen > 0 || processes.count() == 1 ? chosen : machine.processors;
 }
 
-// Chooses the schedule of this process for its slab. `labels` are the totals of all labels. The
-// schedule of the whole run has the maxima over all processes, and its crossings are the sum.
+// Chooses the schedule of this process for its slab. `labels` are the totals of all labels. Kept
+// patches are dropped if the memory limit excludes them: the minimum limit in messages is without
+// them.
+void plan_slab(const Request& request, const LabelTotals& labels, std::uint64_t sharing,
+               const Processes& processes, PlannedRun& run, Plan& slab) {
+  const auto plan = [&] {
+    plan_schedule({.available = [sharing] { return available_memory() / sharing; },
+                   .held = processes.mpi_memory() + held_bytes(run),
+                   .labels = labels,
+                   .has_groups = run.groups.are_known,
+                   .caller = request.caller_memory,
+                   .is_in_place = run.is_in_place},
+                  run.slab.molecule, request.outputs, slab);
+  };
+  try {
+    plan();
+  } catch (const LimitExceeded&) {
+    if (!run.patches) throw;
+    run.patches = {};
+    release_free_memory();
+    plan();
+  }
+  if (const auto* file = std::get_if<InputFile>(&request.atoms))
+    require_memory_held(*file, request.parameters.max_memory);
+}
+
+// Chooses the schedule of this process. The schedule of the whole run has the maxima over all
+// processes, and its crossings are the sum.
 void plan_schedules(const Request& request, const LabelTotals& labels,
                     const Processes::Machine& machine, const Processes& processes,
                     PlannedRun& run) {
@@ -264,16 +290,7 @@ void plan_schedules(const Request& request, const LabelTotals& labels,
       if (slab.parameters.threads == 0) slab.threads = available_threads();
       return;
     }
-    const auto sharing = static_cast<std::uint64_t>(machine.processes);
-    plan_schedule({.available = [sharing] { return available_memory() / sharing; },
-                   .held = processes.mpi_memory() + held_bytes(run),
-                   .labels = labels,
-                   .has_groups = run.groups.are_known,
-                   .caller = request.caller_memory,
-                   .is_in_place = run.is_in_place},
-                  run.slab.molecule, request.outputs, slab);
-    if (const auto* file = std::get_if<InputFile>(&request.atoms))
-      require_memory_held(*file, request.parameters.max_memory);
+    plan_slab(request, labels, static_cast<std::uint64_t>(machine.processes), processes, run, slab);
   });
   run.process_schedule = slab.schedule();
   run.plan.crossings = processes.sum(slab.crossings);
@@ -314,7 +331,7 @@ FoundCavities find_cavities_of(const Molecule& molecule, const Request& request,
   try {
     return find_cavities(molecule,
                          {.probe_radius = request.parameters.probe_radius,
-                          .threads = threads > 0 ? threads : available_threads(),
+                          .threads = chosen_threads(threads),
                           .check = request.check,
                           .max_filled_void = request.parameters.max_filled_void,
                           .kept_component = mesh ? mesh->component : std::nullopt},

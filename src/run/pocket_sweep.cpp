@@ -19,6 +19,7 @@
 #include "run/sweep.hpp"
 #include "surface/patch_schedule.hpp"
 #include "system/formatted.hpp"
+#include "system/parallel.hpp"
 
 namespace eses::detail {
 namespace {
@@ -180,9 +181,7 @@ void require_valid(const PocketOptions& options, double probe_radius) {
       !options.min_volume || (*options.min_volume >= 0 && std::isfinite(*options.min_volume)),
       formatted("the minimum volume of a pocket must be a number of at least 0, and is {}",
                 options.min_volume.value_or(0)));
-  refuse_unless(
-      options.threads >= 0,
-      formatted("the number of threads must not be negative, and is {}", options.threads));
+  require_threads(options.threads);
 }
 
 Pockets sweep_pockets(const Molecule& molecule, double probe_radius, const PocketOptions& options) {

@@ -23,6 +23,7 @@
 #include "surface/diagnostic_finder.hpp"
 #include "surface/radius_class.hpp"
 #include "system/formatted.hpp"
+#include "system/parallel.hpp"
 #include "system/serial_check.hpp"
 
 namespace eses::detail {
@@ -210,11 +211,8 @@ class VicinitySearch {
 // Returns the number of threads to use. For few atoms, one thread is faster than the query for the
 // available threads.
 int useful_threads(std::size_t atoms, int wanted) {
-  if (wanted < 0)
-    throw std::invalid_argument(
-        formatted("the number of threads must not be negative, and is {}", wanted));
-  if (loop_range_count(atoms) < 2) return 1;
-  return wanted > 0 ? wanted : available_threads();
+  require_threads(wanted);
+  return loop_range_count(atoms) < 2 ? 1 : chosen_threads(wanted);
 }
 
 }  // namespace

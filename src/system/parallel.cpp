@@ -6,7 +6,9 @@
 #include <atomic>
 #include <exception>
 #include <mutex>
+#include <stdexcept>
 
+#include "system/formatted.hpp"
 #include "system/resources.hpp"
 
 namespace eses::detail {
@@ -16,6 +18,20 @@ int available_threads(int quota) { return std::clamp(omp_get_max_threads(), 1, q
 int available_threads() {
   static const int quota = processor_quota();
   return available_threads(quota);
+}
+
+void require_threads(int chosen) {
+  if (chosen < 0)
+    throw std::invalid_argument(
+        formatted("the number of threads must not be negative, and is {}", chosen));
+  if (chosen > max_threads)
+    throw std::invalid_argument(
+        formatted("the number of threads must be at most {}, and is {}", max_threads, chosen));
+}
+
+int chosen_threads(int chosen) {
+  require_threads(chosen);
+  return chosen > 0 ? chosen : available_threads();
 }
 
 void parallel_for(std::int64_t count, int threads,

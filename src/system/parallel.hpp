@@ -14,6 +14,17 @@ int available_threads(int quota);
 /// Does the same for the quota of the control group, which is read at the first call.
 int available_threads();
 
+/// Maximum number of threads that a user may choose. OpenMP ends the process if it cannot start all
+/// threads.
+inline constexpr int max_threads = 4096;
+
+/// Throws std::invalid_argument if a chosen number of threads is not between 0 and `max_threads`.
+void require_threads(int chosen);
+
+/// Returns the number of threads that a user has chosen, or that of available ones for 0. Throws
+/// std::invalid_argument as `require_threads`.
+int chosen_threads(int chosen);
+
 /// Starts the threads of OpenMP. OpenMP ends the process if it cannot start them, so this must be
 /// called before any file is written.
 void start_threads(int threads);

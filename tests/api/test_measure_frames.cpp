@@ -115,6 +115,8 @@ TEST_CASE("options are checked before the first frame", "[measure]") {
           "the probe radius must be 0 or between 0.01 and 1000 angstrom, and is -1");
     CHECK(failure_of(count, read_pair, {.threads = -1}) ==
           "the number of threads must not be negative, and is -1");
+    CHECK(failure_of(count, read_pair, {.threads = 1 << 30}) ==
+          "the number of threads must be at most 4096, and is 1073741824");
     CHECK_THROWS_AS(measure_frames(count, radii, {}, ignore), std::invalid_argument);
     CHECK_THROWS_AS(measure_frames(count, radii, read_pair, {}), std::invalid_argument);
   }

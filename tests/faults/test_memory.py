@@ -2,7 +2,9 @@
 
 import errno
 import gzip
+import json
 import os
+import re
 import resource
 import signal
 import subprocess
@@ -98,6 +100,30 @@ class Memory(FaultTest):
         self.assertEqual(done.returncode, 1, done)
         self.assertNotEqual(done.stderr, "")
         self.assertEqual(self.all_files(), [])
+
+
+@unittest.skipUnless(os.environ.get("ESES_FAULT_LIBRARY"), "sanitizers need memory themselves")
+class Limits(FaultTest):
+    """The limit that a message names suffices, and the bound of the memory is one."""
+
+    def test_the_named_limit_suffices(self):
+        cases = [(name, ["--spacing", spacing, *more]) for name, spacing, more in (
+            ("c60", "1", []), ("c60", "0.25", []), ("1ubq", "1", ["--mesh", "m.ply"]),
+            ("1ubq", "0.5", ["--dielectric", "d", "--kappa", "k.dx"]), ("1ubq", "0.5", ["--mesh", "m.vtp", "--mesh-quality"]),
+            ("1a0q", "1", []), ("1a0q", "0.5", ["--fill-cavities"]), ("1a0q", "0.5", ["--exact"]))]
+        for name, options in cases:
+            with self.subTest(name=name, options=options):
+                command = [DATA / f"{name}.xyzr", *options, "--json", "-q"]
+                done = self.run_program(*command, "--max-memory", "1M")
+                self.assertEqual(done.returncode, 1)
+                limit = re.search(r"at least (\d+) MiB \(--max-memory \1M\)", done.stderr)
+                self.assertIsNotNone(limit, done.stderr)
+                for more, bound in (["--max-memory", f"{limit[1]}M"], int(limit[1]) << 20), ([], None):
+                    done = self.run_program(*command, *more)
+                    self.assertDone(done)
+                    report = json.loads(done.stdout)
+                    bound = bound or report["plan"]["memory_bytes"]
+                    self.assertLessEqual(report["peak_memory_bytes"], bound)
 
 
 @unittest.skipUnless(os.environ.get("ESES_FAULT_LIBRARY"), "sanitizers need memory themselves")

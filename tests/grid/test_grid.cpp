@@ -411,6 +411,16 @@ TEST_CASE("a spacing that a message recommends is accepted") {
   CHECK_THROWS_AS(make_grid(molecules[0], 0.4, 1e308), std::invalid_argument);
 }
 
+TEST_CASE("a chosen grid with a spacing that would overflow is refused") {
+  const Surface surface({{{0, 0, 0}, 1.5}, {{900, 0, 0}, 1.5}});
+  for (const double spacing : {1e-300, 1e-19, 0.99e-9}) {
+    const Grid grid{{0, 0, 1.5}, spacing, {2, 2, 2}};
+    CHECK_THROWS_AS(validate(grid), std::invalid_argument);
+    CHECK_THROWS_AS(compute(surface, grid), std::invalid_argument);
+  }
+  CHECK_NOTHROW(compute(surface, Grid{{0, 0, 1.5}, 1e-9, {2, 2, 2}}));
+}
+
 TEST_CASE("a margin that a message recommends is accepted") {
   for (const double spacing : {0.4, 0.1 + 0.2, 1.0 / 3, 7.123456789012345, 1e-5}) {
     const std::vector<Atom> atoms{{{0, 0, 0}, 1.7 * spacing}};

@@ -287,6 +287,32 @@ TEST_CASE("mesh formats: VTP and PLY as text have chains, residues and colours",
   }
 }
 
+TEST_CASE("mesh formats: names cannot end the header of a PLY file", "[mesh]") {
+  const std::vector<Atom> atoms{{{0, 0, 0}, 1.5}, {{6, 0, 0}, 1.5}};
+  const std::vector<AtomLabel> labels{{.chain = "A\nend_header",
+                                       .residue = "GL\rY",
+                                       .residue_number = "1",
+                                       .atom_name = "N",
+                                       .element = "N"},
+                                      {.chain = "end_header",
+                                       .residue = "end_headerend_header",
+                                       .residue_number = "2",
+                                       .atom_name = "N",
+                                       .element = "N"}};
+  for (const bool is_ascii : {false, true}) {
+    const Mesh mesh =
+        run_format(Molecule(atoms, labels), {}, {"a.ply", MeshColor::chain, is_ascii}).mesh;
+    CHECK(mesh.positions.size() > 100);
+    const auto has = [&](const std::string& comment) {
+      return std::ranges::find(mesh.comments, comment) != mesh.comments.end();
+    };
+    CHECK(has("chain 0 A_end-header"));
+    CHECK(has("chain 1 end-header"));
+    CHECK(has("residue 0 GL_Y 1 A_end-header"));
+    CHECK(has("residue 1 end-headerend-header 2 end-header"));
+  }
+}
+
 TEST_CASE("mesh formats: a mesh without triangles is a complete file", "[mesh]") {
   // In a region far from the molecule's surface the mesh is empty, but its file is complete.
   const std::vector<Atom> atoms{{{0, 0, 0}, 1.5}};

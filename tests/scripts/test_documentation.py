@@ -16,7 +16,7 @@ CODE = re.compile(r"`[^`\n]*`")
 MAX_README_LINES = 150
 
 # Lines of the report that depend on the machine or on the time of a run.
-VARIABLE_LINES = ("blocks: ", "expected: ", "time: ", "peak memory: ")
+VARIABLE_LINES = ("blocks: ", "needs: ", "time: ", "peak memory: ")
 
 
 def pages():

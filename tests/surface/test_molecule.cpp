@@ -301,8 +301,15 @@ TEST_CASE("a molecule refuses atoms that are not finite or have negative radii",
   CHECK_NOTHROW(Molecule({{{0, 0, 0}, 0}, {{-1e6, 1e6, -0.0}, -0.0}}));
 }
 
-TEST_CASE("a negative number of threads is refused", "[molecule]") {
-  CHECK_THROWS_AS(Molecule({{{0, 0, 0}, 1}}, {}, -1), std::invalid_argument);
+TEST_CASE("an impossible number of threads is refused", "[molecule]") {
+  for (const int threads : {-1, 4097, 1 << 30}) {
+    CHECK_THROWS_AS(Molecule({{{0, 0, 0}, 1}}, {}, threads), std::invalid_argument);
+    const Surface surface({{{0, 0, 0}, 1}});
+    CHECK_THROWS_AS(measure(surface, {.threads = threads}), std::invalid_argument);
+    CHECK_THROWS_AS(find_pockets(surface, {.threads = threads}), std::invalid_argument);
+    CHECK_THROWS_AS(compute(surface, make_grid(surface, {}), {.threads = threads}),
+                    std::invalid_argument);
+  }
 }
 
 }  // namespace eses::detail::test
