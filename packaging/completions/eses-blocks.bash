@@ -45,6 +45,7 @@ _eses_blocks() {
       ;;
     --reference) COMPREPLY=($(compgen -W 'tien miller sander' -- "$cur")) && return ;;
     --parts) COMPREPLY=($(compgen -W chains -- "$cur")) && return ;;
+    --model) if [[ $command == measure ]]; then COMPREPLY=($(compgen -W all -- "$cur")); fi; return ;;
     --csv) _filedir csv && return ;;
     --color) COMPREPLY=($(compgen -W 'patch atom chain potential component' -- "$cur")) && return ;;
     --component) COMPREPLY=($(compgen -W outside -- "$cur")) && return ;;
@@ -55,7 +56,8 @@ _eses_blocks() {
     --dielectric) _filedir && return ;;
     --output-dir | -o) _filedir -d && return ;;
     # These options take numbers, which cannot be completed.
-    --probe-radius | --spacing | --margin | --threads | -t | --block-size | -b | --max-memory | \
+    --probe-radius | --probe-in | --probe-out | --at | --report | --spacing | --margin | \
+      --threads | -t | --block-size | -b | --max-memory | \
       --region | --blocks | --tolerance | --grid-origin | --grid-center | --grid-points | \
       --solute-dielectric | --solvent-dielectric | --ion-radius | --potential-offset | \
       --potential-limit | --ligand | --groups | --area-cutoff | --residue-cutoff) return ;;

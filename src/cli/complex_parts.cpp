@@ -45,11 +45,6 @@ std::string list_of(const std::vector<std::string>& all) {
   return formatted("{}", fmt::join(names, ", "));
 }
 
-std::string name_of(const PartSelector& part) {
-  if (!part.ligand.empty()) return part.ligand;
-  return part.chains.empty() ? part.selection : formatted("{}", fmt::join(part.chains, ","));
-}
-
 /// Returns whether each atom of the file is in a selection.
 std::vector<bool> selected(const std::string& selection, const DividedFile& file,
                            std::string_view option) {
@@ -86,23 +81,6 @@ std::vector<std::string> ligands_first(std::vector<std::string> residues) {
                         list_of(known)));
 }
 
-/// Returns whether each atom of the file is in a part.
-std::vector<bool> atoms_in(const PartSelector& part, const DividedFile& file,
-                           std::string_view option) {
-  if (!part.selection.empty()) return selected(part.selection, file, option);
-  std::vector<bool> is_in(file.labels.size());
-  const auto add = [&](std::string_view what, const std::string& name,
-                       std::string AtomLabel::*member) {
-    bool is_found = false;
-    for (std::size_t i = 0; i < is_in.size(); ++i)
-      if (file.labels[i].*member == name) is_in[i] = is_found = true;
-    if (!is_found) refuse_unknown(file, what, name, option, member);
-  };
-  if (!part.ligand.empty()) add("residue", part.ligand, &AtomLabel::residue);
-  for (const std::string& chain : part.chains) add("chain", chain, &AtomLabel::chain);
-  return is_in;
-}
-
 ComplexParts divide_by_chain(std::span<const AtomLabel> labels) {
   ComplexParts parts;
   parts.names = different(labels, &AtomLabel::chain);
@@ -115,6 +93,30 @@ ComplexParts divide_by_chain(std::span<const AtomLabel> labels) {
 }
 
 }  // namespace
+
+std::string name_of(const PartSelector& part) {
+  if (!part.ligand.empty()) return part.ligand;
+  return part.chains.empty() ? part.selection : formatted("{}", fmt::join(part.chains, ","));
+}
+
+std::vector<bool> atoms_in(const PartSelector& part, const DividedFile& file,
+                           std::string_view option) {
+  std::vector<bool> is_in(file.labels.size());
+  const auto add = [&](std::string_view what, const std::string& name,
+                       std::string AtomLabel::*member) {
+    bool is_found = false;
+    for (std::size_t i = 0; i < is_in.size(); ++i)
+      if (file.labels[i].*member == name) is_in[i] = is_found = true;
+    if (!is_found) refuse_unknown(file, what, name, option, member);
+  };
+  if (!part.ligand.empty()) add("residue", part.ligand, &AtomLabel::residue);
+  for (const std::string& chain : part.chains) add("chain", chain, &AtomLabel::chain);
+  if (!part.selection.empty()) is_in = selected(part.selection, file, option);
+  if (std::ranges::find(is_in, true) == is_in.end())
+    throw Error(formatted("{}: no atoms of {}, which {} names", input_name(file.path),
+                          printable(name_of(part)), option));
+  return is_in;
+}
 
 std::optional<PartSelector> part_selector_in(std::string_view text) {
   PartSelector part;
@@ -149,19 +151,14 @@ ComplexParts divide(const PartChoice& choice, const DividedFile& file, std::stri
     const std::vector<bool> is_in = atoms_in(selector, file, option);
     const auto number = static_cast<std::uint32_t>(parts.names.size());
     parts.names.push_back(name_of(selector));
-    bool is_empty = true;
     for (std::size_t i = 0; i < is_in.size(); ++i) {
       if (!is_in[i]) continue;
-      is_empty = false;
       const std::uint32_t other = std::exchange(parts.part_of_atom[i], number);
       if (other != no_part)
         throw Error(formatted("{}: the atom in line {} belongs to two parts of {}: {} and {}",
                               input_name(file.path), file.lines[i], option,
                               printable(parts.names[other]), printable(parts.names[number])));
     }
-    if (is_empty)
-      throw Error(formatted("{}: no atoms of {}, which {} names", input_name(file.path),
-                            printable(parts.names[number]), option));
   }
   return parts;
 }

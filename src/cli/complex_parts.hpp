@@ -38,6 +38,9 @@ inline constexpr std::string_view part_texts =
 /// slash, a bracket or a semicolon. Nothing if the text is none of these.
 std::optional<PartSelector> part_selector_in(std::string_view text);
 
+/// Returns the name of a part for reports.
+std::string name_of(const PartSelector& part);
+
 /// Throws UsageError if a chain is named twice. `option` is the option with the parts.
 void refuse_repeated_chains(const PartChoice& choice, std::string_view option);
 
@@ -54,6 +57,11 @@ struct ComplexParts {
   std::vector<std::string> names;
   std::vector<std::uint32_t> part_of_atom;
 };
+
+/// Returns whether each atom of the file is in a part. Reads the file again for a selection. Throws
+/// Error if no atom is. The message names the option.
+std::vector<bool> atoms_in(const PartSelector& part, const DividedFile& file,
+                           std::string_view option);
 
 /// Divides the atoms. Without two parts, as for a single chain, there are none. Reads the file
 /// again for each selection. Throws Error if a part has no atoms or shares some with another part.

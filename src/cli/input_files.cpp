@@ -1,5 +1,6 @@
 #include "cli/input_files.hpp"
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
 #include <cstddef>
@@ -7,6 +8,7 @@
 #include <string>
 #include <system_error>
 
+#include "cli/command.hpp"
 #include "cli/messages.hpp"
 #include "eses/error.hpp"
 #include "input/other_formats.hpp"
@@ -41,8 +43,6 @@ std::vector<fs::path> files_in(const fs::path& folder) {
   return files;
 }
 
-}  // namespace
-
 std::vector<fs::path> expand_folders(const std::vector<fs::path>& paths, bool recursively) {
   std::vector<fs::path> files;
   for (const fs::path& path : paths) {
@@ -72,6 +72,38 @@ std::vector<fs::path> read_list(const fs::path& file) {
   }
   if (files.empty()) throw Error(formatted("{}: the list has no files", source.name()));
   return files;
+}
+
+}  // namespace
+
+std::vector<fs::path> InputChoice::files() const {
+  if (paths.empty() && list.empty()) throw UsageError("FILE is required");
+  std::vector<fs::path> all = paths;
+  if (!list.empty())
+    for (const fs::path& file : read_list(list)) all.push_back(file);
+  all = expand_folders(all, looks_in_folders);
+  if (all.size() > 1 && std::ranges::find(all, "-") != all.end())
+    throw UsageError("standard input (-) cannot be combined with other files");
+  return all;
+}
+
+void add_input_files(CLI::App& app, const std::string& description, InputChoice& choice) {
+  app.add_option("FILE")
+      ->option_text("...")
+      ->description(description)
+      ->expected(1, -1)  // no maximum
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
+      ->allow_extra_args()
+      ->each([&choice](const std::string& file) {
+        if (file.empty()) refuse("FILE", file, "a file");
+        choice.paths.emplace_back(file);
+      });
+}
+
+void add_input_lists(CLI::App& app, InputChoice& choice) {
+  add_flag(app, "-r,--recursive", "also the files in folders of folders", choice.looks_in_folders);
+  add_value(app, "--files-from", "FILE", "input files, one in a line; - for standard input",
+            choice.list, any_text("a file"));
 }
 
 }  // namespace eses::detail::cli

@@ -2,18 +2,30 @@
 /// The input files of a command that takes many.
 
 #include <filesystem>
+#include <string>
 #include <vector>
+
+#include "cli/arguments.hpp"
 
 namespace eses::detail::cli {
 
-/// Returns the paths with each folder replaced by the files in it whose names have a suffix of PDB,
-/// mmCIF, PQR or xyzr, in the order of their names, also those in its folders if `recursively`.
-/// Throws Error if a folder has no such file or cannot be read.
-std::vector<std::filesystem::path> expand_folders(const std::vector<std::filesystem::path>& paths,
-                                                  bool recursively);
+/// Where the names of the input files come from.
+struct InputChoice {
+  std::vector<std::filesystem::path> paths;  ///< files and folders; `-` is standard input
+  std::filesystem::path list;                ///< file of --files-from; empty if it is not given
+  bool looks_in_folders = false;             ///< whether folders of folders are searched, too
 
-/// Returns the paths in the lines of a file; `-` is standard input. Blank lines are ignored. Throws
-/// Error if it cannot be read or has none.
-std::vector<std::filesystem::path> read_list(const std::filesystem::path& file);
+  /// Returns the files, with those in the lines of the list, and with each folder replaced by the
+  /// files in it whose names have a suffix of PDB, mmCIF, PQR or xyzr, in the order of their names.
+  /// Throws UsageError if there are none, or if standard input is one of several, and Error if a
+  /// list or folder cannot be read or is empty.
+  std::vector<std::filesystem::path> files() const;
+};
+
+/// Adds the argument FILE...
+void add_input_files(CLI::App& app, const std::string& description, InputChoice& choice);
+
+/// Adds --recursive and --files-from.
+void add_input_lists(CLI::App& app, InputChoice& choice);
 
 }  // namespace eses::detail::cli

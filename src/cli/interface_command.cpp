@@ -1,5 +1,7 @@
 #include <algorithm>
+#include <cstddef>
 #include <cstdint>
+#include <filesystem>
 #include <string>
 #include <utility>
 #include <vector>
@@ -11,6 +13,7 @@
 #include "cli/interface_report.hpp"
 #include "cli/interruption.hpp"
 #include "cli/messages.hpp"
+#include "cli/shared_report.hpp"
 #include "eses/interface.hpp"
 #include "eses/radii.hpp"
 #include "eses/read_atoms.hpp"
@@ -20,8 +23,9 @@ namespace {
 
 /// Returns the divisions of the atoms to measure.
 std::vector<ComplexParts> divisions_of(const InterfaceOptions& options, const ReadOptions& reading,
-                                       const AtomFile& file) {
-  const DividedFile divided{options.input, reading, file.labels, file.lines};
+                                       const InterfaceFile& found) {
+  const AtomFile& file = found.file;
+  const DividedFile divided{found.path, reading, file.labels, file.lines};
   if (!options.ligand.empty()) return divide_by_ligand(options.ligand, divided);
   return {divide(options.groups, divided, "--groups")};
 }
@@ -42,14 +46,30 @@ void add_interfaces(const InterfaceOptions& options, const Surface& surface,
 }
 
 /// Prints the warnings about the atoms. Throws StrictError if they are errors.
-void print_diagnostics(const InterfaceOptions& options, const AtomFile& file,
+void print_diagnostics(const InterfaceOptions& options, const InterfaceFile& file,
                        const Surface& surface) {
   std::vector<std::string> lines;
-  for (const DiagnosticText& diagnostic : describe(file, surface, options.input))
+  for (const DiagnosticText& diagnostic : describe(file.file, surface, file.path))
     if (!diagnostic.is_usual) lines.push_back(diagnostic.message);
   if (options.strict && !lines.empty()) throw StrictError{lines};
   if (options.quiet) return;
   for (const std::string& line : lines) print_message("warning", line);
+}
+
+/// Prints the interfaces of a file.
+void report_interfaces(const InterfaceOptions& options, std::size_t input) {
+  const ReadOptions reading{.format = options.format, .structure = options.structure};
+  const std::filesystem::path& path = options.inputs[input];
+  InterfaceFile file{
+      .path = path, .file = read_atoms(path, reading), .are_polar = {}, .interfaces = {}};
+  const Surface surface(file.file, {.threads = options.threads});
+  print_diagnostics(options, file, surface);
+  for (const ComplexParts& division : divisions_of(options, reading, file))
+    add_interfaces(options, surface, division, file);
+  std::ranges::stable_sort(file.interfaces, std::ranges::greater(),
+                           [](const NamedInterface& each) { return each.areas.sas.total(); });
+  file.are_polar = find_polar_atoms(file.file.atoms, file.file.labels);
+  print(interface_text(options, file));
 }
 
 }  // namespace
@@ -58,17 +78,23 @@ int perform_interface(const Arguments& arguments, const Processes& /*processes*/
   end_on_signals();
   const InterfaceOptions options = parse_interface_arguments(arguments);
   require_standard_output();
-  const ReadOptions reading{.format = options.format, .structure = options.structure};
-  InterfaceFile file{.file = read_atoms(options.input, reading), .are_polar = {}, .interfaces = {}};
-  const Surface surface(file.file, {.threads = options.threads});
-  print_diagnostics(options, file.file, surface);
-  for (const ComplexParts& division : divisions_of(options, reading, file.file))
-    add_interfaces(options, surface, division, file);
-  std::ranges::stable_sort(file.interfaces, std::ranges::greater(),
-                           [](const NamedInterface& each) { return each.areas.sas.total(); });
-  file.are_polar = find_polar_atoms(file.file.atoms, file.file.labels);
-  print(interface_text(options, file));
-  return exit_done;
+  print(interface_heading(options));
+  bool has_errors = false;
+  for (std::size_t input = 0; input < options.inputs.size(); ++input) {
+    std::vector<std::string> errors;
+    try {
+      report_interfaces(options, input);
+    } catch (const StrictError& error) {
+      errors = error.lines;
+    } catch (const Error& error) {
+      errors.push_back(message_with_file(error, options.inputs[input]));
+    }
+    for (const std::string& error : errors) print_message("error", error);
+    if (!errors.empty() && options.json && options.inputs.size() > 1)
+      print(failure_json(options.inputs[input], errors.front()));
+    has_errors = has_errors || !errors.empty();
+  }
+  return has_errors ? exit_failure : exit_done;
 }
 
 }  // namespace eses::detail::cli

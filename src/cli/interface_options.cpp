@@ -8,6 +8,7 @@
 #include <system_error>
 
 #include "cli/arguments.hpp"
+#include "cli/input_files.hpp"
 #include "cli/shared_options.hpp"
 #include "system/formatted.hpp"
 
@@ -30,18 +31,18 @@ Examples:
   eses-blocks interface 1ahw.cif --groups A+B C     chains A and B against chain C
   eses-blocks interface 1iep.pdb --ligand STI       how much of each ligand is buried
   eses-blocks interface 1brs.pdb --table residues   the residues of each interface, as CSV
+  eses-blocks interface complexes --table interfaces   all files in a folder
 
 Exit codes:
   0  done
   1  input, output or resource error
   2  error in the command line)";
 
-void add_interface_options(CLI::App& app, InterfaceOptions& options) {
-  set_up(app, "eses-blocks interface [OPTIONS] FILE", interface_footer);
+void add_interface_options(CLI::App& app, InterfaceOptions& options, InputChoice& inputs) {
+  set_up(app, "eses-blocks interface [OPTIONS] FILE...", interface_footer);
   begin_group(app, "Interfaces");
-  add_value(app, "FILE", "", "input file (PDB, mmCIF or PQR); - for standard input", options.input,
-            any_text("a file"))
-      ->required();
+  add_input_files(app, "input files (PDB, mmCIF or PQR), or folders of them; - for\nstandard input",
+                  inputs);
   app.add_option("--groups")
       ->option_text("GROUP GROUP")
       ->description("the two sides, such as A+B C [each chain is a side]")
@@ -72,6 +73,7 @@ void add_interface_options(CLI::App& app, InterfaceOptions& options) {
                       options.min_residue_area),
             options.min_residue_area, area);
   begin_group(app, "Input and output");
+  add_input_lists(app, inputs);
   add_format(app, options.format);
   add_value(app, "--table", "NAME", "print a table as CSV: interfaces, residues or atoms",
             options.table,
@@ -84,7 +86,7 @@ void add_interface_options(CLI::App& app, InterfaceOptions& options) {
   begin_group(app, "Messages");
   add_flag(app, "--strict", "treat warnings as errors", options.strict);
   add_flag(app, "-q,--quiet", "print only results, no headings or warnings", options.quiet);
-  add_flag(app, "--json", "print a JSON object in a line", options.json);
+  add_flag(app, "--json", "print a JSON object, in a line, for each file", options.json);
   add_notices(app);
 }
 
@@ -94,11 +96,14 @@ InterfaceOptions parse_interface_arguments(const Arguments& arguments) {
   CLI::App app("Areas that the parts of a complex bury of each other, in closed form.",
                "eses-blocks interface");
   InterfaceOptions options;
-  add_interface_options(app, options);
-  parse(app, arguments, "FILE");
-  const InputFile input{options.input, options.format};
-  std::error_code ignored;
-  if (options.input == "-" || std::filesystem::is_regular_file(options.input, ignored)) {
+  InputChoice inputs;
+  add_interface_options(app, options, inputs);
+  parse(app, arguments, "FILE...");
+  options.inputs = inputs.files();
+  for (const std::filesystem::path& path : options.inputs) {
+    const InputFile input{path, options.format};
+    std::error_code ignored;
+    if (path != "-" && !std::filesystem::is_regular_file(path, ignored)) continue;
     refuse_structure_options(app, input);
     refuse_xyzr(input, "interface", "chains");
   }

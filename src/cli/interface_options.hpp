@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "cli/command.hpp"
 #include "cli/complex_parts.hpp"
@@ -15,7 +16,7 @@ namespace eses::detail::cli {
 enum class InterfaceTable { report, interfaces, residues, atoms };
 
 struct InterfaceOptions {
-  std::filesystem::path input;  ///< `-` is standard input
+  std::vector<std::filesystem::path> inputs;  ///< without folders; `-` is standard input
   AtomFormat format = AtomFormat::automatic;
   StructureOptions structure;  ///< for PDB and mmCIF files
   PartChoice groups{.by_chain = true};

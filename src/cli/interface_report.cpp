@@ -126,7 +126,7 @@ std::string no_interface_text(const InterfaceOptions& options, const InterfaceFi
 std::string interface_report(const InterfaceOptions& options, const InterfaceFile& file) {
   std::string text;
   if (!options.quiet) {
-    text = formatted("{}: {}, probe radius {} angstrom\n", one_line(input_name(options.input)),
+    text = formatted("{}: {}, probe radius {} angstrom\n", one_line(input_name(file.path)),
                      counted(file.file.atoms.size(), "atom"), options.probe_radius);
     if (file.file.structure) text += structure_text(*file.file.structure);
     text += formatted("{} (square angstrom; interface area: half of what both sides lose)\n",
@@ -147,11 +147,13 @@ std::string interface_report(const InterfaceOptions& options, const InterfaceFil
   return text;
 }
 
+/// Returns the first field of a row, with a comma, if there are several files.
+std::string file_field(const InterfaceOptions& options, const InterfaceFile& file) {
+  return options.inputs.size() > 1 ? csv_field(file.path.string()) + "," : "";
+}
+
 std::string interface_rows(const InterfaceOptions& options, const InterfaceFile& file) {
-  std::string text =
-      "first,second,sas_interface_area,sas_lost_by_first,sas_lost_by_second,sas_polar,sas_apolar,"
-      "ses_interface_area,ses_lost_by_first,ses_lost_by_second,residues_of_first,"
-      "residues_of_second,atoms,sas_of_first_alone,sas_of_second_alone\n";
+  std::string text;
   for (const NamedInterface& interface : file.interfaces) {
     const BuriedArea &sas = interface.areas.sas, &ses = interface.areas.ses;
     const std::vector<BuriedResidue> residues = residues_of(options, file, interface);
@@ -159,12 +161,12 @@ std::string interface_rows(const InterfaceOptions& options, const InterfaceFile&
       return std::ranges::count(residues, part, &BuriedResidue::part);
     };
     text += formatted(
-        "{},{},{:.6f},{:.6f},{:.6f},{:.6f},{:.6f},{:.6f},{:.6f},{:.6f},{},{},{},{:.6f},{:.6f}\n",
-        csv_field(interface.first), csv_field(interface.second), sas.interface_area(), sas.first,
-        sas.second, area_of(file, interface, true), area_of(file, interface, false),
-        ses.interface_area(), ses.first, ses.second, count(interface.areas.first),
-        count(interface.areas.second), atoms_that_lose(interface), sas.first_alone,
-        sas.second_alone);
+        "{}{},{},{:.6f},{:.6f},{:.6f},{:.6f},{:.6f},{:.6f},{:.6f},{:.6f},{},{},{},{:.6f},{:.6f}\n",
+        file_field(options, file), csv_field(interface.first), csv_field(interface.second),
+        sas.interface_area(), sas.first, sas.second, area_of(file, interface, true),
+        area_of(file, interface, false), ses.interface_area(), ses.first, ses.second,
+        count(interface.areas.first), count(interface.areas.second), atoms_that_lose(interface),
+        sas.first_alone, sas.second_alone);
   }
   return text;
 }
@@ -177,28 +179,28 @@ std::string side_fields(const NamedInterface& interface, std::uint32_t part) {
 }
 
 std::string residue_rows(const InterfaceOptions& options, const InterfaceFile& file) {
-  std::string text = "side,other_side,chain,residue_number,residue,sas_lost,ses_lost\n";
+  std::string text;
   for (const NamedInterface& interface : file.interfaces)
     for (const BuriedResidue& residue : residues_of(options, file, interface))
-      text += formatted("{},{},{},{},{:.6f},{:.6f}\n", side_fields(interface, residue.part),
-                        csv_field(residue.label.chain), csv_field(residue.label.residue_number),
-                        csv_field(residue.label.residue), residue.sas, residue.ses);
+      text += formatted("{}{},{},{},{},{:.6f},{:.6f}\n", file_field(options, file),
+                        side_fields(interface, residue.part), csv_field(residue.label.chain),
+                        csv_field(residue.label.residue_number), csv_field(residue.label.residue),
+                        residue.sas, residue.ses);
   return text;
 }
 
-std::string atom_rows(const InterfaceFile& file) {
-  std::string text =
-      "side,other_side,serial,name,residue,residue_number,chain,element,is_polar,sas_lost,ses_"
-      "lost\n";
+std::string atom_rows(const InterfaceOptions& options, const InterfaceFile& file) {
+  std::string text;
   for (const NamedInterface& interface : file.interfaces)
     for (std::size_t i = 0; i < interface.parts.size(); ++i) {
       const BuriedAtom& buried = interface.areas.atoms[i];
       const AtomLabel& label = file.file.labels[buried.atom];
-      text += formatted(
-          "{},{},{},{},{},{},{},{},{:.6f},{:.6f}\n", side_fields(interface, interface.parts[i]),
-          buried.atom + std::uint64_t{1}, csv_field(label.atom_name), csv_field(label.residue),
-          csv_field(label.residue_number), csv_field(label.chain), csv_field(label.element),
-          file.are_polar[buried.atom] ? 1 : 0, buried.sas, buried.ses);
+      text += formatted("{}{},{},{},{},{},{},{},{},{:.6f},{:.6f}\n", file_field(options, file),
+                        side_fields(interface, interface.parts[i]), buried.atom + std::uint64_t{1},
+                        csv_field(label.atom_name), csv_field(label.residue),
+                        csv_field(label.residue_number), csv_field(label.chain),
+                        csv_field(label.element), file.are_polar[buried.atom] ? 1 : 0, buried.sas,
+                        buried.ses);
     }
   return text;
 }
@@ -215,7 +217,7 @@ Json side_json(const std::string& name, const std::vector<BuriedResidue>& residu
 }
 
 std::string interface_json(const InterfaceOptions& options, const InterfaceFile& file) {
-  Json object{{"file", options.input.string()},
+  Json object{{"file", file.path.string()},
               {"atoms", file.file.atoms.size()},
               {"probe_radius", options.probe_radius},
               {"interfaces", Json::array()}};
@@ -238,6 +240,26 @@ std::string interface_json(const InterfaceOptions& options, const InterfaceFile&
 
 }  // namespace
 
+std::string interface_heading(const InterfaceOptions& options) {
+  const std::string file = options.inputs.size() > 1 ? "file," : "";
+  switch (options.table) {
+    case InterfaceTable::interfaces:
+      return file +
+             "first,second,sas_interface_area,sas_lost_by_first,sas_lost_by_second,sas_polar,"
+             "sas_apolar,ses_interface_area,ses_lost_by_first,ses_lost_by_second,residues_of_first,"
+             "residues_of_second,atoms,sas_of_first_alone,sas_of_second_alone\n";
+    case InterfaceTable::residues:
+      return file + "side,other_side,chain,residue_number,residue,sas_lost,ses_lost\n";
+    case InterfaceTable::atoms:
+      return file +
+             "side,other_side,serial,name,residue,residue_number,chain,element,is_polar,sas_lost,"
+             "ses_lost\n";
+    case InterfaceTable::report:
+      break;
+  }
+  return "";
+}
+
 std::string interface_text(const InterfaceOptions& options, const InterfaceFile& file) {
   if (options.json) return interface_json(options, file);
   switch (options.table) {
@@ -246,7 +268,7 @@ std::string interface_text(const InterfaceOptions& options, const InterfaceFile&
     case InterfaceTable::residues:
       return residue_rows(options, file);
     case InterfaceTable::atoms:
-      return atom_rows(file);
+      return atom_rows(options, file);
     case InterfaceTable::report:
       break;
   }

@@ -2,6 +2,7 @@
 /// The texts of `eses-blocks interface`.
 
 #include <cstdint>
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -21,12 +22,16 @@ struct NamedInterface {
 
 /// The interfaces of a file.
 struct InterfaceFile {
+  std::filesystem::path path;
   AtomFile file;                           ///< with labels
   std::vector<bool> are_polar;             ///< by atom
   std::vector<NamedInterface> interfaces;  ///< without those below InterfaceOptions::min_area
 };
 
-/// Returns what the command prints: the report, a table as CSV, or JSON.
+/// Returns the heading of a table; empty without one.
+std::string interface_heading(const InterfaceOptions& options);
+
+/// Returns what the command prints about a file: the report, rows of a table as CSV, or JSON.
 std::string interface_text(const InterfaceOptions& options, const InterfaceFile& file);
 
 }  // namespace eses::detail::cli

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -24,7 +25,9 @@
 #include "cli/messages.hpp"
 #include "cli/options.hpp"
 #include "cli/progress.hpp"
+#include "cli/shared_report.hpp"
 #include "eses/error.hpp"
+#include "input/read_input.hpp"
 #include "output/file_path.hpp"
 #include "output/output_directory.hpp"
 #include "output/output_file.hpp"
@@ -35,11 +38,16 @@
 namespace eses::detail::cli {
 namespace {
 
-/// Returns the name of the table of an input file: its name without the suffix of its format.
-std::string table_name(const std::filesystem::path& input, const Table& table) {
-  std::filesystem::path name = input == "-" ? "stdin" : input.filename();
+/// Returns the name of the table of an input: the name of its file without the suffix of its
+/// format, and the number of the model, if each has a table.
+std::string table_name(const MeasureCommandOptions& options, std::size_t input,
+                       const Table& table) {
+  const std::filesystem::path& path = options.inputs[input];
+  std::filesystem::path name = path == "-" ? "stdin" : path.filename();
   if (name.extension() == gzip_suffix) name = name.stem();
-  return name.stem().string() + std::string(table.ending);
+  const std::string model =
+      options.models.empty() ? "" : formatted(".model{}", options.models[input]);
+  return name.stem().string() + model + std::string(table.ending);
 }
 
 bool is_table(std::string_view name) {
@@ -51,8 +59,8 @@ OutputPaths paths_of(const MeasureCommandOptions& options) {
   OutputPaths paths;
   for (const Table& table : tables)
     if (options.tables.*table.is_chosen)
-      for (const std::filesystem::path& input : options.inputs)
-        paths.add(options.output_directory, table_name(input, table));
+      for (std::size_t input = 0; input < options.inputs.size(); ++input)
+        paths.add(options.output_directory, table_name(options, input, table));
   if (options.tables.any()) paths.locks.push_back(lock_path(options.output_directory));
   if (options.csv.empty()) return paths;
   const auto [parent, name] = require_end_of_links(options.csv);
@@ -150,17 +158,26 @@ class Reporter {
   bool has_errors_ = false;
 };
 
+/// Appends a table, with the reported atoms only if there are some.
+void append_table(const Table& table, const MeasuredFile& file,
+                  const std::function<void(std::string_view)>& append) {
+  BufferedText text(append);
+  if (table.has_areas && !file.reports.empty())
+    table.append(ReportedTable(file).table(), text);
+  else
+    table.append(file.table(), text);
+  text.flush();
+}
+
 /// Writes the tables of a file, all or none.
-void write_tables(const MeasuredFile& file, const TableChoice& choice,
+void write_tables(const MeasureCommandOptions& options, std::size_t input, const MeasuredFile& file,
                   const OutputDirectory& directory) {
   std::vector<std::unique_ptr<OutputFile>> files;
   for (const Table& table : tables) {
-    if (!(choice.*table.is_chosen)) continue;
-    OutputFile& output =
-        *files.emplace_back(std::make_unique<OutputFile>(directory, table_name(file.path, table)));
-    BufferedText text([&](std::string_view part) { output.append(part); });
-    table.append(file.table(), text);
-    text.flush();
+    if (!(options.tables.*table.is_chosen)) continue;
+    OutputFile& output = *files.emplace_back(
+        std::make_unique<OutputFile>(directory, table_name(options, input, table)));
+    append_table(table, file, [&](std::string_view part) { output.append(part); });
     output.close();
   }
   commit_all(files);
@@ -168,9 +185,7 @@ void write_tables(const MeasuredFile& file, const TableChoice& choice,
 
 std::string table_text(const Table& table, const MeasuredFile& file) {
   std::string all;
-  BufferedText text([&](std::string_view part) { all += part; });
-  table.append(file.table(), text);
-  text.flush();
+  append_table(table, file, [&](std::string_view part) { all += part; });
   return all;
 }
 
@@ -180,49 +195,70 @@ std::string measured_text(const MeasureCommandOptions& options, const MeasuredFi
   return options.inputs.size() > 1 ? measure_line(options, file) : measure_text(options, file);
 }
 
-/// Returns the message of an exception that ends the work on a file, with the name of the file.
-std::string message_with_file(const std::exception& error, const std::filesystem::path& path) {
-  const std::string message = error.what(), name = path.string();
-  const bool has_name = path == "-" || message.find(name) != std::string::npos;
-  return has_name ? message : formatted("{}: {}", name, message);
+std::string input_message(const std::exception& error, const MeasureCommandOptions& options,
+                          std::size_t input) {
+  const int model = options.models.empty() ? 0 : options.models[input];
+  return message_with_file(error, options.inputs[input]) +
+         (model > 0 ? formatted(" (model {})", model) : "");
 }
 
-/// Adds the rows of a file that cannot be measured, with its first error.
-Outcome with_failure(const MeasureCommandOptions& options, const std::filesystem::path& path,
-                     Outcome outcome) {
+/// Adds the rows of an input that cannot be measured, with its first error.
+Outcome with_failure(const MeasureCommandOptions& options, std::size_t input, Outcome outcome) {
   const std::string& error = outcome.errors.front();
-  outcome.text = options.json && options.inputs.size() > 1 ? failure_json(path, error) : "";
-  outcome.csv = failure_csv_line(options, path, error);
+  const bool has_many = options.inputs.size() > 1;
+  outcome.text = options.json && has_many
+                     ? failure_json(options.inputs[input], error, options.model_of(input))
+                     : "";
+  outcome.csv = failure_csv_line(options, input, error);
   return outcome;
 }
 
-Outcome outcome_of(const MeasureCommandOptions& options, const std::filesystem::path& path,
-                   int threads, const CheckCallback& check, const OutputDirectory* directory) {
+Outcome outcome_of(const MeasureCommandOptions& options, std::size_t input, int threads,
+                   const CheckCallback& check, const OutputDirectory* directory) {
   Outcome outcome;
   try {
-    const MeasuredFile file = measure_file(options, path, threads, check);
+    const MeasuredFile file = measure_file(options, input, threads, check);
     std::vector<std::string>& lines = options.strict ? outcome.errors : outcome.warnings;
     if (options.strict || !options.quiet)
       for (const DiagnosticText& diagnostic : file.diagnostics)
         if (!diagnostic.is_usual) lines.push_back(diagnostic.message);
-    if (!outcome.errors.empty()) return with_failure(options, path, std::move(outcome));
-    if (directory != nullptr) write_tables(file, options.tables, *directory);
+    if (!outcome.errors.empty()) return with_failure(options, input, std::move(outcome));
+    if (directory != nullptr) write_tables(options, input, file, *directory);
     outcome.text = measured_text(options, file);
     outcome.csv = measure_csv_line(options, file);
   } catch (const Error& error) {
-    outcome.errors.push_back(message_with_file(error, path));
+    outcome.errors.push_back(input_message(error, options, input));
   } catch (const std::invalid_argument& error) {
-    outcome.errors.push_back(message_with_file(error, path));
+    outcome.errors.push_back(input_message(error, options, input));
   }
-  return outcome.errors.empty() ? outcome : with_failure(options, path, std::move(outcome));
+  return outcome.errors.empty() ? outcome : with_failure(options, input, std::move(outcome));
+}
+
+/// Replaces each input by its models, if each is measured. Files that cannot be read stay, so that
+/// they are reported with the others.
+void expand_models(MeasureCommandOptions& options) {
+  if (!options.all_models) return;
+  std::vector<std::filesystem::path> inputs;
+  for (const std::filesystem::path& path : options.inputs) {
+    std::vector<int> numbers;
+    try {
+      numbers = read_model_numbers(path, {.format = options.format});
+    } catch (const Error&) {
+    }
+    if (numbers.empty()) numbers.push_back(0);
+    inputs.insert(inputs.end(), numbers.size(), path);
+    options.models.insert(options.models.end(), numbers.begin(), numbers.end());
+  }
+  options.inputs = std::move(inputs);
 }
 
 }  // namespace
 
 int perform_measure(const Arguments& arguments, const Processes& /*processes*/) {
   end_on_signals();
-  const MeasureCommandOptions options = parse_measure_arguments(arguments);
+  MeasureCommandOptions options = parse_measure_arguments(arguments);
   require_standard_output();
+  expand_models(options);
   const OutputPaths paths = paths_of(options);
   check_outputs(options, paths.final);
   InterruptibleRun interruptible(paths);
@@ -252,8 +288,8 @@ int perform_measure(const Arguments& arguments, const Processes& /*processes*/) 
   parallel_for(files, file_threads, [&](std::int64_t index, int /*thread*/) {
     const auto i = static_cast<std::size_t>(index);
     check();
-    reporter.take(i, outcome_of(options, options.inputs[i], atom_threads, check,
-                                directory ? &*directory : nullptr));
+    reporter.take(i,
+                  outcome_of(options, i, atom_threads, check, directory ? &*directory : nullptr));
   });
   if (csv) {
     csv->close();

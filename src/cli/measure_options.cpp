@@ -3,6 +3,7 @@
 #include <fmt/ranges.h>
 
 #include <CLI/CLI.hpp>
+#include <cmath>
 #include <limits>
 #include <optional>
 #include <stdexcept>
@@ -13,6 +14,7 @@
 #include "cli/arguments.hpp"
 #include "cli/input_files.hpp"
 #include "cli/shared_options.hpp"
+#include "input/other_formats.hpp"
 #include "run/pocket_sweep.hpp"
 #include "system/formatted.hpp"
 
@@ -44,8 +46,11 @@ Examples:
   eses-blocks measure 1crn.pdb --table residues      areas of residues, to standard output
   eses-blocks measure --surface sas --csv sas.csv *.pdb   the fastest way to SAS areas
   eses-blocks measure 1brs.pdb --parts 'A|D'         area buried between two chains
+  eses-blocks measure 1crn.pdb --report //A/23       areas of residue 23 in its protein
+  eses-blocks measure 1d3z.pdb --model all           all models of an NMR structure
   eses-blocks measure 1crn.pdb --cavities            cavities and their volumes
   eses-blocks measure 1crn.pdb --pockets             pockets that a probe of 3 does not reach
+  eses-blocks measure 1iep.pdb --pockets --at ligand:STI   the pocket of a ligand
   eses-blocks measure 1crn.pdb --probe-radius 0      van der Waals surface
   To compute the surface of a file called measure: eses-blocks ./measure
 
@@ -98,6 +103,34 @@ std::optional<PartChoice> parts_in(const std::string& text) {
   return choice.parts.size() < 2 ? std::nullopt : std::optional(choice);
 }
 
+/// Returns the numbers of a list, or nothing if one of its items is none.
+std::vector<double> coordinates_in(const std::string& list) {
+  std::vector<double> numbers;
+  for (const std::string& item : split(list, ',')) {
+    const std::optional<double> number = whole_text<double>(item);
+    if (!number || !std::isfinite(*number)) return {};
+    numbers.push_back(*number);
+  }
+  return numbers;
+}
+
+std::optional<PlaceChoice> place_in(const std::string& text) {
+  PlaceChoice place{.text = text, .part = {}, .point = {}, .box = {}};
+  const std::vector<double> n = coordinates_in(text);
+  if (n.size() == 3) {
+    place.point = {n[0], n[1], n[2]};
+  } else if (n.size() == 6) {
+    place.box = {Vec3{n[0], n[1], n[2]}, Vec3{n[3], n[4], n[5]}};
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      if ((*place.box)[0][axis] > (*place.box)[1][axis]) return std::nullopt;
+  } else {
+    const std::optional<PartSelector> part = part_selector_in(text);
+    if (!part) return std::nullopt;
+    place.part = *part;
+  }
+  return place;
+}
+
 void add_pocket_options(CLI::App& app, MeasureCommandOptions& options) {
   PocketOptions& pockets = options.pocket_options;
   begin_group(app, "Pockets (on a grid)");
@@ -105,7 +138,17 @@ void add_pocket_options(CLI::App& app, MeasureCommandOptions& options) {
            options.pockets);
   const auto length = number_between(
       0, max_probe_radius, formatted("a number from 0 to {}, in angstrom", max_probe_radius));
-  add_value(app, "--large-probe", "ANGSTROM",
+  add_value(app, "--at", "PLACE",
+            "only pockets and cavities at a place: ligand:STI (which is\n"
+            "left out of the surface), A+B or a selection such as\n"
+            "//A/57 (whose atoms bound them), a point X,Y,Z or a box\n"
+            "X0,Y0,Z0,X1,Y1,Z1",
+            options.at,
+            Format<PlaceChoice>{
+                place_in, formatted("three numbers X,Y,Z, six X0,Y0,Z0,X1,Y1,Z1 of the lowest "
+                                    "and highest corner, {}",
+                                    part_texts)});
+  add_value(app, "--large-probe,--probe-out", "ANGSTROM",
             formatted("radius of the large probe, more than that of the\nprobe [{}]",
                       pockets.large_probe_radius),
             pockets.large_probe_radius, length);
@@ -125,6 +168,8 @@ void add_pocket_options(CLI::App& app, MeasureCommandOptions& options) {
 void check_pocket_options(const CLI::App& app, const MeasureCommandOptions& options) {
   refuse_without(app, {"--large-probe", "--spacing", "--min-pocket-volume"}, options.need_pockets(),
                  "--pockets or --write pockets");
+  refuse_without(app, {"--at"}, options.need_pockets() || options.cavities,
+                 "--pockets or --cavities");
   if (!options.need_pockets()) return;
   try {
     require_valid(options.pocket_options, options.probe_radius);
@@ -133,27 +178,13 @@ void check_pocket_options(const CLI::App& app, const MeasureCommandOptions& opti
   }
 }
 
-/// Where the names of the input files come from.
-struct InputChoice {
-  std::filesystem::path list;     ///< file of --files-from; empty if it is not given
-  bool looks_in_folders = false;  ///< whether folders of folders are searched, too
-};
-
 void add_measure_options(CLI::App& app, MeasureCommandOptions& options, InputChoice& inputs) {
   set_up(app, "eses-blocks measure [OPTIONS] FILE...", measure_footer);
   begin_group(app, "Surface");
-  app.add_option("FILE")
-      ->option_text("...")
-      ->description(
-          "input files (xyzr, PQR, PDB or mmCIF), or folders of them; - for\nstandard input")
-      ->expected(1, -1)  // no maximum
-      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
-      ->allow_extra_args()
-      ->each([&options](const std::string& file) {
-        if (file.empty()) refuse("FILE", file, "a file");
-        options.inputs.emplace_back(file);
-      });
-  add_value(app, "--probe-radius", "ANGSTROM",
+  add_input_files(
+      app, "input files (xyzr, PQR, PDB or mmCIF), or folders of them; - for\nstandard input",
+      inputs);
+  add_value(app, "--probe-radius,--probe-in", "ANGSTROM",
             formatted("radius of the solvent probe, 0 or 0.01 to 1000 [{}]", options.probe_radius),
             options.probe_radius,
             Format<double>{probe_radius_in, formatted("0, or a number from {} to {}, in angstrom",
@@ -170,14 +201,26 @@ void add_measure_options(CLI::App& app, MeasureCommandOptions& options, InputCho
             Format<PartChoice>{
                 parts_in,
                 formatted("chains, or two parts and more, such as 'A,B|C': each {}", part_texts)});
+  app.add_option("--report")
+      ->option_text("ATOMS")
+      ->description(
+          "report also the areas of these atoms, while all atoms block:\n"
+          "A+B, ligand:STI, or a selection such as //A/57; tables have\n"
+          "these atoms only; can be repeated")
+      ->expected(1, -1)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
+      ->allow_extra_args(false)
+      ->each([&options](const std::string& text) {
+        const std::optional<PartSelector> part = part_selector_in(text);
+        if (!part) refuse("--report", text, std::string(part_texts));
+        options.reports.push_back(*part);
+      });
   add_fill_cavities(app, options.max_filled_void);
   add_flag(app, "--cavities", "report the cavities, and the pieces of the molecule",
            options.cavities);
   add_pocket_options(app, options);
   begin_group(app, "Input and output");
-  add_flag(app, "-r,--recursive", "also the files in folders of folders", inputs.looks_in_folders);
-  add_value(app, "--files-from", "FILE", "input files, one in a line; - for standard input",
-            inputs.list, any_text("a file"));
+  add_input_lists(app, inputs);
   add_format(app, options.format);
   add_value(app, "--write", "LIST",
             "tables to write: some of atoms,residues,chains,\n"
@@ -196,7 +239,7 @@ void add_measure_options(CLI::App& app, MeasureCommandOptions& options, InputCho
             options.output_directory, any_text("a directory"));
   add_value(app, "--csv", "FILE", "write the results of all files as a table", options.csv,
             any_text("a file"));
-  add_structure_options(app, options.structure);
+  add_structure_options(app, options.structure, &options.all_models);
   begin_group(app, "Computation (does not affect results)");
   add_threads(app, options.threads);
   begin_group(app, "Messages");
@@ -222,24 +265,36 @@ void check_surfaces(const MeasureCommandOptions& options) {
   for (const Table& table : tables)
     refuse_if(options.needs(table), options.option_of(table), "sas, ses");
   refuse_if(options.parts.is_chosen(), "--parts", "sas, ses");
+  refuse_if(!options.reports.empty(), "--report", "sas, ses");
 }
 
 /// Throws UsageError if an option cannot be used with these files.
 void check(const CLI::App& app, const MeasureCommandOptions& options) {
   refuse_repeated_chains(options.parts, "--parts");
   refuse_without(app, {"--output-dir"}, options.tables.any(), "--write");
-  if (options.printed_table != nullptr && (options.json || options.inputs.size() > 1))
+  const bool has_many = options.inputs.size() > 1 || options.all_models;
+  if (options.printed_table != nullptr && (options.json || has_many))
     throw UsageError(options.json ? "--table cannot be combined with --json"
                                   : "--table prints the table of a single file; use --write");
+  if (options.parts.is_chosen() && !options.reports.empty())
+    throw UsageError("--parts cannot be combined with --report");
+  const bool has_place_of_atoms = options.at && !options.at->point && !options.at->box;
+  if (options.at && (options.parts.is_chosen() || !options.reports.empty()))
+    throw UsageError("--at cannot be combined with --parts or --report");
   for (const std::filesystem::path& path : options.inputs) {
-    if (path == "-" && options.inputs.size() > 1)
-      throw UsageError("standard input (-) cannot be combined with other files");
     const InputFile input{path, options.format};
     refuse_structure_options(app, input);
+    if (options.all_models && path == "-")
+      throw UsageError("--model all reads the file once for each model; give its name");
+    if (options.all_models && !is_structure(format_of(path, options.format)))
+      throw UsageError(
+          formatted("--model all needs PDB or mmCIF files; {} is read as PQR", path.string()));
     for (const Table& table : tables)
       if (table.needs_names && options.needs(table))
         refuse_xyzr(input, options.option_of(table), "names");
     if (options.parts.is_chosen()) refuse_xyzr(input, "--parts", "chains");
+    if (!options.reports.empty()) refuse_xyzr(input, "--report", "names");
+    if (has_place_of_atoms) refuse_xyzr(input, "--at", "names");
   }
 }
 
@@ -252,10 +307,7 @@ MeasureCommandOptions parse_measure_arguments(const Arguments& arguments) {
   InputChoice inputs;
   add_measure_options(app, options, inputs);
   parse(app, arguments, "FILE...");
-  if (options.inputs.empty() && inputs.list.empty()) throw UsageError("FILE is required");
-  if (!inputs.list.empty())
-    for (const std::filesystem::path& file : read_list(inputs.list)) options.inputs.push_back(file);
-  options.inputs = expand_folders(options.inputs, inputs.looks_in_folders);
+  options.inputs = inputs.files();
   options.pocket_options.probe_radius = options.probe_radius;
   check_pocket_options(app, options);
   check_surfaces(options);

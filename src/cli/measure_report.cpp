@@ -2,6 +2,7 @@
 
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -78,6 +79,22 @@ std::string chains_text(const SurfaceChoice& surfaces, const MeasuredFile& file)
   return text;
 }
 
+/// Returns the lines about the reported atoms.
+std::string reports_text(const SurfaceChoice& surfaces, const MeasuredFile& file) {
+  std::string text;
+  for (const ReportedAtoms& report : file.reports) {
+    text += formatted("report {}: {}", one_line(report.name), counted(report.atoms.size(), "atom"));
+    if (surfaces.has_ses()) text += formatted(", SES area {:.4f}", report.ses);
+    if (surfaces.has_sas())
+      text += formatted(", SAS area {:.4f} ({:.4f} polar, {:.4f} apolar)", report.sas,
+                        report.polar_sas, report.sas - report.polar_sas);
+    if (surfaces.has_sas() && report.relative_sas)
+      text += formatted(", relative SAS area {:.4f}", *report.relative_sas);
+    text += "\n";
+  }
+  return text;
+}
+
 std::string parts_text(const SurfaceChoice& surfaces, const MeasuredFile& file) {
   if (file.parts.empty()) return "";
   std::string text;
@@ -112,12 +129,20 @@ std::string cavities_text(const MeasuredFile& file) {
                 measures.cavities.size() == 1 ? std::string("1 cavity")
                                               : formatted("{} cavities", measures.cavities.size()));
   if (measures.cavities.empty()) return text;
-  text += "cavity  void (A^3)  centers (A^3)  SES area (A^2)  largest probe (A)  atoms  overlaps\n";
+  if (file.place && file.place->cavities.empty())
+    return text + formatted("no cavity has a probe centre at the place; all {} are elsewhere\n",
+                            measures.cavities.size());
+  text +=
+      "cavity  void (A^3)  centers (A^3)  SES area (A^2)  largest probe (A)  centroid (A)"
+      "               atoms  overlaps\n";
   for (std::size_t k = 0; k < measures.cavities.size(); ++k) {
+    if (file.place && !std::ranges::binary_search(file.place->cavities, k)) continue;
     const Cavity& cavity = measures.cavities[k];
-    text += formatted("{:>6} {:>11.4f} {:>14.4f} {:>15.4f} {:>18.4f} {:>6} {}\n", k + 1,
+    const auto& [x, y, z] = cavity.centroid;
+    text += formatted("{:>6} {:>11.4f} {:>14.4f} {:>15.4f} {:>18.4f}  {:<25} {:>6} {}\n", k + 1,
                       cavity.void_volume, cavity.probe_center_volume, cavity.ses_area,
-                      cavity.largest_probe, cavity.atoms.size(), overlaps_text(cavity));
+                      cavity.largest_probe, formatted("{:.3f},{:.3f},{:.3f}", x, y, z),
+                      cavity.atoms.size(), overlaps_text(cavity));
   }
   return text;
 }
@@ -171,6 +196,56 @@ void add_cavities(Json& object, const MeasuredFile& file) {
       array_of(atoms.pieces, [&](const Piece& piece) { return piece_json(atoms, piece); });
 }
 
+std::string point_text(Vec3 point) {
+  return formatted("{:.3f},{:.3f},{:.3f}", point.x, point.y, point.z);
+}
+
+/// Returns why there is no pocket at a place.
+std::string no_pocket_text(const PocketOptions& search, const MeasuredPlace& place) {
+  const PlacedPockets& found = place.pockets;
+  std::vector<std::string> reasons;
+  const auto add = [&](double volume, std::string_view reason) {
+    if (volume > 0) reasons.push_back(formatted("{:.2f} A^3 {}", volume, reason));
+  };
+  add(found.small_pocket_volume, "of pockets are below --min-pocket-volume");
+  add(found.inside_volume, "are in atoms, or in cavities (--cavities)");
+  add(found.outside_volume,
+      formatted(
+          "are reached by the probe of {} (a larger --large-probe closes deeper pockets only)",
+          search.large_probe_radius));
+  add(found.shallow_volume, "are too shallow: no probe centre fits under the large probe");
+  if (!place.place.atoms.empty())
+    reasons.emplace_back("no probe touches its atoms in a pocket: they are buried, or outside");
+  if (reasons.empty()) reasons.emplace_back("it is far from all atoms");
+  return formatted("no pocket at the place: {}\n", fmt::join(reasons, "; "));
+}
+
+/// Returns the lines about the pockets at a place.
+std::string placed_pockets_text(const MeasureCommandOptions& options, const MeasuredFile& file) {
+  const PocketOptions& search = options.pocket_options;
+  const MeasuredPlace& place = *file.place;
+  std::string text =
+      formatted("{} at {} for a large probe of {} angstrom on a grid of {} angstrom\n",
+                counted(place.pockets.pockets.size(), "pocket"), one_line(options.at->text),
+                search.large_probe_radius, search.spacing);
+  if (place.pockets.pockets.empty()) return text + no_pocket_text(search, place);
+  text += "pocket  volume (A^3)  at place (A^3)  mouth area (A^2)  mouths  depth (A)  atoms\n";
+  std::string details;
+  for (std::size_t k = 0; k < place.pockets.pockets.size(); ++k) {
+    const auto& [pocket, low, high, depth, volume_at_place] = place.pockets.pockets[k];
+    text += formatted("{:>6} {:>13.2f} {:>15.2f} {:>17.2f} {:>7} {:>10.2f} {:>6}\n", k + 1,
+                      pocket.volume, volume_at_place, pocket.mouth_area, pocket.mouth_count, depth,
+                      pocket.atoms.size());
+    details += formatted("pocket {}: centre {}, box {} to {}\n", k + 1, point_text(pocket.centroid),
+                         point_text(low), point_text(high));
+    const std::vector<std::string> residues = residues_of(file.table(), pocket.atoms);
+    if (!residues.empty())
+      details +=
+          formatted("pocket {}: {}\n", k + 1, one_line(formatted("{}", fmt::join(residues, ", "))));
+  }
+  return text + details;
+}
+
 std::string pockets_text(const MeasureCommandOptions& options, const Pockets& pockets) {
   const PocketOptions& search = options.pocket_options;
   std::string text = formatted(
@@ -195,6 +270,32 @@ Json pocket_json(const MeasuredAtoms& atoms, const Pocket& pocket) {
             {"centroid", pocket.centroid},     {"atoms", serial_numbers(atoms, pocket.atoms)}};
   if (!atoms.labels.empty()) item["residues"] = residues_of(atoms, pocket.atoms);
   return item;
+}
+
+/// Adds what concerns the place of --at.
+void add_place(Json& object, const MeasureCommandOptions& options, const MeasuredFile& file) {
+  if (!file.place) return;
+  const MeasuredPlace& place = *file.place;
+  Json item{{"place", options.at->text}, {"left_out_atoms", place.left_out}};
+  if (options.pockets) {
+    for (std::size_t k = 0; k < place.pockets.pockets.size(); ++k) {
+      const PlacedPocket& placed = place.pockets.pockets[k];
+      object["pockets"][k].update({{"low", placed.low},
+                                   {"high", placed.high},
+                                   {"depth", placed.depth},
+                                   {"volume_at_place", placed.volume_at_place}});
+    }
+    item.update({{"inside_volume", place.pockets.inside_volume},
+                 {"outside_volume", place.pockets.outside_volume},
+                 {"shallow_volume", place.pockets.shallow_volume},
+                 {"small_pocket_volume", place.pockets.small_pocket_volume}});
+    object["pocket_search"].erase("difference_volume");
+    object["pocket_search"].erase("shallow_volume");
+  }
+  if (options.cavities)
+    item["cavities"] =
+        array_of(place.cavities, [](std::size_t cavity) -> Json { return cavity + 1; });
+  object["at"] = item;
 }
 
 void add_pockets(Json& object, const PocketOptions& search, const MeasuredFile& file) {
@@ -247,9 +348,23 @@ void add_derivatives(Json& object, const Gradients& gradients) {
   object["derivatives_are_smooth"] = gradients.are_smooth;
 }
 
+Json report_json(const MeasureCommandOptions& options, const MeasuredFile& file,
+                 const ReportedAtoms& report) {
+  Json item{{"name", report.name}, {"atoms", report.atoms.size()}};
+  if (options.surfaces.has_ses()) item["ses_area"] = report.ses;
+  if (options.surfaces.has_sas()) {
+    item["sas_area"] = report.sas;
+    item["polar_sas_area"] = report.polar_sas;
+    item["apolar_sas_area"] = report.sas - report.polar_sas;
+    item["relative_sas_area"] = report.relative_sas ? Json(*report.relative_sas) : Json();
+  }
+  item["residues"] = residues_of(file.table(), report.atoms);
+  return item;
+}
+
 /// A value of a file in the lines of several files and in the table of `--csv`.
 struct Column {
-  std::string_view name;
+  std::string name;
   int width;  ///< in the lines; 0 for a value that is only in the table
   std::function<double(const MeasuredFile& file)> value;
   bool is_whole = false;
@@ -265,7 +380,7 @@ std::vector<Column> columns_of(const MeasureCommandOptions& options) {
     const auto value = [count](const MeasuredFile& file) {
       return static_cast<double>(count(file));
     };
-    columns.push_back({name, width, value, true});
+    columns.push_back({std::string(name), width, value, true});
   };
   for (const auto& [name, member] : areas_and_volumes(options.surfaces))
     columns.push_back(
@@ -277,11 +392,13 @@ std::vector<Column> columns_of(const MeasureCommandOptions& options) {
                                      NamedPatch{"saddle_area", &PatchAreas::saddle},
                                      NamedPatch{"concave_area", &PatchAreas::concave}})
     if (options.surfaces.has_ses())
-      columns.push_back({name, 0, [member = member](const MeasuredFile& file) {
+      columns.push_back({std::string(name), 0, [member = member](const MeasuredFile& file) {
                            return file.measures.ses_areas.*member;
                          }});
   if (options.cavities) {
-    add_count("cavities", 8, [](const auto& file) { return file.measures.cavities.size(); });
+    add_count("cavities", 8, [](const auto& file) {
+      return file.place ? file.place->cavities.size() : file.measures.cavities.size();
+    });
     add_count("pieces", 8, [](const auto& file) { return file.measures.pieces.size(); });
   }
   if (options.pockets)
@@ -290,6 +407,16 @@ std::vector<Column> columns_of(const MeasureCommandOptions& options) {
     for (const auto& [name, area] : buried_areas(options.surfaces))
       columns.push_back(
           {name, 15, [area = area](const MeasuredFile& file) { return file.buried(area); }});
+  for (std::size_t k = 0; k < options.reports.size(); ++k) {
+    const auto add = [&](std::string_view area, double ReportedAtoms::*member) {
+      const std::string name = formatted("{} of {}", area, name_of(options.reports[k]));
+      columns.push_back(
+          {name, static_cast<int>(std::max<std::size_t>(name.size(), 14)),
+           [k, member](const MeasuredFile& file) { return file.reports[k].*member; }});
+    };
+    if (options.surfaces.has_ses()) add("ses_area", &ReportedAtoms::ses);
+    if (options.surfaces.has_sas()) add("sas_area", &ReportedAtoms::sas);
+  }
   return columns;
 }
 
@@ -313,33 +440,44 @@ std::string measure_text(const MeasureCommandOptions& options, const MeasuredFil
   text += chains_text(surfaces, file);
   if (file.surface.max_filled_void()) text += filling_text(measures.filled_cavities);
   if (options.cavities) text += cavities_text(file);
-  if (options.pockets) text += pockets_text(options, file.pockets);
-  return text + parts_text(options.surfaces, file);
+  if (file.place && file.place->left_out > 0)
+    text += formatted("left out: {} of {}\n", counted(file.place->left_out, "atom"),
+                      one_line(options.at->text));
+  if (options.pockets)
+    text += file.place ? placed_pockets_text(options, file) : pockets_text(options, file.pockets);
+  return text + reports_text(surfaces, file) + parts_text(surfaces, file);
 }
 
 std::string measure_heading(const MeasureCommandOptions& options) {
   std::string text;
   for (const Column& column : columns_of(options))
-    if (column.width > 0) text += formatted("{:>{}} ", column.name, column.width);
-  return text + "file\n";
+    if (column.width > 0) text += formatted("{:>{}} ", one_line(column.name), column.width);
+  return text + (options.all_models ? "file, model\n" : "file\n");
 }
 
 std::string measure_line(const MeasureCommandOptions& options, const MeasuredFile& file) {
   std::string text;
   for (const Column& column : columns_of(options))
     if (column.width > 0) text += formatted("{:>{}} ", column.text(file, 4), column.width);
-  return text + one_line(file.path.string()) + "\n";
+  return text + one_line(file.path.string()) +
+         (options.all_models ? formatted(", {}\n", file.model) : "\n");
 }
 
 std::string measure_json(const MeasureCommandOptions& options, const MeasuredFile& file) {
   Json object{{"file", file.path.string()},
               {"atoms", file.surface.atoms().size()},
               {"probe_radius", options.probe_radius}};
+  if (options.all_models) object["model"] = file.model;
   add_measures(object, options.surfaces, file.measures);
   add_derivatives(object, file.measures.gradients);
   if (options.cavities) add_cavities(object, file);
   if (options.pockets) add_pockets(object, options.pocket_options, file);
+  add_place(object, options, file);
   if (file.surface.max_filled_void()) object["filled_cavities"] = file.measures.filled_cavities;
+  if (!file.reports.empty())
+    object["reports"] = array_of(file.reports, [&](const ReportedAtoms& report) {
+      return report_json(options, file, report);
+    });
   if (!file.parts.empty()) {
     object["parts"] = array_of(file.parts, [&](const MeasuredPart& part) {
       Json item{{"name", part.name}, {"atoms", part.atoms}};
@@ -356,25 +494,25 @@ std::string measure_json(const MeasureCommandOptions& options, const MeasuredFil
 
 std::string measure_csv_heading(const MeasureCommandOptions& options) {
   std::string text = "file,atoms,probe_radius";
-  for (const Column& column : columns_of(options)) text += formatted(",{}", column.name);
-  return text + ",error\n";
+  for (const Column& column : columns_of(options)) text += "," + csv_field(column.name);
+  return text + ",model,radii,left_out,error\n";
 }
 
 std::string measure_csv_line(const MeasureCommandOptions& options, const MeasuredFile& file) {
   std::string text = formatted("{},{},{}", csv_field(file.path.string()),
                                file.surface.atoms().size(), options.probe_radius);
   for (const Column& column : columns_of(options)) text += "," + column.text(file, 6);
-  return text + ",\n";
+  if (!file.structure) return text + ",,,,\n";
+  return text + formatted(",{},{},{},\n", csv_field(file.structure->model),
+                          csv_field(file.structure->radii), left_out_atoms(*file.structure));
 }
 
-std::string failure_json(const std::filesystem::path& path, const std::string& error) {
-  return text_of(Json{{"file", path.string()}, {"error", error}}) + "\n";
-}
-
-std::string failure_csv_line(const MeasureCommandOptions& options,
-                             const std::filesystem::path& path, const std::string& error) {
-  const std::size_t empty = columns_of(options).size() + 2;  // with atoms and probe radius
-  return formatted("{}{},{}\n", csv_field(path.string()), std::string(empty, ','),
+std::string failure_csv_line(const MeasureCommandOptions& options, std::size_t input,
+                             const std::string& error) {
+  const std::size_t empty = columns_of(options).size() + 3;  // with atoms and probe radius
+  const int model = options.model_of(input);
+  return formatted("{}{}{},,,{}\n", csv_field(options.inputs[input].string()),
+                   std::string(empty, ','), model > 0 ? std::to_string(model) : "",
                    csv_field(error));
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 /// Reports of `eses-blocks measure`.
 
+#include <cstddef>
 #include <string>
 
 #include "cli/measured_file.hpp"
@@ -19,12 +20,9 @@ std::string measure_line(const MeasureCommandOptions& options, const MeasuredFil
 /// Returns the results as one JSON object in a line.
 std::string measure_json(const MeasureCommandOptions& options, const MeasuredFile& file);
 
-/// Returns the JSON object, in a line, of a file that cannot be measured.
-std::string failure_json(const std::filesystem::path& path, const std::string& error);
-
-/// Returns the line of such a file in the table of `--csv`.
-std::string failure_csv_line(const MeasureCommandOptions& options,
-                             const std::filesystem::path& path, const std::string& error);
+/// Returns the line of an input that cannot be measured in the table of `--csv`.
+std::string failure_csv_line(const MeasureCommandOptions& options, std::size_t input,
+                             const std::string& error);
 
 /// Returns the heading of the table of `--csv`.
 std::string measure_csv_heading(const MeasureCommandOptions& options);

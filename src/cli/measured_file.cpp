@@ -1,10 +1,17 @@
 #include "cli/measured_file.hpp"
 
 #include <cstddef>
+#include <set>
 #include <span>
 #include <utility>
 
+#include "cli/complex_parts.hpp"
 #include "eses/error.hpp"
+#include "eses/radii.hpp"
+#include "input/residue_runs.hpp"
+#include "input/text_fields.hpp"
+#include "input/text_source.hpp"
+#include "system/formatted.hpp"
 
 namespace eses::detail::cli {
 namespace {
@@ -26,16 +33,60 @@ AtomSubset atoms_of(const MeasuredFile& file, const auto& is_chosen) {
   return subset;
 }
 
-/// Replaces the surface by the surface of the atoms that belong to parts, if there are other atoms.
+/// Replaces the surface by the surface of some of its atoms.
+void keep_only(AtomSubset subset, const SurfaceOptions& indexing, MeasuredFile& file) {
+  std::vector<AtomLabel> labels;
+  for (const std::size_t i : subset.indices) labels.push_back(file.surface.labels()[i]);
+  file.file_indices.assign(subset.indices.begin(), subset.indices.end());
+  file.surface = Surface(std::move(subset.atoms), std::move(labels), indexing);
+}
+
+/// Removes the atoms that belong to no part from the surface.
 void remove_other_atoms(const SurfaceOptions& indexing, MeasuredFile& file) {
   AtomSubset subset = atoms_of(file, [](std::uint32_t part) { return part != no_part; });
   file.other_atoms = file.part_of_atom.size() - subset.indices.size();
   if (file.other_atoms == 0) return;
-  std::vector<AtomLabel> labels;
-  for (const std::size_t i : subset.indices) labels.push_back(file.surface.labels()[i]);
-  file.file_indices.assign(subset.indices.begin(), subset.indices.end());
   std::erase(file.part_of_atom, no_part);
-  file.surface = Surface(std::move(subset.atoms), std::move(labels), indexing);
+  keep_only(std::move(subset), indexing, file);
+}
+
+/// Finds the place of --at, and removes the atoms of its ligand from the surface.
+void take_place(const PlaceChoice& choice, double probe_radius, const DividedFile& divided,
+                const SurfaceOptions& indexing, MeasuredFile& file) {
+  MeasuredPlace& found = file.place.emplace();
+  found.place.box = choice.box;
+  if (choice.point) found.place.balls = {{*choice.point, probe_radius}};
+  if (choice.box || choice.point) return;
+  const std::vector<bool> is_in = atoms_in(choice.part, divided, "--at");
+  AtomSubset others;
+  for (std::size_t i = 0; i < is_in.size(); ++i) {
+    const Atom& atom = file.surface.atoms()[i];
+    if (!is_in[i]) {
+      others.indices.push_back(i);
+      others.atoms.push_back(atom);
+    } else if (choice.part.ligand.empty()) {
+      found.place.atoms.push_back(static_cast<AtomIndex>(i));
+    } else {
+      found.place.balls.push_back(atom);
+    }
+  }
+  found.left_out = found.place.balls.size();
+  if (found.left_out == 0) return;
+  if (others.atoms.empty())
+    throw Error(formatted("{}: there are no atoms besides {}, which --at names",
+                          input_name(divided.path), printable(choice.text)));
+  keep_only(std::move(others), indexing, file);
+}
+
+/// Finds the pockets, at a place if there is one.
+void take_pockets(const PocketOptions& options, MeasuredFile& file) {
+  if (!file.place) {
+    file.pockets = find_pockets(file.surface, options);
+    return;
+  }
+  file.place->pockets = find_pockets_at(file.surface, file.place->place, options);
+  for (const PlacedPocket& placed : file.place->pockets.pockets)
+    file.pockets.pockets.push_back(placed.pocket);
 }
 
 /// Measures a part alone, and adds the areas of its atoms to `areas_alone`.
@@ -59,7 +110,60 @@ MeasuredPart measure_part(std::uint32_t part, const MeasureOptions& options, Mea
   return measured;
 }
 
+/// Returns the areas of atoms. Their residue, if it is one, has a relative area.
+ReportedAtoms reported_atoms(const PartSelector& selector, const std::vector<bool>& is_in,
+                             const std::vector<bool>& are_polar, const MeasuredFile& file) {
+  const eses::AtomAreas& areas = file.measures.by_atom;
+  ReportedAtoms report{.name = name_of(selector), .atoms = {}, .relative_sas = {}};
+  std::vector<AtomLabel> labels;
+  for (AtomIndex i = 0; i < is_in.size(); ++i) {
+    if (!is_in[i]) continue;
+    report.atoms.push_back(i);
+    labels.push_back(file.surface.labels()[i]);
+    report.sas += areas.sas[i];
+    if (are_polar[i]) report.polar_sas += areas.sas[i];
+    if (!areas.convex.empty()) report.ses += areas.ses(i);
+  }
+  const ResidueRuns runs = residue_runs(labels);
+  if (runs.labels.size() != 1 || !file.reference) return report;
+  if (const auto max = eses::max_sas_area(runs.labels.front().residue, *file.reference))
+    report.relative_sas = report.sas / *max;
+  return report;
+}
+
+void add_reports(const MeasureCommandOptions& options, const ReadOptions& reading,
+                 std::span<const std::uint64_t> lines, MeasuredFile& file) {
+  if (options.reports.empty()) return;
+  const DividedFile divided{file.path, reading, file.surface.labels(), lines};
+  const std::vector<bool> are_polar = find_polar_atoms(file.surface.atoms(), divided.labels);
+  for (const PartSelector& selector : options.reports)
+    file.reports.push_back(
+        reported_atoms(selector, atoms_in(selector, divided, "--report"), are_polar, file));
+}
+
 }  // namespace
+
+ReportedTable::ReportedTable(const MeasuredFile& file) : reference_(file.reference) {
+  std::set<AtomIndex> indices;
+  for (const ReportedAtoms& report : file.reports)
+    indices.insert(report.atoms.begin(), report.atoms.end());
+  const eses::AtomAreas& all = file.measures.by_atom;
+  using Areas = std::vector<double> eses::AtomAreas::*;
+  for (const AtomIndex i : indices) {
+    atoms_.push_back(file.surface.atoms()[i]);
+    labels_.push_back(file.surface.labels()[i]);
+    file_indices_.push_back(i);
+    for (const Areas kind : {&eses::AtomAreas::sas, &eses::AtomAreas::convex,
+                             &eses::AtomAreas::saddle, &eses::AtomAreas::concave})
+      if (!(all.*kind).empty()) (areas_.*kind).push_back((all.*kind)[i]);
+  }
+}
+
+MeasuredAtoms ReportedTable::table() const {
+  MeasuredAtoms atoms{atoms_, labels_, file_indices_, areas_, gradients_, {}, {}, {}};
+  atoms.reference = reference_;
+  return atoms;
+}
 
 double MeasuredFile::buried(double Measures::*area) const {
   double sum = -(measures.*area);
@@ -78,19 +182,22 @@ MeasuredAtoms MeasuredFile::table() const {
   return atoms;
 }
 
-MeasuredFile measure_file(const MeasureCommandOptions& options, const std::filesystem::path& path,
-                          int threads, const CheckCallback& check) {
+MeasuredFile measure_file(const MeasureCommandOptions& options, std::size_t input, int threads,
+                          const CheckCallback& check) {
+  const std::filesystem::path& path = options.inputs[input];
   const TableChoice needed = options.needed_tables();
-  const ReadOptions reading{.format = options.format,
-                            .with_labels = options.has_report() || needed.any() ||
-                                           options.parts.is_chosen() || options.cavities ||
-                                           options.pockets,
-                            .structure = options.structure,
-                            .check = check};
+  ReadOptions reading{.format = options.format,
+                      .with_labels = options.has_report() || needed.any() ||
+                                     options.parts.is_chosen() || options.cavities ||
+                                     options.pockets || options.at || !options.reports.empty(),
+                      .structure = options.structure,
+                      .check = check};
+  reading.structure.model = options.model_of(input);
   AtomFile file = read_atoms(path, reading);
   const SurfaceOptions indexing{
       .max_filled_void = options.max_filled_void, .threads = threads, .check = check};
   MeasuredFile result{.path = path,
+                      .model = options.all_models ? reading.structure.model : 0,
                       .surface = Surface(std::move(file.atoms), std::move(file.labels), indexing)};
   result.diagnostics = describe(file, result.surface, path);
   if (options.parts.is_chosen()) {
@@ -100,6 +207,9 @@ MeasuredFile measure_file(const MeasureCommandOptions& options, const std::files
     result.part_of_atom = std::move(parts.part_of_atom);
     remove_other_atoms(indexing, result);
   }
+  if (options.at)
+    take_place(*options.at, options.probe_radius,
+               {path, reading, result.surface.labels(), file.lines}, indexing, result);
   const SurfaceChoice& surfaces = options.surfaces;
   const bool only_vdw = !surfaces.has_ses() && !surfaces.has_sas();
   const bool has_chains =
@@ -107,7 +217,7 @@ MeasuredFile measure_file(const MeasureCommandOptions& options, const std::files
   MeasureOptions measuring{.probe_radius = only_vdw ? 0 : options.probe_radius,
                            .ses = surfaces.has_ses(),
                            .van_der_waals = surfaces.has_vdw(),
-                           .by_atom = needed.need_areas() || has_chains,
+                           .by_atom = needed.need_areas() || has_chains || !options.reports.empty(),
                            .gradients = needed.derivatives,
                            .cavities = options.cavities || needed.need_cavities(),
                            .threads = threads,
@@ -117,8 +227,12 @@ MeasuredFile measure_file(const MeasureCommandOptions& options, const std::files
     PocketOptions searching = options.pocket_options;
     searching.threads = threads;
     searching.check = check;
-    result.pockets = find_pockets(result.surface, searching);
+    take_pockets(searching, result);
   }
+  if (options.at && options.cavities)
+    result.place->cavities = find_cavities_at(
+        result.surface, result.place->place,
+        {.probe_radius = options.probe_radius, .threads = threads, .check = check});
   measuring.by_atom = needed.need_areas();
   measuring.gradients = measuring.cavities = false;
   // No other output shows the van der Waals surface of a part.
@@ -127,6 +241,7 @@ MeasuredFile measure_file(const MeasureCommandOptions& options, const std::files
     result.parts.push_back(measure_part(part, measuring, result));
   result.structure = std::move(file.structure);
   if (options.probe_radius == reference_probe_radius) result.reference = options.reference;
+  add_reports(options, reading, file.lines, result);
   return result;
 }
 

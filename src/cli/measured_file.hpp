@@ -1,6 +1,7 @@
 #pragma once
 /// The measures of the atoms of a file, and of the parts of a complex.
 
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <optional>
@@ -10,6 +11,7 @@
 #include "cli/diagnostics.hpp"
 #include "cli/measure_options.hpp"
 #include "eses/measure.hpp"
+#include "eses/place.hpp"
 #include "eses/pockets.hpp"
 #include "eses/read_atoms.hpp"
 #include "eses/surface.hpp"
@@ -24,13 +26,33 @@ struct MeasuredPart {
   Measures measures;        ///< without areas by atom
 };
 
+/// Atoms of a file, and their areas in it, in square angstrom.
+struct ReportedAtoms {
+  std::string name;
+  std::vector<AtomIndex> atoms;  ///< ascending
+  double ses = 0, sas = 0;
+  double polar_sas = 0;                ///< SAS area of the polar atoms
+  std::optional<double> relative_sas;  ///< only for one residue with a maximum area
+};
+
+/// The pockets and cavities at the place of --at.
+struct MeasuredPlace {
+  Place place;
+  std::uint64_t left_out = 0;         ///< number of the atoms of a ligand, which are left out
+  PlacedPockets pockets;              ///< empty unless they were chosen
+  std::vector<std::size_t> cavities;  ///< indices; empty unless they were chosen
+};
+
 struct MeasuredFile {
   std::filesystem::path path;
+  int model = 0;                  ///< number of the model; 0 unless each model is measured
   Surface surface;                ///< of all parts together, or of all atoms
   std::uint64_t other_atoms = 0;  ///< number of atoms of the file that belong to no part
   Measures measures = {};
-  Pockets pockets = {};                  ///< empty unless they were chosen
+  Pockets pockets = {};  ///< empty unless they were chosen
+  std::optional<MeasuredPlace> place = {};
   std::vector<MeasuredPart> parts = {};  ///< empty if no parts were chosen
+  std::vector<ReportedAtoms> reports = {};
   std::vector<DiagnosticText> diagnostics = {};
   std::optional<StructureReport> structure = {};  ///< only for PDB and mmCIF files
 
@@ -47,8 +69,26 @@ struct MeasuredFile {
   MeasuredAtoms table() const;
 };
 
-/// Reads and measures a file. Throws Error if it cannot be read, or if it lacks a chain of a part.
-MeasuredFile measure_file(const MeasureCommandOptions& options, const std::filesystem::path& path,
-                          int threads, const CheckCallback& check);
+/// The reported atoms of a file, with their areas.
+class ReportedTable {
+ public:
+  /// Copies all that the table needs of `file`, which must have reports.
+  explicit ReportedTable(const MeasuredFile& file);
+
+  MeasuredAtoms table() const;
+
+ private:
+  std::vector<Atom> atoms_;
+  std::vector<AtomLabel> labels_;
+  std::vector<std::uint64_t> file_indices_;
+  eses::AtomAreas areas_;
+  Gradients gradients_;
+  std::optional<AreaReference> reference_;
+};
+
+/// Reads and measures an input. Throws Error if it cannot be read, or if it lacks a chain of a
+/// part.
+MeasuredFile measure_file(const MeasureCommandOptions& options, std::size_t input, int threads,
+                          const CheckCallback& check);
 
 }  // namespace eses::detail::cli

@@ -58,7 +58,23 @@ void add_fill_cavities(CLI::App& app, std::optional<double>& max_filled_void) {
                            "a number of at least 0, in cubic angstrom"));
 }
 
-void add_structure_options(CLI::App& app, StructureOptions& structure) {
+void add_model(CLI::App& app, int& model, bool* all_models) {
+  const Format<std::int64_t> number = whole_number_between(1, std::numeric_limits<int>::max());
+  if (all_models == nullptr) {
+    add_value(app, model_option, "N", "number of the model, also for PQR files [first]", model,
+              number);
+    return;
+  }
+  const auto read = [number, all_models](const std::string& text) -> std::optional<std::int64_t> {
+    *all_models = text == "all";
+    return *all_models ? std::optional<std::int64_t>(0) : number.read(text);
+  };
+  add_value(app, model_option, "N",
+            "number of the model, also for PQR files; all for a result\nfor each one [first]",
+            model, Format<std::int64_t>{read, "all, or " + number.expected});
+}
+
+void add_structure_options(CLI::App& app, StructureOptions& structure, bool* all_models) {
   begin_group(app, structure_group);
   add_value(app, "--radii", "NAME",
             "atomic radii: protor (Tsai et al. 1999), bondi, msms, or\n"
@@ -70,8 +86,7 @@ void add_structure_options(CLI::App& app, StructureOptions& structure) {
       "angstrom [such atoms are an error]",
       structure.unknown_radius,
       number_between(0, eses::detail::max_set_radius, "a number from 0 to 1000, in angstrom"));
-  add_value(app, model_option, "N", "number of the model, also for PQR files [first]",
-            structure.model, whole_number_between(1, std::numeric_limits<int>::max()));
+  add_model(app, structure.model, all_models);
   add_value(app, "--altloc", "X", "alternate location [highest occupancy, by residue]",
             structure.altloc, text_if(is_altloc, "one character, such as A"));
   add_flag(app, "--waters", "include water molecules", structure.with_waters);

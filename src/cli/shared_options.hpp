@@ -19,8 +19,9 @@ void add_threads(CLI::App& app, int& threads);
 /// Adds --fill-cavities. Without a value it fills all cavities.
 void add_fill_cavities(CLI::App& app, std::optional<double>& max_filled_void);
 
-/// Adds the options for PDB and mmCIF files, in a group of their own.
-void add_structure_options(CLI::App& app, StructureOptions& structure);
+/// Adds the options for PDB and mmCIF files, in a group of their own. If `all_models` is not null,
+/// `--model all` is accepted and sets it.
+void add_structure_options(CLI::App& app, StructureOptions& structure, bool* all_models = nullptr);
 
 /// Throws UsageError if an option for PDB and mmCIF files is given with a file of another format.
 void refuse_structure_options(const CLI::App& app, const InputFile& input);

@@ -168,6 +168,25 @@ std::string structure_text(const StructureReport& report) {
                    other_assemblies_text(report));
 }
 
+std::uint64_t left_out_atoms(const StructureReport& report) {
+  std::uint64_t atoms = 0;
+  for (const Count& count : dropped_counts) atoms += report.*count.member;
+  return atoms;
+}
+
+std::string message_with_file(const std::exception& error, const std::filesystem::path& path) {
+  const std::string message = error.what(), name = path.string();
+  const bool has_name = path == "-" || message.find(name) != std::string::npos;
+  return has_name ? message : formatted("{}: {}", name, message);
+}
+
+std::string failure_json(const std::filesystem::path& path, const std::string& error, int model) {
+  Json object{{"file", path.string()}};
+  if (model > 0) object["model"] = model;
+  object["error"] = error;
+  return text_of(object) + "\n";
+}
+
 std::string filling_text(std::span<const FilledCavity> filled) {
   if (filled.empty()) return "filled cavities: none\n";
   return formatted("filled cavities: {}, with voids from {:.6g} to {:.6g} cubic angstrom\n",

@@ -1,6 +1,9 @@
 #pragma once
 /// Parts of the reports of several commands.
 
+#include <cstdint>
+#include <exception>
+#include <filesystem>
 #include <span>
 #include <string>
 
@@ -24,6 +27,17 @@ namespace eses::detail::cli {
 /// Returns the lines about the atoms of a PDB or mmCIF file that were read or left out. They begin
 /// with `read:`, `left out:` and `radii:`.
 std::string structure_text(const StructureReport& report);
+
+/// Returns the number of atoms that were left out.
+std::uint64_t left_out_atoms(const StructureReport& report);
+
+/// Returns the message of an exception that ends the work on a file, with the name of the file.
+std::string message_with_file(const std::exception& error, const std::filesystem::path& path);
+
+/// Returns the JSON object, in a line, of a file that cannot be measured. `model` is the number of
+/// its model; 0 if it is not chosen.
+std::string failure_json(const std::filesystem::path& path, const std::string& error,
+                         int model = 0);
 
 /// Returns the line about filled cavities.
 std::string filling_text(std::span<const FilledCavity> filled);

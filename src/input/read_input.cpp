@@ -19,33 +19,68 @@
 namespace eses::detail {
 namespace {
 
-[[noreturn]] void fail_for_memory(std::string_view name) {
-  throw MemoryLimitError(formatted("cannot read {}: out of memory", name));
+// Returns the result of `read`. Throws MemoryLimitError if the memory does not suffice.
+template <class Read>
+auto with_enough_memory(const std::string& name, Read&& read) {
+  const auto out_of_memory = [&] {
+    return MemoryLimitError(formatted("cannot read {}: out of memory", name));
+  };
+  try {
+    return read();
+  } catch (const std::bad_alloc&) {
+    throw out_of_memory();
+  } catch (const std::length_error&) {
+    throw out_of_memory();
+  }
+}
+
+// Sets the format by the suffix, unless the user has chosen one. Returns whether the user has.
+bool choose_format(const std::filesystem::path& path, ReadOptions& options) {
+  const bool is_chosen = options.format != AtomFormat::automatic;
+  if (!is_chosen) refuse_other_suffix(path);
+  options.format = format_of(path, options.format);
+  return is_chosen;
+}
+
+// Returns the result of `read` for the text of a PDB or mmCIF file.
+template <class Read>
+auto with_structure(const std::filesystem::path& path, TextSource& source, bool is_chosen,
+                    const ReadOptions& options, Read&& read) {
+  const std::string& name = source.name();
+  return with_enough_memory(name, [&] {
+    const ReadingLimit limit(options.max_memory);
+    const std::string text = read_text(source, limit, options.check);
+    return read(StructureText{text, name, options.format, is_assembly_file(path), is_chosen,
+                              options, limit});
+  });
 }
 
 }  // namespace
 
 AtomFile read_input(const std::filesystem::path& path, ReadOptions options,
                     const std::function<void(AtomFile& atoms)>& after_part) {
-  const bool is_chosen = options.format != AtomFormat::automatic;
-  if (!is_chosen) refuse_other_suffix(path);
-  options.format = format_of(path, options.format);
+  const bool is_chosen = choose_format(path, options);
   TextSource source = TextSource::open_input(path);
+  if (is_structure(options.format))
+    return with_structure(path, source, is_chosen, options, [&](const StructureText& text) {
+      return read_structure(text, after_part);
+    });
   const std::string& name = source.name();
-  try {
-    if (!is_structure(options.format))
-      return read_all_atoms([&](std::span<char> buffer) { return source.read(buffer); },
-                            {options, name, 1, is_chosen}, after_part);
-    const ReadingLimit limit(options.max_memory);
-    const std::string text = read_text(source, limit, options.check);
-    return read_structure(
-        {text, name, options.format, is_assembly_file(path), is_chosen, options, limit},
-        after_part);
-  } catch (const std::bad_alloc&) {
-    fail_for_memory(name);
-  } catch (const std::length_error&) {
-    fail_for_memory(name);
-  }
+  return with_enough_memory(name, [&] {
+    return read_all_atoms([&](std::span<char> buffer) { return source.read(buffer); },
+                          {options, name, 1, is_chosen}, after_part);
+  });
+}
+
+std::vector<int> read_model_numbers(const std::filesystem::path& path, ReadOptions options) {
+  const bool is_chosen = choose_format(path, options);
+  TextSource source = TextSource::open_input(path);
+  std::vector<int> numbers;
+  for (const std::string& name : with_structure(path, source, is_chosen, options, read_model_names))
+    if (!parse_integer(name, numbers.emplace_back()))
+      throw Error(
+          formatted("{}: the name of model {} is no number", source.name(), detail::quoted(name)));
+  return numbers;
 }
 
 }  // namespace eses::detail

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <vector>
 
 #include "eses/read_atoms.hpp"
 
@@ -12,5 +13,9 @@ namespace eses::detail {
 /// these, the elements in a PQR file are not completed yet; see complete_elements.
 AtomFile read_input(const std::filesystem::path& path, ReadOptions options,
                     const std::function<void(AtomFile& atoms)>& after_part);
+
+/// Returns the numbers of the models of a PDB or mmCIF file, in its order. Throws Error if it
+/// cannot be read, or if the name of a model is no number.
+std::vector<int> read_model_numbers(const std::filesystem::path& path, ReadOptions options);
 
 }  // namespace eses::detail

@@ -3,7 +3,9 @@
 
 #include <cstdint>
 #include <functional>
+#include <string>
 #include <string_view>
+#include <vector>
 
 #include "eses/read_atoms.hpp"
 #include "input/reading_limit.hpp"
@@ -34,5 +36,9 @@ std::string_view gemmi_version();
 /// Reads a text. Calls `after_part` after each part with the atoms so far. Labels that `after_part`
 /// takes are not kept. Throws Error with file and line.
 AtomFile read_structure(StructureText text, const std::function<void(AtomFile& atoms)>& after_part);
+
+/// Returns the names of the models of a text, in its order; empty if it has no atoms. Throws Error
+/// with file and line.
+std::vector<std::string> read_model_names(StructureText text);
 
 }  // namespace eses::detail

@@ -8,13 +8,23 @@ namespace eses::detail {
 
 std::string_view gemmi_version() { return {}; }
 
-AtomFile read_structure(StructureText text,
-                        const std::function<void(AtomFile& atoms)>& /*after_part*/) {
+namespace {
+
+[[noreturn]] void refuse(const StructureText& text) {
   throw Error(
       formatted("{}: this build reads xyzr and PQR; for PDB and mmCIF install gemmi-dev "
                 "and tao-pegtl-dev (libgemmi-dev in later releases of Debian and Ubuntu) and build "
                 "eses-blocks again",
                 text.name));
 }
+
+}  // namespace
+
+AtomFile read_structure(StructureText text,
+                        const std::function<void(AtomFile& atoms)>& /*after_part*/) {
+  refuse(text);
+}
+
+std::vector<std::string> read_model_names(StructureText text) { refuse(text); }
 
 }  // namespace eses::detail

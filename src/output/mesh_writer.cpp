@@ -94,8 +94,8 @@ char* put_stl_triangle(char* out, const TrianglePoints& corners) {
   return put_little(out, std::uint16_t{0});
 }
 
-// Returns a name for a comment of a PLY header. Readers search the header for lines, and for the text
-// of its last one.
+// Returns a name for a comment of a PLY header. Readers search the header for lines, and for the
+// text of its last one.
 std::string ply_text(std::string_view name) {
   constexpr std::string_view end = "end_header";
   std::string text(name);

@@ -3,10 +3,13 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <limits>
 #include <tuple>
 
+#include "geometry/box.hpp"
 #include "grid/point_bits.hpp"
 #include "solve/region_totals.hpp"
+#include "surface/point_tree.hpp"
 #include "system/parallel.hpp"
 
 namespace eses::detail {
@@ -43,13 +46,61 @@ void add_dilated(std::span<const std::uint64_t> centers, std::int64_t half,
   }
 }
 
+// Sets the bits of the points of a plane that are in a box and for which `is_in` returns true.
+template <class IsIn>
+void set_points(const Grid& grid, std::int64_t z, const Box& box, std::size_t words,
+                std::vector<std::uint64_t>& bits, IsIn&& is_in) {
+  const double height = grid.coordinate(2, z);
+  if (height < box.low.z || height > box.high.z) return;
+  const auto range = [&](std::size_t axis) {
+    const auto index = [&](double coordinate) {
+      return static_cast<std::int64_t>(std::clamp((coordinate - grid.origin[axis]) / grid.spacing,
+                                                  -1.0, static_cast<double>(grid.size[axis])));
+    };
+    return std::pair(std::max<std::int64_t>(index(box.low[axis]), 0),
+                     std::min(index(box.high[axis]) + 1, grid.size[axis] - 1));
+  };
+  const auto [x_begin, x_last] = range(0);
+  const auto [y_begin, y_last] = range(1);
+  for (std::int64_t y = y_begin; y <= y_last; ++y)
+    for (std::int64_t x = x_begin; x <= x_last; ++x) {
+      const Vec3 at{grid.coordinate(0, x), grid.coordinate(1, y), height};
+      if (contains(box, at) && is_in(at))
+        bits[static_cast<std::size_t>(y) * words + static_cast<std::size_t>(x / 64)] |=
+            std::uint64_t{1} << (x % 64);
+    }
+}
+
+// Returns the distance from a point to the nearest one of a tree. It is at least `first`.
+double nearest_distance(const PointTree& tree, const std::vector<Vec3>& points, Vec3 at,
+                        double first) {
+  double nearest = std::numeric_limits<double>::infinity();
+  for (double within = first; std::isinf(nearest); within *= 2)
+    tree.for_each_within(
+        at, within, [&](std::uint32_t k) { nearest = std::min(nearest, norm(points[k] - at)); });
+  return nearest;
+}
+
 }  // namespace
 
-PocketFinder::PocketFinder(const Grid& grid, double probe_radius, int threads)
+void PocketFinder::Sums::add(const Sums& other) {
+  points += other.points;
+  centers += other.centers;
+  mouth += other.mouth;
+  points_at_place += other.points_at_place;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    indices[axis] += other.indices[axis];
+    low[axis] = std::min(low[axis], other.low[axis]);
+    high[axis] = std::max(high[axis], other.high[axis]);
+  }
+}
+
+PocketFinder::PocketFinder(const Grid& grid, double probe_radius, int threads, const Place* place)
     : grid_(grid),
       threads_(threads),
       words_(static_cast<std::size_t>((grid.size[0] + 63) / 64)),
-      planes_within_reach_(planes_in(reach_of(grid, probe_radius))) {
+      planes_within_reach_(planes_in(reach_of(grid, probe_radius))),
+      place_(place) {
   const double reach = reach_of(grid, probe_radius);
   const std::int64_t far = std::max(planes_within_reach_, connected_within);
   const auto square = [](std::int64_t x) { return static_cast<double>(x * x); };
@@ -162,10 +213,11 @@ void PocketFinder::find_centers(std::int64_t z) {
   for (std::size_t w = 0; w < here.centers.size(); ++w)
     here.centers[w] = here.large[w] & ~here.small[w] & ~here.covered[w];
   find_sets(z, here.centers, centers_, &Plane::center,
-            [&](std::int64_t, std::int64_t y, Element element, bool is_new) {
+            [&](std::int64_t x, std::int64_t y, Element element, bool is_new) {
               here.has_centers[static_cast<std::size_t>(y)] = 1;
               if (is_new) sums_.emplace_back();
               ++sums_[element].centers;
+              keep_center(place_centers_, {x, y, z}, element);
             });
 }
 
@@ -196,7 +248,9 @@ void PocketFinder::find_mouths(std::int64_t z) {
   }
   find_sets(z, mouths, mouths_, &Plane::mouth,
             [&](std::int64_t x, std::int64_t y, Element, bool is_new) {
-              if (is_new) center_of_mouth_.push_back(element_at(here.center, x, y));
+              const Element center = element_at(here.center, x, y);
+              if (is_new) center_of_mouth_.push_back(center);
+              keep_center(place_mouths_, {x, y, z}, center);
             });
 }
 
@@ -245,8 +299,52 @@ void PocketFinder::add_points(std::int64_t z) {
     const auto point = static_cast<std::int64_t>(k);
     const GridIndex index{point % grid_.size[0], point / grid_.size[0], z};
     ++sums.points;
-    for (std::size_t axis = 0; axis < 3; ++axis) sums.indices[axis] += index[axis];
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      sums.indices[axis] += index[axis];
+      sums.low[axis] = std::min(sums.low[axis], index[axis]);
+      sums.high[axis] = std::max(sums.high[axis], index[axis]);
+    }
   }
+  if (place_ != nullptr) add_place(z);
+}
+
+void PocketFinder::keep_center(std::vector<Center>& list, const GridIndex& at,
+                               Element element) const {
+  if (place_ == nullptr) return;
+  Center& center = list.emplace_back(Center{{}, element});
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    center.index[axis] = static_cast<std::int32_t>(at[axis]);
+}
+
+Vec3 PocketFinder::point(const GridIndex& index) const {
+  return {grid_.coordinate(0, index[0]), grid_.coordinate(1, index[1]),
+          grid_.coordinate(2, index[2])};
+}
+
+// Counts the points of a plane that are in the balls and the box of the place.
+void PocketFinder::add_place(std::int64_t z) {
+  std::vector<std::uint64_t> bits(words_ * static_cast<std::size_t>(grid_.size[1]));
+  for (const Atom& ball : place_->balls)
+    set_points(grid_, z, ball_box(ball.center, ball.radius), words_, bits, [&](Vec3 at) {
+      return squared_norm(at - ball.center) <= ball.radius * ball.radius;
+    });
+  if (place_->box)
+    set_points(grid_, z, {(*place_->box)[0], (*place_->box)[1]}, words_, bits,
+               [](Vec3) { return true; });
+  const Plane& here = plane(z);
+  for_each_point(bits, [&](std::int64_t x, std::int64_t y) {
+    const std::size_t word = row_begin(y) + static_cast<std::size_t>(x / 64);
+    const std::uint64_t bit = std::uint64_t{1} << (x % 64);
+    const Element owner = element_at(here.owner, x, y);
+    if ((here.small[word] & bit) != 0)
+      ++place_inside_;
+    else if ((here.large[word] & bit) == 0)
+      ++place_outside_;
+    else if (owner == none)
+      ++place_shallow_;
+    else
+      ++sums_[owner].points_at_place;
+  });
 }
 
 // Returns the owner of the inside or the outside end of an edge from a plane.
@@ -283,49 +381,85 @@ void PocketFinder::remove_repeated_contacts() {
   contacts_to_keep_ = contacts_.size();
 }
 
-Pockets PocketFinder::finish(double min_volume) {
+// Returns the pockets, however small, in descending order of their volumes.
+std::vector<PocketFinder::Found> PocketFinder::collect() {
   for (std::size_t k = 0; k < planes_.size(); ++k) add(empty_plane());
   const std::vector<Element> label = centers_.labels();
-  const double point_volume = grid_.spacing * grid_.spacing * grid_.spacing;
-  struct Found : Sums {
-    std::size_t mouth_count = 0;
-    std::vector<AtomIndex> atoms;
-  };
   std::vector<Found> found(label.empty() ? 0 : *std::max_element(label.begin(), label.end()) + 1);
-  for (Element k = 0; k < label.size(); ++k) {
-    Found& sum = found[label[k]];
-    sum.points += sums_[k].points;
-    sum.centers += sums_[k].centers;
-    sum.mouth += sums_[k].mouth;
-    for (std::size_t axis = 0; axis < 3; ++axis) sum.indices[axis] += sums_[k].indices[axis];
-  }
+  for (Element k = 0; k < label.size(); ++k) found[label[k]].add(sums_[k]);
   for (Element k = 0; k < mouths_.count(); ++k)
     if (mouths_.root(k) == k) ++found[label[center_of_mouth_[k]]].mouth_count;
   for (const auto& [owner, atom] : contacts_) found[label[owner]].atoms.push_back(atom);
+  const auto add_centers = [&](const std::vector<Center>& list, std::vector<Vec3> Found::*points) {
+    for (const auto& [index, element] : list)
+      (found[label[element]].*points).push_back(point({index[0], index[1], index[2]}));
+  };
+  add_centers(place_centers_, &Found::all_centers);
+  add_centers(place_mouths_, &Found::centers_at_mouths);
+  for (Found& pocket : found) {
+    std::sort(pocket.atoms.begin(), pocket.atoms.end());
+    pocket.atoms.erase(std::unique(pocket.atoms.begin(), pocket.atoms.end()), pocket.atoms.end());
+  }
   // Labels ascend in the order of the first centers.
   std::stable_sort(found.begin(), found.end(),
                    [](const Found& a, const Found& b) { return a.points > b.points; });
+  return found;
+}
+
+Pocket PocketFinder::pocket_of(const Found& found) const {
+  Vec3 mean;
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    mean[axis] = static_cast<double>(found.indices[axis]) / static_cast<double>(found.points);
+  return {.volume = point_volume() * static_cast<double>(found.points),
+          .probe_center_volume = point_volume() * static_cast<double>(found.centers),
+          .mouth_area = atom_area(found.mouth, grid_.spacing),
+          .mouth_count = found.mouth_count,
+          .centroid = grid_.origin + grid_.spacing * mean,
+          .atoms = found.atoms};
+}
+
+Pockets PocketFinder::finish(double min_volume) {
   Pockets result;
   std::int64_t points = 0;
-  for (Found& pocket : found) {
-    points += pocket.points;
-    const double volume = point_volume * static_cast<double>(pocket.points);
-    if (volume < min_volume) continue;
-    std::sort(pocket.atoms.begin(), pocket.atoms.end());
-    pocket.atoms.erase(std::unique(pocket.atoms.begin(), pocket.atoms.end()), pocket.atoms.end());
-    Vec3 mean;
-    for (std::size_t axis = 0; axis < 3; ++axis)
-      mean[axis] = static_cast<double>(pocket.indices[axis]) / static_cast<double>(pocket.points);
-    result.pockets.push_back(
-        {.volume = volume,
-         .probe_center_volume = point_volume * static_cast<double>(pocket.centers),
-         .mouth_area = atom_area(pocket.mouth, grid_.spacing),
-         .mouth_count = pocket.mouth_count,
-         .centroid = grid_.origin + grid_.spacing * mean,
-         .atoms = std::move(pocket.atoms)});
+  for (const Found& found : collect()) {
+    points += found.points;
+    if (point_volume() * static_cast<double>(found.points) >= min_volume)
+      result.pockets.push_back(pocket_of(found));
   }
-  result.difference_volume = point_volume * static_cast<double>(difference_points_);
-  result.shallow_volume = point_volume * static_cast<double>(difference_points_ - points);
+  result.difference_volume = point_volume() * static_cast<double>(difference_points_);
+  result.shallow_volume = point_volume() * static_cast<double>(difference_points_ - points);
+  return result;
+}
+
+PlacedPockets PocketFinder::finish_at_place(double min_volume) {
+  PlacedPockets result;
+  const auto volume_of = [&](std::int64_t points) {
+    return point_volume() * static_cast<double>(points);
+  };
+  for (const Found& found : collect()) {
+    const bool has_atom = std::ranges::any_of(place_->atoms, [&](AtomIndex atom) {
+      return std::ranges::binary_search(found.atoms, atom);
+    });
+    if (found.points_at_place == 0 && !has_atom) continue;
+    if (volume_of(found.points) < min_volume) {
+      result.small_pocket_volume += volume_of(found.points);
+      continue;
+    }
+    PlacedPocket& placed = result.pockets.emplace_back();
+    placed.pocket = pocket_of(found);
+    placed.low = point(found.low);
+    placed.high = point(found.high);
+    placed.volume_at_place = volume_of(found.points_at_place);
+    if (found.centers_at_mouths.empty()) continue;
+    PointTree mouths;
+    mouths.reset(found.centers_at_mouths);
+    for (const Vec3& center : found.all_centers)
+      placed.depth = std::max(placed.depth, nearest_distance(mouths, found.centers_at_mouths,
+                                                             center, 4 * grid_.spacing));
+  }
+  result.inside_volume = volume_of(place_inside_);
+  result.outside_volume = volume_of(place_outside_);
+  result.shallow_volume = volume_of(place_shallow_);
   return result;
 }
 

@@ -14,6 +14,7 @@
 #include <utility>
 #include <vector>
 
+#include "eses/place.hpp"
 #include "eses/pockets.hpp"
 #include "grid/block_crossing.hpp"
 #include "solve/area_shares.hpp"
@@ -44,7 +45,8 @@ struct PocketPlane {
 /// probe, and sums of each pocket.
 class PocketFinder {
  public:
-  PocketFinder(const Grid& grid, double probe_radius, int threads);
+  /// Keeps a pointer to `place`, which is null if no place is searched.
+  PocketFinder(const Grid& grid, double probe_radius, int threads, const Place* place = nullptr);
 
   /// Returns the memory of the planes in bytes.
   static double memory_bytes(const Grid& grid, double probe_radius);
@@ -56,10 +58,13 @@ class PocketFinder {
 
   /// Returns the pockets with at least this volume (cubic angstrom), after the last plane.
   Pockets finish(double min_volume);
+  /// Returns the pockets at the place with at least this volume, after the last plane.
+  PlacedPockets finish_at_place(double min_volume);
 
  private:
   using Element = DisjointSets::Element;
   static constexpr Element none = 0xffffffff;
+  static constexpr std::int64_t no_index = std::int64_t{1} << 62;
 
   /// The points [x - half, x + half] of a row, at an offset.
   struct RowOffset {
@@ -76,6 +81,22 @@ class PocketFinder {
     std::int64_t points = 0, centers = 0;
     std::array<std::int64_t, 3> indices{};  // of the points
     AreaShare mouth = 0;
+    // Only with a place: its points, and the corners of the box around all points.
+    std::int64_t points_at_place = 0;
+    GridIndex low{no_index, no_index, no_index}, high{-1, -1, -1};
+
+    void add(const Sums& other);
+  };
+  // The sums of all elements of a pocket.
+  struct Found : Sums {
+    std::size_t mouth_count = 0;
+    std::vector<AtomIndex> atoms;
+    std::vector<Vec3> centers_at_mouths, all_centers;  // only with a place
+  };
+  // A point of the grid and its element.
+  struct Center {
+    std::array<std::int32_t, 3> index;
+    Element element;
   };
 
   Plane& plane(std::int64_t z) { return planes_[static_cast<std::size_t>(z - first_z_)]; }
@@ -96,6 +117,12 @@ class PocketFinder {
   void add_crossings(std::int64_t z);
   Element owner_of_end(const PocketPlane::Edge& edge, std::int64_t z, bool is_inside);
   void remove_repeated_contacts();
+  void add_place(std::int64_t z);
+  void keep_center(std::vector<Center>& list, const GridIndex& at, Element element) const;
+  std::vector<Found> collect();
+  Pocket pocket_of(const Found& found) const;
+  double point_volume() const { return grid_.spacing * grid_.spacing * grid_.spacing; }
+  Vec3 point(const GridIndex& index) const;
   template <class Action>
   void for_each_point(const std::vector<std::uint64_t>& bits, Action&& action) const;
 
@@ -115,6 +142,9 @@ class PocketFinder {
   std::vector<std::pair<Element, AtomIndex>> contacts_;  // of owners and atoms
   std::size_t contacts_to_keep_ = 0;  // number of contacts when repetitions were removed
   std::int64_t difference_points_ = 0;
+  const Place* place_;
+  std::vector<Center> place_centers_, place_mouths_;  // of all pockets, if there is a place
+  std::int64_t place_inside_ = 0, place_outside_ = 0, place_shallow_ = 0;  // points
 };
 
 }  // namespace eses::detail

@@ -158,6 +158,41 @@ class PocketSink final : public Sink {
   ProgressReport& report_;
 };
 
+// Sweeps over all planes of the grid. `place` is null if no place is searched. Calls
+// `finish(finder, min_volume)` after the last plane, and returns its result.
+template <class Finish>
+auto sweep_planes(const Molecule& molecule, double probe_radius, const Place* place,
+                  const PocketOptions& options, Finish&& finish) {
+  const Grid grid = make_grid(molecule.atoms(), options.spacing, margin_spacings * options.spacing);
+  // Each sweep expects half of the memory of the finder.
+  const CallerMemory caller{.per_point = PocketFinder::memory_bytes(grid, probe_radius) / 2 /
+                                         static_cast<double>(grid.point_count())};
+  ProbeSweep small(molecule, grid, probe_radius, true, options, caller);
+  ProbeSweep large(molecule, grid, options.large_probe_radius, false, options, caller);
+  PocketFinder finder(grid, probe_radius, small.threads(), place);
+  const ProgressCallback check = [&](std::int64_t, std::int64_t) {
+    if (options.check) options.check();
+  };
+  ProgressReport report(check, 0);
+  report.check();
+  for (std::int64_t z = 0; z < grid.size[2]; z += small.layer_planes()) {
+    const PlaneRange planes{z, std::min(z + small.layer_planes(), grid.size[2])};
+    PocketPlanes buffer(planes, finder);
+    PocketSink of_small(buffer, grid.size[1], &PocketPlane::small, &PocketPlane::covered,
+                        &PocketPlane::walls, report);
+    small.sweep(planes, {MapQuantity::inside, MapQuantity::ion_access}, of_small, report);
+    PocketSink of_large(buffer, grid.size[1], &PocketPlane::large, nullptr, &PocketPlane::mouths,
+                        report);
+    large.sweep(planes, {MapQuantity::inside}, of_large, report);
+    for (PocketPlane& plane : buffer.planes()) {
+      finder.add(std::move(plane));
+      report.check();
+    }
+  }
+  const double probe_volume = 4 * std::numbers::pi / 3 * std::pow(probe_radius, 3);
+  return finish(finder, options.min_volume.value_or(min_probe_volumes * probe_volume));
+}
+
 }  // namespace
 
 void require_valid(const PocketOptions& options, double probe_radius) {
@@ -185,34 +220,16 @@ void require_valid(const PocketOptions& options, double probe_radius) {
 }
 
 Pockets sweep_pockets(const Molecule& molecule, double probe_radius, const PocketOptions& options) {
-  const Grid grid = make_grid(molecule.atoms(), options.spacing, margin_spacings * options.spacing);
-  // Each sweep expects half of the memory of the finder.
-  const CallerMemory caller{.per_point = PocketFinder::memory_bytes(grid, probe_radius) / 2 /
-                                         static_cast<double>(grid.point_count())};
-  ProbeSweep small(molecule, grid, probe_radius, true, options, caller);
-  ProbeSweep large(molecule, grid, options.large_probe_radius, false, options, caller);
-  PocketFinder finder(grid, probe_radius, small.threads());
-  const ProgressCallback check = [&](std::int64_t, std::int64_t) {
-    if (options.check) options.check();
-  };
-  ProgressReport report(check, 0);
-  report.check();
-  for (std::int64_t z = 0; z < grid.size[2]; z += small.layer_planes()) {
-    const PlaneRange planes{z, std::min(z + small.layer_planes(), grid.size[2])};
-    PocketPlanes buffer(planes, finder);
-    PocketSink of_small(buffer, grid.size[1], &PocketPlane::small, &PocketPlane::covered,
-                        &PocketPlane::walls, report);
-    small.sweep(planes, {MapQuantity::inside, MapQuantity::ion_access}, of_small, report);
-    PocketSink of_large(buffer, grid.size[1], &PocketPlane::large, nullptr, &PocketPlane::mouths,
-                        report);
-    large.sweep(planes, {MapQuantity::inside}, of_large, report);
-    for (PocketPlane& plane : buffer.planes()) {
-      finder.add(std::move(plane));
-      report.check();
-    }
-  }
-  const double probe_volume = 4 * std::numbers::pi / 3 * std::pow(probe_radius, 3);
-  return finder.finish(options.min_volume.value_or(min_probe_volumes * probe_volume));
+  return sweep_planes(
+      molecule, probe_radius, nullptr, options,
+      [](PocketFinder& finder, double min_volume) { return finder.finish(min_volume); });
+}
+
+PlacedPockets sweep_pockets_at(const Molecule& molecule, double probe_radius, const Place& place,
+                               const PocketOptions& options) {
+  return sweep_planes(
+      molecule, probe_radius, &place, options,
+      [](PocketFinder& finder, double min_volume) { return finder.finish_at_place(min_volume); });
 }
 
 }  // namespace eses::detail

@@ -1,6 +1,7 @@
 #pragma once
 /// The search for pockets: sweeps over the surfaces of two probes on the same grid, layer by layer.
 
+#include "eses/place.hpp"
 #include "eses/pockets.hpp"
 #include "surface/molecule.hpp"
 
@@ -12,5 +13,9 @@ void require_valid(const PocketOptions& options, double probe_radius);
 
 /// Finds the pockets of a molecule for valid options.
 Pockets sweep_pockets(const Molecule& molecule, double probe_radius, const PocketOptions& options);
+
+/// Finds the pockets at a place for valid options.
+PlacedPockets sweep_pockets_at(const Molecule& molecule, double probe_radius, const Place& place,
+                               const PocketOptions& options);
 
 }  // namespace eses::detail

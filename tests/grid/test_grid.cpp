@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "catch.hpp"
-#include "eses/error.hpp"
+#include "eses/eses.hpp"
 #include "grid/make_grid.hpp"
 #include "grid/tiling.hpp"
 #include "run/plan.hpp"
@@ -416,9 +416,9 @@ TEST_CASE("a chosen grid with a spacing that would overflow is refused") {
   for (const double spacing : {1e-300, 1e-19, 0.99e-9}) {
     const Grid grid{{0, 0, 1.5}, spacing, {2, 2, 2}};
     CHECK_THROWS_AS(validate(grid), std::invalid_argument);
-    CHECK_THROWS_AS(compute(surface, grid), std::invalid_argument);
+    CHECK_THROWS_AS(eses::compute(surface, grid), std::invalid_argument);
   }
-  CHECK_NOTHROW(compute(surface, Grid{{0, 0, 1.5}, 1e-9, {2, 2, 2}}));
+  CHECK_NOTHROW(eses::compute(surface, Grid{{0, 0, 1.5}, 1e-9, {2, 2, 2}}));
 }
 
 TEST_CASE("a margin that a message recommends is accepted") {

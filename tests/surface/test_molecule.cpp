@@ -15,7 +15,7 @@
 #include <vector>
 
 #include "catch.hpp"
-#include "eses/error.hpp"
+#include "eses/eses.hpp"
 #include "geometry/tolerances.hpp"
 #include "support/atom_sets.hpp"
 #include "support/run.hpp"
@@ -307,7 +307,7 @@ TEST_CASE("an impossible number of threads is refused", "[molecule]") {
     const Surface surface({{{0, 0, 0}, 1}});
     CHECK_THROWS_AS(measure(surface, {.threads = threads}), std::invalid_argument);
     CHECK_THROWS_AS(find_pockets(surface, {.threads = threads}), std::invalid_argument);
-    CHECK_THROWS_AS(compute(surface, make_grid(surface, {}), {.threads = threads}),
+    CHECK_THROWS_AS(eses::compute(surface, eses::make_grid(surface, {}), {.threads = threads}),
                     std::invalid_argument);
   }
 }

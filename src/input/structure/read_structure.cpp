@@ -185,6 +185,13 @@ std::vector<Diagnostic> find_one_atom_residues(const std::vector<StructureAtom>&
 
 std::string_view gemmi_version() { return GEMMI_VERSION; }
 
+std::vector<std::string> read_model_names(StructureText text) {
+  text.text = checked_text(text.text, text.name, text.format, text.is_chosen);
+  text.require_memory(expected_bytes(text.text, text.format));
+  const auto& parse_text = text.format == AtomFormat::pdb ? parse_pdb_text : parse_mmcif_text;
+  return parse_text(text.text, text.name, {0, {}, text.options.check}).models.names;
+}
+
 AtomFile read_structure(StructureText text,
                         const std::function<void(AtomFile& atoms)>& after_part) {
   text.text = checked_text(text.text, text.name, text.format, text.is_chosen);

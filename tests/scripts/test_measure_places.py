@@ -1,0 +1,223 @@
+"""Tests of `measure` with models, reported atoms and places, and of `interface` with several files. The molecules are
+small and made here."""
+
+import csv
+import io
+import json
+import math
+import subprocess
+import unittest
+
+from support import DATA, PROGRAM, TestCase
+
+ALANINE = (("N", 0, 0, 0), ("CA", 1.5, 0, 0), ("C", 2, 1.4, 0), ("O", 1.3, 2.4, 0.3), ("CB", 2, -0.8, 1.2))
+
+
+def atom_line(number, name, residue, chain, residue_number, place, record="ATOM"):
+    x, y, z = place
+    return (f"{record:<6}{number:5}  {name:<3} {residue} {chain}{residue_number:4}    {x:8.3f}{y:8.3f}{z:8.3f}"
+            f"  1.00  0.00          {name[0]:>2}\n")
+
+
+def peptide(shift=0.0):
+    """Six alanines of two chains along a line."""
+    lines = []
+    for residue in range(6):
+        for name, x, y, z in ALANINE:
+            place = (x + 3.8 * residue + shift * (residue % 2), y, z)
+            lines.append(atom_line(len(lines) + 1, name, "ALA", "AB"[residue // 3], residue + 1, place))
+    return "".join(lines)
+
+
+def cup(depth):
+    """A pit in a block of atoms, with a ligand at its bottom."""
+    lines, count = [], 0
+    for x in range(-4, 5):
+        for y in range(-4, 5):
+            for z in range(5):
+                if abs(x) <= 1 and abs(y) <= 1 and z >= 5 - depth:
+                    continue
+                count += 1
+                lines.append(atom_line(count, "CA", "GLY", "A", count, (2.5 * x, 2.5 * y, 2.5 * z)))
+    lines.append(atom_line(count + 1, "C1", "LIG", "A", 999, (0, 0, 2.5 * (5 - depth) + 1), "HETATM"))
+    return "".join(lines)
+
+
+class Case(TestCase):
+    def file(self, name, text):
+        path = self.folder / name
+        path.write_text(text, encoding="ascii")
+        return str(path)
+
+    def call(self, *arguments, code=0):
+        done = subprocess.run([PROGRAM, *map(str, arguments)], capture_output=True, text=True, check=False)
+        if code == 0 and "this build reads xyzr and PQR" in done.stderr:
+            raise unittest.SkipTest("this build has no gemmi")
+        self.assertEqual(done.returncode, code, done.stderr)
+        return done
+
+    def json(self, *arguments):
+        return [json.loads(line) for line in self.call(*arguments, "--json", "-q").stdout.splitlines()]
+
+    def rows(self, path):
+        with open(path, encoding="utf-8", newline="") as table:
+            return list(csv.DictReader(table))
+
+
+class Models(Case):
+    def setUp(self):
+        super().setUp()
+        self.path = self.file("nmr.pdb", "".join(f"MODEL     {number:4}\n{peptide(0.1 * number)}ENDMDL\n"
+                                                 for number in (1, 2, 7)))
+
+    def test_each_model_has_a_result(self):
+        found = self.json("measure", self.path, "--model", "all")
+        self.assertEqual([each["model"] for each in found], [1, 2, 7])
+        for each in found:
+            one, = self.json("measure", self.path, "--model", each["model"])
+            self.assertEqual(one["ses_area"], each["ses_area"])
+        self.assertEqual(len({each["ses_area"] for each in found}), 3)
+        lines = self.call("measure", self.path, "--model", "all").stdout.splitlines()
+        self.assertTrue(lines[0].endswith(" file, model"))
+        self.assertTrue(lines[3].endswith("nmr.pdb, 7"))
+
+    def test_tables_have_models(self):
+        table = self.folder / "all.csv"
+        missing = str(self.folder / "missing.pdb")
+        done = self.call("measure", self.path, missing, "--model", "all", "--csv", table, "--write", "residues",
+                         "-o", self.folder / "out", code=1)
+        self.assertNotIn("(model 0)", done.stderr)
+        rows = self.rows(table)
+        self.assertEqual([row["model"] for row in rows], ["1", "2", "7", ""])
+        self.assertEqual([row["radii"] for row in rows], ["protor"] * 3 + [""])
+        self.assertIn("missing.pdb", rows[3]["error"])
+        self.assertEqual(sorted(path.name for path in (self.folder / "out").iterdir()),
+                         [f"nmr.model{number}.residues.csv" for number in (1, 2, 7)])
+
+    def test_errors(self):
+        self.assertIn("give its name", self.call("measure", "-", "--format", "pdb", "--model", "all", code=2).stderr)
+        self.assertIn("expected all, or a whole number", self.call("measure", self.path, "--model", "x", code=2).stderr)
+        self.assertIn("is read as PQR", self.call("measure", DATA / "fas2.pqr", "--model", "all", code=2).stderr)
+        self.call("interface", self.path, "--model", "all", code=2)
+        self.assertIn("prints the table of a single file",
+                      self.call("measure", self.path, "--model", "all", "--table", "atoms", code=2).stderr)
+
+    def test_left_out_atoms_are_counted(self):
+        path = self.file("b.pdb", peptide() + atom_line(31, "O", "HOH", "A", 99, (40, 0, 0), "HETATM"))
+        table = self.folder / "one.csv"
+        self.call("measure", path, DATA / "c60.xyzr", "--csv", table)
+        self.assertEqual([(row["left_out"], row["radii"]) for row in self.rows(table)], [("1", "protor"), ("", "")])
+
+
+class Reports(Case):
+    def test_areas_are_those_of_the_atoms_in_the_molecule(self):
+        path = self.file("a.pdb", peptide())
+        atoms = list(csv.DictReader(io.StringIO(self.call("measure", path, "--table", "atoms").stdout)))
+        found, = self.json("measure", path, "--report", "//A/2", "--report", "B")
+        for report, chosen in zip(found["reports"], ([a for a in atoms if a["residue_number"] == "2"],
+                                                     [a for a in atoms if a["chain"] == "B"])):
+            self.assertEqual(report["atoms"], len(chosen))
+            for area in ("ses_area", "sas_area"):
+                self.assertAlmostEqual(report[area], sum(float(a[area]) for a in chosen), 4)
+            self.assertAlmostEqual(report["polar_sas_area"] + report["apolar_sas_area"], report["sas_area"], 9)
+        self.assertAlmostEqual(found["reports"][0]["relative_sas_area"], found["reports"][0]["sas_area"] / 129, 9)
+        self.assertIsNone(found["reports"][1]["relative_sas_area"])
+        self.assertEqual(found["reports"][0]["residues"], ["A:ALA 2"])
+        whole, = self.json("measure", path)
+        self.assertEqual(found["ses_area"], whole["ses_area"])
+
+    def test_tables_have_the_reported_atoms(self):
+        path = self.file("a.pdb", peptide())
+        rows = list(csv.DictReader(io.StringIO(
+            self.call("measure", path, "--report", "//A/2", "--report", "//A/1-2", "--table", "atoms").stdout)))
+        self.assertEqual([row["serial"] for row in rows], [str(number) for number in range(1, 11)])
+        table = self.folder / "r.csv"
+        self.call("measure", path, path, "--report", "B", "--csv", table)
+        self.assertGreater(float(self.rows(table)[1]["sas_area of B"]), 0)
+
+    def test_errors(self):
+        path = self.file("a.pdb", peptide())
+        self.assertIn("C", self.call("measure", path, "--report", "C", code=1).stderr)
+        self.call("measure", path, "--report", "A", "--parts", "chains", code=2)
+        self.call("measure", DATA / "c60.xyzr", "--report", "A", code=2)
+
+
+class Places(Case):
+    def test_pocket_of_a_ligand(self):
+        path = self.file("cup.pdb", cup(3))
+        found, = self.json("measure", path, "--pockets", "--at", "ligand:LIG", "--large-probe", "6")
+        self.assertEqual(found["at"]["left_out_atoms"], 1)
+        self.assertEqual(found["atoms"], cup(3).count("ATOM  "))
+        pocket, = found["pockets"]
+        self.assertGreater(pocket["volume"], 50)
+        self.assertGreater(pocket["volume_at_place"], 5)
+        self.assertEqual(pocket["mouths"], 1)
+        for axis in range(2):  # the pit is symmetric, the grid is not
+            self.assertAlmostEqual(pocket["centroid"][axis], 0, delta=0.3)
+        for low, middle, high in zip(pocket["low"], pocket["centroid"], pocket["high"]):
+            self.assertLess(low, middle)
+            self.assertLess(middle, high)
+        self.assertGreater(pocket["depth"], 1)
+        deeper, = self.json("measure", self.file("deep.pdb", cup(4)), "--pockets", "--at", "ligand:LIG", "--probe-out", "6")
+        self.assertAlmostEqual(deeper["pockets"][0]["depth"] - pocket["depth"], 2.5, delta=0.5)
+        alone, = self.json("measure", path, "--pockets", "--select", "(!LIG)", "--large-probe", "6")
+        self.assertIn(pocket["volume"], [each["volume"] for each in alone["pockets"]])
+        text = self.call("measure", path, "--pockets", "--at", "ligand:LIG", "--large-probe", "6").stdout
+        self.assertIn("left out: 1 atom of ligand:LIG\n", text)
+        self.assertIn("pocket 1: centre ", text)
+
+    def test_the_same_pocket_at_a_point_a_box_and_atoms(self):
+        path = self.file("cup.pdb", cup(3))
+        at = [self.json("measure", path, "--select", "(!LIG)", "--pockets", "--large-probe", "6", "--at", place)[0]
+              for place in ("0,0,6.5", "-1,-1,5,1,1,8")]
+        volumes = {each["pockets"][0]["volume"] for each in at}
+        self.assertEqual(len(volumes), 1)
+        self.assertEqual([len(each["pockets"]) for each in at], [1, 1])
+        by_atoms = self.json("measure", path, "--pockets", "--large-probe", "6", "--at", "ligand:GLY")
+        self.assertEqual(by_atoms[0]["at"]["left_out_atoms"], cup(3).count("GLY"))
+
+    def test_reasons(self):
+        path = self.file("cup.pdb", cup(3))
+        for place, reason in (("0,0,30", "far from all atoms"), ("7.5,7.5,5", "are in atoms, or in cavities"),
+                              ("0,0,6.5", "are below --min-pocket-volume")):
+            text = self.call("measure", path, "--select", "(!LIG)", "--pockets", "--large-probe", "6",
+                             "--min-pocket-volume", 1e6, "--at", place).stdout
+            self.assertIn("0 pockets at ", text)
+            self.assertIn(reason, text)
+
+    def test_cavities(self):
+        every, = self.json("measure", DATA / "1ubq.xyzr", "--cavities")
+        for number, cavity in enumerate(every["cavities"], 1):
+            place = ",".join(str(value) for value in cavity["largest_probe_center"])
+            found, = self.json("measure", DATA / "1ubq.xyzr", "--cavities", "--at", place)
+            self.assertIn(number, found["at"]["cavities"])
+        text = self.call("measure", DATA / "1ubq.xyzr", "--cavities", "--at", "0,0,0").stdout
+        self.assertIn("no cavity has a probe centre at the place; all 3 are elsewhere", text)
+        text = self.call("measure", DATA / "1ubq.xyzr", "--cavities").stdout
+        self.assertIn("  {:.3f},{:.3f},{:.3f} ".format(*every["cavities"][0]["centroid"]), text)
+
+    def test_errors(self):
+        for arguments in (["--at", "1,2,3"], ["--pockets", "--at", "1,2,3,0,0,0"], ["--pockets", "--at", "A"]):
+            self.call("measure", DATA / "c60.xyzr", *arguments, code=2)
+
+
+class Interfaces(Case):
+    def test_several_files(self):
+        paths = [self.file("a.pdb", peptide()), self.file("b.pdb", peptide(0.2))]
+        table = self.call("interface", *paths, "--table", "interfaces").stdout
+        rows = list(csv.DictReader(io.StringIO(table)))
+        self.assertEqual([row["file"] for row in rows], paths)
+        for row, path in zip(rows, paths):
+            one, = csv.DictReader(io.StringIO(self.call("interface", path, "--table", "interfaces").stdout))
+            self.assertEqual(one, {key: value for key, value in row.items() if key != "file"})
+        missing = str(self.folder / "missing.pdb")
+        done = self.call("interface", missing, paths[0], "--json", code=1)
+        failed, found = map(json.loads, done.stdout.splitlines())
+        self.assertEqual(failed["file"], missing)
+        self.assertTrue(math.isfinite(found["interfaces"][0]["sas"]["interface_area"]))
+        folder = self.call("interface", self.folder, "--table", "residues").stdout
+        self.assertTrue(folder.startswith("file,side,"))
+
+
+if __name__ == "__main__":
+    unittest.main()
