@@ -46,6 +46,8 @@ class Atoms:
     @property
     def diagnostics(self) -> list[Diagnostic]: ...
     @property
+    def left_out(self) -> dict[str, int]: ...
+    @property
     def element(self) -> _Strings: ...
     @property
     def charge(self) -> Optional[_Doubles]: ...
@@ -407,7 +409,13 @@ class Surface:
         threads: SupportsIndex = 0,
     ) -> Measures: ...
     def cavities(
-        self, probe_radius: Optional[float] = None, *, threads: SupportsIndex = 0
+        self,
+        probe_radius: Optional[float] = None,
+        *,
+        at: Any = None,
+        atoms: Optional[Sequence[int]] = None,
+        balls: Optional[Tuple[Any, Any]] = None,
+        threads: SupportsIndex = 0,
     ) -> list[dict[str, Any]]: ...
     def pockets(
         self,
@@ -416,6 +424,9 @@ class Surface:
         spacing: float = 0.4,
         min_volume: Optional[float] = None,
         probe_radius: Optional[float] = None,
+        at: Any = None,
+        atoms: Optional[Sequence[int]] = None,
+        balls: Optional[Tuple[Any, Any]] = None,
         threads: SupportsIndex = 0,
     ) -> list[dict[str, Any]]: ...
 

@@ -105,3 +105,17 @@ def label_chains(text: bytes, lines: list[int]) -> Optional[list[str]]:
             return None
         found.append(values[at].strip(b"'\"").decode("utf-8", "replace"))
     return found
+
+
+def model_numbers(text: bytes, layout: str) -> list[int]:
+    """Returns the numbers of the models of a text of the layout pdb, pqr or mmcif, in their order; [0] if it names none."""
+    if layout != "mmcif":
+        found = re.findall(rb"(?m)^MODEL\s+(\d+)", text)
+    else:
+        names = [name.lower() for name in re.findall(rb"(?im)^\s*_atom_site\.(\S+)\s*$", text)]
+        if b"pdbx_pdb_model_num" not in names:
+            return [0]
+        at = names.index(b"pdbx_pdb_model_num")
+        rows = (_CIF_VALUE.findall(row) for row in re.findall(rb"(?m)^(?:ATOM|HETATM)\s.*$", text))
+        found = [row[at] for row in rows if len(row) == len(names)]
+    return list(dict.fromkeys(int(number) for number in found if number.isdigit())) or [0]

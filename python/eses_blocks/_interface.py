@@ -173,7 +173,7 @@ def interface(molecule: Any, first: Any, second: Any = None, radii: Any = None, 
     molecule : object
         See ``read_molecule``, which also describes the further arguments.
     first, second : str or array_like
-        The parts: names of chains, such as ``"A"`` or ``"A+B"``, or selections, masks or indices as
+        The parts: names of chains, such as ``"A"`` or ``"A+B"``, residues by their name, such as ``"ligand:STI"``, or selections, masks or indices as
         ``report`` of ``measure``. Without ``second``, it is all other atoms.
     probe_radius : float, optional
         Radius of the probe, in angstrom.
@@ -210,6 +210,12 @@ def interface(molecule: Any, first: Any, second: Any = None, radii: Any = None, 
 
 def _part_mask(part: Any, molecule: _molecule.Molecule, select: Any) -> Any:
     """Returns the mask of a part."""
+    if isinstance(part, str) and part.startswith("ligand:"):
+        mask = molecule.residue == part.removeprefix("ligand:")
+        if not mask.any():
+            raise ValueError(f"no residue {part.removeprefix('ligand:')!r}; the residues are "
+                             f"{', '.join(dict.fromkeys(molecule.residue.tolist()))}")
+        return mask
     if isinstance(part, str):
         chains = [name.strip() for name in part.split("+")]
         if set(chains) <= set(molecule.chain.tolist()):

@@ -7,13 +7,13 @@ import functools
 import html
 import importlib
 import os
-from typing import Any, Iterable, Iterator, Optional, Union
+from typing import Any, Iterable, Iterator, Optional, Union, overload
 
 import numpy as np
 import numpy.typing as npt
 
 from . import _core, _molecule
-from ._files import write_structure
+from ._files import model_numbers, write_structure
 from ._references import CLASSES, MAIN_CHAIN, REFERENCE_PROBE_RADIUS, REFERENCES, SYNONYMS
 
 _Doubles = npt.NDArray[np.float64]
@@ -400,10 +400,32 @@ def _surfaces_in(surfaces: Union[str, Iterable[str]]) -> set[str]:
     return known if "all" in chosen else chosen
 
 
+def _measure_models(molecule: Any, radii: Any, models: Union[str, Iterable[int]],
+                    options: dict[str, Any]) -> list[Measurement]:
+    """Measures several models of a file, whose content is read once."""
+    if "model" in options:
+        raise TypeError("give model or models, not both")
+    if not _molecule.is_file(molecule):
+        raise TypeError("models: only files have models; give frame= for one frame of a trajectory")
+    text, name, layout = _molecule.read_content(molecule, options.get("format", "auto"))
+    if isinstance(models, str) and models != "all":
+        raise ValueError(f"models must be 'all' or numbers, not {models!r}")
+    numbers = model_numbers(text, layout) if isinstance(models, str) else [int(number) for number in models]
+    options = {**options, "format": layout}
+    return [measure(text, radii, model=number, **options) for number in numbers]
+
+
+@overload
+def measure(molecule: Any, radii: Any = None, *, models: None = None, **options: Any) -> Measurement: ...
+@overload
+def measure(molecule: Any, radii: Any = None, *, models: Union[str, Iterable[int]], **options: Any) -> list[Measurement]: ...
+
+
 def measure(molecule: Any, radii: Any = None, *, probe_radius: float = 1.4, report: Any = None,
             waters: bool = False, hydrogens: str = "auto", unknown_radius: Optional[float] = None,
             frame: int = 0, reference: str = "tien", surfaces: Union[str, Iterable[str]] = ("ses", "sas"),
-            van_der_waals: bool = False, derivatives: bool = False, fill_cavities: Union[bool, float] = False, threads: int = 0, **options: Any) -> Measurement:
+            van_der_waals: bool = False, derivatives: bool = False, fill_cavities: Union[bool, float] = False, threads: int = 0,
+            models: Optional[Union[str, Iterable[int]]] = None, **options: Any) -> Union[Measurement, list[Measurement]]:
     """Measure the surfaces of a file or of a molecule of another library.
 
     Parameters
@@ -434,13 +456,16 @@ def measure(molecule: Any, radii: Any = None, *, probe_radius: float = 1.4, repo
         See ``Surface``.
     threads : int, optional
         Number of threads; 0 for all.
+    models : 'all' or iterable of int, optional
+        The models of a file to measure, each by itself, such as those of an NMR structure.
     **options
         See ``read_molecule``.
 
     Returns
     -------
     Measurement
-        Areas, volumes, and tables of atoms, residues and chains in the order of the molecule.
+        Areas, volumes, and tables of atoms, residues and chains in the order of the molecule. With
+        ``models``, a list of them.
 
     Raises
     ------
@@ -451,6 +476,12 @@ def measure(molecule: Any, radii: Any = None, *, probe_radius: float = 1.4, repo
     """
     if reference not in REFERENCES:
         raise ValueError(f"reference must be one of {', '.join(REFERENCES)}, not {reference!r}")
+    if models is not None:
+        shared = {"probe_radius": probe_radius, "report": report, "waters": waters, "hydrogens": hydrogens,
+                  "unknown_radius": unknown_radius, "frame": frame, "reference": reference, "surfaces": surfaces,
+                  "van_der_waals": van_der_waals, "derivatives": derivatives, "fill_cavities": fill_cavities,
+                  "threads": threads}
+        return _measure_models(molecule, radii, models, {**shared, **options})
     chosen = _surfaces_in(surfaces)
     found, select = _molecule._read(molecule, radii, waters, hydrogens, unknown_radius, frame, options)
     reported = _mask_of(report, len(found), select)

@@ -66,7 +66,8 @@ class Molecule:
     kept: npt.NDArray[np.int64]
     """(M,) indices of the kept atoms in the object."""
     left_out: dict[str, int]
-    """Numbers of the atoms that are not kept: ``water``, ``hydrogen``, ``altloc``, ``virtual``."""
+    """Numbers of the atoms that are not kept, by their kind: ``water``, ``hydrogen``, ``altloc``, ``virtual``; for files
+    those of ``Atoms.left_out``, which are no rows of the columns."""
     positions: npt.NDArray[np.float64]
     """(N, 3) centres of all atoms."""
     chain: _Texts
@@ -97,6 +98,7 @@ class _Source:
     columns: adaptors.Columns
     are_read: bool = False  # by the library, which has left out atoms and assigned radii
     set_name: str = ""
+    left_out: dict[str, int] = dataclasses.field(default_factory=dict)  # by the library
     select: Any = None
 
 
@@ -119,6 +121,26 @@ def _format_of(text: bytes, name: str) -> str:
     return "pdb" if record else "xyzr"
 
 
+def is_file(found: Any) -> bool:
+    """Whether an object is a path, an open file, or the bytes or text of a file."""
+    return isinstance(found, (str, bytes, bytearray, memoryview, os.PathLike)) or hasattr(found, "read")
+
+
+def _is_path(found: Any) -> bool:
+    """Whether an object is a path, and no open file or content."""
+    if isinstance(found, bytes):
+        return bool(found) and b"\n" not in found and found[:2] != _GZIP
+    return isinstance(found, os.PathLike) or (isinstance(found, str) and "\n" not in found)
+
+
+def read_content(found: Any, layout: str) -> tuple[bytes, str, str]:
+    """Returns the content, the name and the format of a path, or as `read_opened`."""
+    if not _is_path(found):
+        return read_opened(found, layout)
+    with open(found, "rb") as opened:
+        return read_opened(opened, layout)
+
+
 def read_opened(found: Any, layout: str) -> tuple[bytes, str, str]:
     """Returns the content, the name and the format of an open file, or of the bytes or text of a file."""
     name = str(getattr(found, "name", "")) if hasattr(found, "read") else ""
@@ -133,7 +155,7 @@ def _read_file(found: Any, radii: str, unknown: Optional[float], waters: bool, h
     given: dict[str, Any] = {"format": "auto", "model": 0, "altloc": "", "hetatm": True, "chains": (), "select": "",
              "assembly": ""} | options
     data: Any = None
-    if isinstance(found, os.PathLike) or (isinstance(found, str) and "\n" not in found):
+    if _is_path(found):
         layout = _format_of(b"", os.fspath(found)) if given["format"] == "auto" else given["format"]
 
         def read(select: str) -> _core.Atoms:
@@ -174,19 +196,18 @@ def _of_atoms(atoms: _core.Atoms) -> _Source:
         columns.chains = labels.chain.tolist()
         columns.numbers = [int(part[1] or 0) for part in parts if part]
         columns.icodes = [part[2] for part in parts if part]
-    return _Source(columns, are_read=True, set_name="file")
+    return _Source(columns, are_read=True, set_name="file", left_out=atoms.left_out)
 
 
 def _source_of(found: Any, radii: Any, unknown: Optional[float], waters: bool, hydrogens: str, frame: int,
                options: dict[str, Any]) -> _Source:
     if wrong := set(options) - set(_FILE_OPTIONS):
         raise TypeError(f"unknown arguments: {', '.join(sorted(wrong))}")
-    if isinstance(found, bytes) and found and b"\n" not in found and found[:2] != _GZIP:
+    if _is_path(found):
         found = os.fsdecode(found)
-    is_file = isinstance(found, (str, bytes, bytearray, memoryview, os.PathLike)) or hasattr(found, "read")
-    if not is_file and options:
+    if not is_file(found) and options:
         raise TypeError(f"{', '.join(sorted(options))}: only files have these arguments")
-    if is_file:
+    if is_file(found):
         if frame:
             raise TypeError("frame: use model= for a file")
         if radii is not None and not isinstance(radii, (str, os.PathLike)):
@@ -457,6 +478,7 @@ def _read(found: Any, radii: Any, waters: bool, hydrogens: str, unknown: Optiona
         choice = _take_radii(named, radii, "given")
     elif source.are_read:
         choice = _take_radii(named, source.columns.radii, source.set_name)
+        choice.left_out = dict(source.left_out)
     else:
         choice = _choose_atoms(named, source.columns, which, waters, hydrogens, unknown)
     if by_bonds and choice.set_name == "protor":

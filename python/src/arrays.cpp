@@ -18,7 +18,8 @@ namespace {
 bool is_real_frame(const py::object& values) {
   if (!py::hasattr(values, "to_numpy") || !py::hasattr(values, "dtypes")) return false;
   const py::object types = values.attr("dtypes");
-  const py::list list = py::hasattr(types, "kind") ? py::list(py::make_tuple(types)) : py::list(types);
+  const py::list list =
+      py::hasattr(types, "kind") ? py::list(py::make_tuple(types)) : py::list(types);
   for (const py::handle type : list) {
     const auto kind = py::str(py::getattr(type, "kind", py::str(""))).cast<std::string>();
     if (kind != "f" && kind != "i" && kind != "u") return false;

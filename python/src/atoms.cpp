@@ -7,10 +7,12 @@
 #include <cstdint>
 #include <eses/eses.hpp>
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
 #include <tuple>
+#include <utility>
 #include <vector>
 
 #include "arrays.hpp"
@@ -270,20 +272,45 @@ py::object labels_or_none(const std::shared_ptr<AtomFile>& file) {
   return py::cast(Labels{file});
 }
 
+/// The counts of atoms of a PDB or mmCIF file that are left out, by the names in Python.
+using LeftOut = std::map<std::string, std::uint64_t>;
+constexpr std::array<std::pair<const char*, std::uint64_t StructureReport::*>, 9> left_out_counts{
+    {{"chain", &StructureReport::dropped_chains},
+     {"selection", &StructureReport::dropped_selection},
+     {"water", &StructureReport::dropped_waters},
+     {"hetatm", &StructureReport::dropped_hetatm},
+     {"hydrogen", &StructureReport::dropped_hydrogens},
+     {"altloc", &StructureReport::dropped_altlocs},
+     {"dummy", &StructureReport::dropped_dummies},
+     {"assembly", &StructureReport::dropped_assembly},
+     {"image", &StructureReport::dropped_images}}};
+
+LeftOut left_out_of(const AtomFile& file) {
+  LeftOut counts;
+  if (file.structure)
+    for (const auto& [name, member] : left_out_counts)
+      if (const std::uint64_t count = (*file.structure).*member; count > 0) counts[name] = count;
+  return counts;
+}
+
 py::tuple atoms_state(const py::object& atoms) {
   const py::object labels = atoms.attr("labels");
   return py::make_tuple(atoms.attr("centers"), atoms.attr("radii"), atoms.attr("lines"),
                         labels.is_none() ? labels : label_state(labels.cast<const Labels&>()),
-                        atoms.attr("charge"), atoms.attr("diagnostics"));
+                        atoms.attr("charge"), atoms.attr("diagnostics"), atoms.attr("left_out"));
 }
 
 std::shared_ptr<AtomFile> atoms_of_state(const py::tuple& state) {
-  const auto [centers, radii, lines, labels, charges, diagnostics] = unpack_state<
+  const auto [centers, radii, lines, labels, charges, diagnostics, left_out] = unpack_state<
       std::tuple<py::object, py::object, StateArray<std::uint64_t>, std::optional<py::tuple>,
-                 std::optional<StateArray<double>>, std::vector<Diagnostic>>>(state);
+                 std::optional<StateArray<double>>, std::vector<Diagnostic>, LeftOut>>(state);
   auto file = std::make_shared<AtomFile>();
   file->atoms = make_atoms(centers, radii);
   file->diagnostics = diagnostics;
+  if (!left_out.empty()) file->structure.emplace();
+  for (const auto& [name, member] : left_out_counts)
+    if (const auto count = left_out.find(name); count != left_out.end())
+      (*file->structure).*member = count->second;
   require_shape(lines, file->atoms.size());
   file->lines.assign(lines.data(), lines.data() + lines.size());
   if (labels) file->labels = labels_of_state(*labels);
@@ -366,6 +393,12 @@ void bind_atoms(py::module_& module) {
           "diagnostics", &AtomFile::diagnostics,
           "list of Diagnostic: suspicious names, such as those of a file of C-alpha atoms. "
           "``Surface.diagnostics`` has those of centres and radii.")
+      .def_property_readonly("left_out", &left_out_of,
+                             "dict of str to int: numbers of the atoms of a PDB or mmCIF file that "
+                             "are left out: ``chain``, "
+                             "``selection``, ``water``, ``hetatm``, ``hydrogen``, ``altloc``, "
+                             "``dummy``, ``assembly``, "
+                             "``image``; without those that are 0.")
       .def_property_readonly(
           "element",
           [](const AtomFile& self) {

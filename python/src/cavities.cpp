@@ -5,7 +5,10 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <eses/place.hpp>
 #include <optional>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "arrays.hpp"
@@ -16,7 +19,7 @@ namespace eses::python {
 namespace {
 
 constexpr const char* cavities_text =
-    R"(cavities(self, probe_radius=None, *, threads=0)
+    R"(cavities(self, probe_radius=None, *, at=None, atoms=None, balls=None, threads=0)
 --
 
 Find the cavities: the bounded components of the set of accessible probe centres.
@@ -28,6 +31,14 @@ Parameters
 ----------
 probe_radius : float, optional
     Radius of the probe, in angstrom: 0, or 0.01 to 1000. The default is that of the surface.
+at : array_like, optional
+    A place: a point (3,), or the lowest and highest corner of a box (2, 3). Only what has a point
+    within a probe radius of the point, or in the box, is returned.
+atoms : sequence of int, optional
+    A place: atoms. What they bound is at the place.
+balls : tuple of array_like, optional
+    A place: centres (N, 3) and radii (N,) of balls, such as the atoms of a ligand that is no part of
+    the surface.
 threads : int, optional
     Number of threads; 0 for all that the process may use.
 
@@ -40,7 +51,8 @@ list of dict
     ``centroid`` (of the probe centres), ``low`` and ``high`` (corners of the box around the void)
     and ``largest_probe_center``; ``largest_probe`` is the radius of the largest sphere that fits.
     ``atoms`` has the indices of the adjacent atoms, ``overlaps`` the indices of cavities whose voids
-    overlap, and ``overlaps_outside`` tells whether the void overlaps that of the outside.
+    overlap, and ``overlaps_outside`` tells whether the void overlaps that of the outside. ``index`` is the index
+    among all cavities.
 
 Raises
 ------
@@ -48,7 +60,7 @@ ValueError
     If an argument is out of its range.)";
 
 constexpr const char* pockets_text =
-    R"(pockets(self, large_probe=3.0, *, spacing=0.4, min_volume=None, probe_radius=None, threads=0)
+    R"(pockets(self, large_probe=3.0, *, spacing=0.4, min_volume=None, probe_radius=None, at=None, atoms=None, balls=None, threads=0)
 --
 
 Find the pockets: connected parts of space that the probe reaches from outside and a large probe
@@ -69,6 +81,14 @@ min_volume : float, optional
     the probe.
 probe_radius : float, optional
     Radius of the probe, in angstrom, 0.01 to 1000. The default is that of the surface.
+at : array_like, optional
+    A place: a point (3,), or the lowest and highest corner of a box (2, 3). Only what has a point
+    within a probe radius of the point, or in the box, is returned.
+atoms : sequence of int, optional
+    A place: atoms. What they bound is at the place.
+balls : tuple of array_like, optional
+    A place: centres (N, 3) and radii (N,) of balls, such as the atoms of a ligand that is no part of
+    the surface.
 threads : int, optional
     Number of threads; 0 for all that the process may use.
 
@@ -79,7 +99,9 @@ list of dict
     centres of the probes in the pocket. ``mouth_area`` is the area of the large probe's surface that
     closes it, and ``mouths`` the number of parts of this surface through which the centre of a probe
     can leave it. ``centroid`` is that of the pocket, and ``atoms`` has the indices of the atoms whose
-    surface bounds it.
+    surface bounds it. Pockets at a place have also ``low`` and ``high``, the corners of the box
+    around them, ``depth``, the largest distance of a probe centre from the nearest one at a mouth,
+    and ``volume_at_place``, the volume in the balls and the box.
 
 Raises
 ------
@@ -120,45 +142,114 @@ py::dict cavity_dict(const Cavity& cavity) {
   return item;
 }
 
-py::list find_cavities(const Surface& surface, std::optional<double> probe_radius, int threads) {
+/// Makes a place from a point or the two corners of a box, atoms and balls; nothing without any.
+std::optional<Place> place_of(const py::object& at, const py::object& atoms,
+                              const py::object& balls, double probe_radius) {
+  if (at.is_none() && atoms.is_none() && balls.is_none()) return std::nullopt;
+  Place place;
+  if (!at.is_none()) {
+    const py::array_t<double> array = as_doubles(real_array(at, "at"));
+    const auto row = [&](const double* begin) { return Vec3{begin[0], begin[1], begin[2]}; };
+    const auto values = py::array_t<double, py::array::c_style | py::array::forcecast>(array);
+    if (values.ndim() == 1 && values.size() == 3)
+      place.balls.push_back({row(values.data()), probe_radius});
+    else if (values.ndim() == 2 && values.shape(0) == 2 && values.shape(1) == 3)
+      place.box = {row(values.data()), row(values.data() + 3)};
+    else
+      throw py::value_error(
+          "at must be a point of shape (3,), or the corners of a box of shape "
+          "(2, 3), not " +
+          shape_text(array));
+  }
+  if (!atoms.is_none())
+    for (const auto index : atoms.cast<std::vector<std::int64_t>>()) {
+      if (index < 0 || index > std::int64_t{0xffffffff})
+        throw py::value_error("atoms: there is no atom " + std::to_string(index));
+      place.atoms.push_back(static_cast<AtomIndex>(index));
+    }
+  if (!balls.is_none()) {
+    const auto [centers, radii] = balls.cast<std::pair<py::object, py::object>>();
+    const std::vector<Atom> given = make_atoms(centers, radii);
+    place.balls.insert(place.balls.end(), given.begin(), given.end());
+  }
+  return place;
+}
+
+py::list find_cavities(const Surface& surface, std::optional<double> probe_radius,
+                       const py::object& at, const py::object& atoms, const py::object& balls,
+                       int threads) {
+  const std::optional<Place> place =
+      place_of(at, atoms, balls, probe_radius.value_or(surface.probe_radius()));
   MeasureOptions options{
       .probe_radius = probe_radius, .cavities = true, .threads = usable_threads(threads)};
   Measures measures;
+  std::vector<std::size_t> chosen;
   {
     const py::gil_scoped_release unlocked;
     Interrupts interrupts;
     options.check = [&interrupts] { interrupts.check(); };
     measures = measure(surface, options);
+    if (place)
+      chosen = find_cavities_at(
+          surface, *place,
+          {.probe_radius = probe_radius, .threads = options.threads, .check = options.check});
   }
   py::list cavities;
-  for (const Cavity& cavity : measures.cavities) cavities.append(cavity_dict(cavity));
+  for (std::size_t k = 0; k < measures.cavities.size(); ++k) {
+    if (place && !std::ranges::binary_search(chosen, k)) continue;
+    py::dict item = cavity_dict(measures.cavities[k]);
+    item["index"] = k;
+    cavities.append(item);
+  }
   return cavities;
+}
+
+py::dict pocket_dict(const Pocket& pocket) {
+  py::dict item;
+  item["volume"] = pocket.volume;
+  item["probe_center_volume"] = pocket.probe_center_volume;
+  item["mouth_area"] = pocket.mouth_area;
+  item["mouths"] = pocket.mouth_count;
+  item["centroid"] = point_array(pocket.centroid);
+  item["atoms"] = index_array(pocket.atoms);
+  return item;
+}
+
+/// Returns `find()`, which runs without the interpreter's lock and may be interrupted.
+template <class Find>
+auto find_interruptibly(PocketOptions& options, Find&& find) {
+  const py::gil_scoped_release unlocked;
+  Interrupts interrupts;
+  options.check = [&interrupts] { interrupts.check(); };
+  return find();
 }
 
 py::list find_all_pockets(const Surface& surface, double large_probe, double spacing,
                           std::optional<double> min_volume, std::optional<double> probe_radius,
+                          const py::object& at, const py::object& atoms, const py::object& balls,
                           int threads) {
+  const std::optional<Place> place =
+      place_of(at, atoms, balls, probe_radius.value_or(surface.probe_radius()));
   PocketOptions options{.probe_radius = probe_radius,
                         .large_probe_radius = large_probe,
                         .spacing = spacing,
                         .min_volume = min_volume,
                         .threads = usable_threads(threads)};
-  Pockets found;
-  {
-    const py::gil_scoped_release unlocked;
-    Interrupts interrupts;
-    options.check = [&interrupts] { interrupts.check(); };
-    found = find_pockets(surface, options);
-  }
   py::list pockets;
-  for (const Pocket& pocket : found.pockets) {
-    py::dict item;
-    item["volume"] = pocket.volume;
-    item["probe_center_volume"] = pocket.probe_center_volume;
-    item["mouth_area"] = pocket.mouth_area;
-    item["mouths"] = pocket.mouth_count;
-    item["centroid"] = point_array(pocket.centroid);
-    item["atoms"] = index_array(pocket.atoms);
+  if (!place) {
+    const Pockets found =
+        find_interruptibly(options, [&] { return find_pockets(surface, options); });
+    for (const Pocket& pocket : found.pockets) pockets.append(pocket_dict(pocket));
+    return pockets;
+  }
+  const PlacedPockets found =
+      find_interruptibly(options, [&] { return find_pockets_at(surface, *place, options); });
+  for (const PlacedPocket& placed : found.pockets) {
+    py::dict item = pocket_dict(placed.pocket);
+    item["low"] = point_array(placed.low);
+    item["high"] = point_array(placed.high);
+    item["depth"] = placed.depth;
+    item["volume_at_place"] = placed.volume_at_place;
     pockets.append(item);
   }
   return pockets;
@@ -168,12 +259,14 @@ py::list find_all_pockets(const Surface& surface, double large_probe, double spa
 
 void bind_cavities(py::class_<Surface>& surface) {
   surface.def("cavities", &find_cavities, cavities_text, py::arg("probe_radius") = py::none(),
-              py::kw_only(), py::arg("threads") = 0);
+              py::kw_only(), py::arg("at") = py::none(), py::arg("atoms") = py::none(),
+              py::arg("balls") = py::none(), py::arg("threads") = 0);
   const PocketOptions defaults;
   surface.def("pockets", &find_all_pockets, pockets_text,
               py::arg("large_probe") = defaults.large_probe_radius, py::kw_only(),
               py::arg("spacing") = defaults.spacing, py::arg("min_volume") = py::none(),
-              py::arg("probe_radius") = py::none(), py::arg("threads") = 0);
+              py::arg("probe_radius") = py::none(), py::arg("at") = py::none(),
+              py::arg("atoms") = py::none(), py::arg("balls") = py::none(), py::arg("threads") = 0);
 }
 
 }  // namespace eses::python

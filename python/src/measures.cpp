@@ -253,9 +253,13 @@ py::array frames_array(const py::object& frames) {
   constexpr const char* name = "frames";
   if (py::hasattr(frames, "__array__") || !py::isinstance<py::iterable>(frames))
     return real_array(frames, name);
+  // A reader of MDAnalysis begins anew if it is asked again after its end, which the iterators of
+  // pybind11 do.
+  const py::iterator iterator = py::iter(frames);
   py::list copies;
-  for (const py::handle frame : frames)
-    copies.append(real_array(py::reinterpret_borrow<py::object>(frame), name).attr("copy")());
+  while (const auto frame = py::reinterpret_steal<py::object>(PyIter_Next(iterator.ptr())))
+    copies.append(real_array(frame, name).attr("copy")());
+  if (PyErr_Occurred() != nullptr) throw py::error_already_set();
   return real_array(copies, name);
 }
 

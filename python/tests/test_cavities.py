@@ -130,3 +130,43 @@ def test_mesh_has_the_components_of_its_vertices():
     with pytest.raises(ValueError, match="component=True"):
         result.mesh().show("component")
     assert '"color": "component"' in str(mesh.show("component"))
+
+
+def test_cavities_at_a_place(ubiquitin_surface):
+    every = ubiquitin_surface.cavities()
+    assert [each["index"] for each in every] == [0, 1, 2]
+    for cavity in every:
+        center = cavity["largest_probe_center"]
+        found = ubiquitin_surface.cavities(balls=([center], [1e-6]))
+        assert [each["index"] for each in found] == [cavity["index"]]
+        assert cavity["index"] in [each["index"] for each in ubiquitin_surface.cavities(at=center)]
+        by_atoms = ubiquitin_surface.cavities(atoms=cavity["atoms"][:1].tolist())
+        assert cavity["index"] in [each["index"] for each in by_atoms]
+    assert ubiquitin_surface.cavities(at=[[0, 0, 0], [1, 1, 1]]) == []
+    assert len(ubiquitin_surface.cavities(at=[[0, 0, 0], [99, 99, 99]])) == 3
+
+
+def test_pockets_at_a_place(ubiquitin_surface):
+    every = ubiquitin_surface.pockets()
+    everywhere = ubiquitin_surface.pockets(at=[[-99, -99, -99], [99, 99, 99]])
+    assert [each["volume"] for each in everywhere] == [each["volume"] for each in every]
+    for pocket in everywhere:
+        assert pocket["volume_at_place"] == pocket["volume"]
+        assert (pocket["low"] <= pocket["centroid"]).all() and (pocket["centroid"] <= pocket["high"]).all()
+        assert 0 < pocket["depth"] < np.linalg.norm(pocket["high"] - pocket["low"])
+        by_atoms = ubiquitin_surface.pockets(atoms=pocket["atoms"].tolist())
+        assert pocket["volume"] in [each["volume"] for each in by_atoms]
+    half = (everywhere[0]["low"] + everywhere[0]["high"]) / 2
+    sides = [ubiquitin_surface.pockets(at=[low, high])[0]["volume_at_place"]
+             for low, high in ((everywhere[0]["low"] - 0.1, [half[0], 99, 99]),
+                               ([half[0] + 1e-9, *(everywhere[0]["low"][1:] - 0.1)], everywhere[0]["high"] + 0.1))]
+    assert sum(sides) == pytest.approx(everywhere[0]["volume"])
+
+
+@pytest.mark.parametrize("place", [{"at": [1, 2]}, {"at": [[1, 2, 3]] * 3}, {"at": [0, 0, np.nan]},
+                                   {"atoms": [602]}, {"atoms": [-1]}, {"balls": ([[0, 0, 0]], [-1])}])
+def test_impossible_places_are_refused(ubiquitin_surface, place):
+    with pytest.raises(ValueError):
+        ubiquitin_surface.pockets(**place)
+    with pytest.raises(ValueError):
+        ubiquitin_surface.cavities(**place)

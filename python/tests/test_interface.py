@@ -80,3 +80,11 @@ def test_errors_name_the_part(path):
         eses.interface(path, [])
     with pytest.raises(ValueError, match="no chain 'X'"):
         eses.interface(([[0, 0, 0]], [1]), "X")
+
+
+def test_a_ligand_is_a_side(path):
+    found = eses.interface(path, "ligand:HEM", "A")
+    assert found.sas_lost == pytest.approx((LOST, LOST)) and found.first == "ligand:HEM"
+    assert found.residues["residue"].tolist() == ["ALA", "HEM"]
+    with pytest.raises(ValueError, match="no residue 'STI'; the residues are ALA, HEM, GLY"):
+        eses.interface(path, "A", "ligand:STI")

@@ -271,6 +271,37 @@ def test_frames_may_share_a_buffer(distances):
                                [areas[distance] for distance in distances], rtol=1e-10)
 
 
+def test_a_reader_that_begins_anew_after_its_end_is_read_once():
+    centers, radii = [[0, 0, 0], [3, 0, 0]], [1.7, 1.7]
+
+    class Reader:
+        """Behaves as the readers of MDAnalysis: one buffer, and StopIteration only between two rounds."""
+
+        def __init__(self):
+            self.buffer, self.frame = np.array(centers, float), -1
+
+        def __iter__(self):
+            return self
+
+        def __next__(self):
+            self.frame += 1
+            if self.frame == 3:
+                self.frame = -1
+                raise StopIteration
+            self.buffer[1, 0] = self.buffer[0, 0] + 3 + self.frame
+            return self.buffer
+
+    areas = eses.measure_frames(Reader(), radii).sas_area
+    assert len(areas) == 3 and len(set(areas.tolist())) == 3
+
+    class Broken(Reader):
+        def __next__(self):
+            raise RuntimeError("broken")
+
+    with pytest.raises(RuntimeError, match="broken"):
+        eses.measure_frames(Broken(), radii)
+
+
 def test_no_frames():
     measures = eses.measure_frames(np.zeros((0, 2, 3)), [1, 1], by_atom=True)
     assert len(measures) == 0 and measures.ses_area.shape == (0,) and measures.by_atom.sas.shape == (0, 2)

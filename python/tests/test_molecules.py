@@ -422,7 +422,7 @@ def test_results_pickle_and_show_themselves(pdb):
     page = result._repr_html_()
     assert "protor" in page and "doi:10.1006" in page and "11 atoms" in page
     assert "<table>" in result.residues._repr_html_()
-    assert repr(result.molecule) == "<eses_blocks.Molecule: 12 atoms, <radii: protor, 1 guessed>>"
+    assert repr(result.molecule) == "<eses_blocks.Molecule: 12 atoms, 2 altloc left out, 1 water left out, <radii: protor, 1 guessed>>"
 
 
 def test_tables_become_frames(pdb):
@@ -508,3 +508,53 @@ def test_radii_of_ligands_follow_from_their_bonds():
     assert by_bonds.radii.name == "protor+ccd"
     # Atoms that the set names keep their radii.
     assert eses.measure(PDB, radii="protor+ccd").sas_area == eses.measure(PDB).sas_area
+
+
+def models_text():
+    """Three models of a few atoms that move."""
+    atoms = [line for line in PDB.splitlines(True) if line.startswith(("ATOM", "HETATM"))]
+    return "".join(f"MODEL     {number:4}\n" + "".join(f"{line[:30]}{float(line[30:38]) * (1 + number / 50):8.3f}{line[38:]}"
+                                                        for line in atoms) + "ENDMDL\n" for number in (1, 2, 7))
+
+
+def test_models_of_a_file(tmp_path):
+    path = tmp_path / "nmr.pdb"
+    path.write_text(models_text())
+    expected = [eses.measure(path, model=number, unknown_radius=1.5).sas_area for number in (1, 2, 7)]
+    assert len(set(expected)) == 3
+    found = eses.measure(path, models="all", unknown_radius=1.5)
+    assert [each.sas_area for each in found] == expected
+    assert [each.sas_area for each in eses.measure(str(path), models=[7, 1], unknown_radius=1.5)] == expected[::-2]
+    assert [each.sas_area for each in eses.measure(models_text(), models=iter((2,)), unknown_radius=1.5)] == expected[1:2]
+    with open(path, "rb") as opened:
+        assert [each.sas_area for each in eses.measure(opened, models="all", unknown_radius=1.5)] == expected
+    with pytest.raises(ValueError, match="models must be 'all' or numbers, not 'first'"):
+        eses.measure(path, models="first")
+    with pytest.raises(TypeError, match="model or models"):
+        eses.measure(path, models="all", model=1)
+    with pytest.raises(TypeError, match="only files have models"):
+        eses.measure(([[0, 0, 0]], [1]), models="all")
+    with pytest.raises(ValueError, match="there is no model 3"):
+        eses.measure(path, models=[3])
+
+
+def test_models_of_an_mmcif_file():
+    rows = "".join(f"ATOM {model * 10 + k} C CA ALA A 1 {k} {3.0 * k * model} 0 0 1 {model}\n"
+                   for model in (1, 4) for k in (1, 2))
+    columns = ("group_PDB id type_symbol label_atom_id label_comp_id label_asym_id label_entity_id label_seq_id Cartn_x Cartn_y "
+               "Cartn_z occupancy pdbx_PDB_model_num").split()
+    text = "data_x\nloop_\n" + "".join(f"_atom_site.{name}\n" for name in columns) + rows + "#\n"
+    found = eses.measure(text, models="all")
+    assert [each.sas_area for each in found] == [eses.measure(text, model=number).sas_area for number in (1, 4)]
+    assert found[0].sas_area != found[1].sas_area
+
+
+def test_atoms_that_a_file_leaves_out_are_counted():
+    water = "HETATM   90  O   HOH A  90      40.000   2.000   3.000  1.00  0.00           O\n"
+    text = "".join(line for line in PDB.splitlines(True) if line.startswith("ATOM")) + water
+    found = eses.measure(text)
+    assert found.left_out["water"] == 1
+    assert found.left_out == found.molecule.left_out
+    assert "water" not in eses.measure(text, waters=True).left_out
+    atoms = eses.read_atoms(io.StringIO(text), format="pdb")
+    assert pickle.loads(pickle.dumps(atoms)).left_out == atoms.left_out and atoms.left_out["water"] == 1
