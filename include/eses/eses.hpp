@@ -22,6 +22,7 @@
 #include "eses/measure.hpp"
 #include "eses/measure_frames.hpp"
 #include "eses/outputs.hpp"
+#include "eses/place.hpp"
 #include "eses/pockets.hpp"
 #include "eses/radii.hpp"
 #include "eses/read_atoms.hpp"
