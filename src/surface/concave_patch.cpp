@@ -40,11 +40,10 @@ void add_border(const SurfaceModel& surface, AtomIndex owner, AtomIndex other,
 // Returns a bound of the angle between a direction and the points of a part outside of caps.
 double max_angle_from(Vec3 direction, std::span<const SphericalCap> caps,
                       std::span<const RimArc> arcs) {
-  constexpr double pi = std::numbers::pi;
   const bool has_opposite = std::none_of(caps.begin(), caps.end(), [&](const SphericalCap& cap) {
     return -dot(direction, cap.axis) > cap.cosine;
   });
-  if (has_opposite) return pi;
+  if (has_opposite) return std::numbers::pi;
   double largest = 0;
   for (const RimArc& arc : arcs) {
     const SphericalCap& cap = caps[arc.cap];
@@ -54,7 +53,7 @@ double max_angle_from(Vec3 direction, std::span<const SphericalCap> caps,
       largest = std::max(largest, std::acos(std::clamp(cosine, -1.0, 1.0)) + arc.angle * sine / 2);
     }
   }
-  return std::min(largest, pi);
+  return std::min(largest, std::numbers::pi);
 }
 
 // Does the same as part_of_atom. With the SAS radius R of an atom and the angle t from its
