@@ -26,9 +26,9 @@ struct Place {
 
 /// A pocket at a place. Lengths are in angstrom.
 struct PlacedPocket {
-  Pocket pocket;
-  Vec3 low;   ///< Lowest corner of the bounding box of its points.
-  Vec3 high;  ///< Highest corner of the bounding box of its points.
+  Pocket pocket;  ///< The whole pocket, also beyond the place.
+  Vec3 low;       ///< Lowest corner of the bounding box of its points.
+  Vec3 high;      ///< Highest corner of the bounding box of its points.
   /// The largest distance of a probe centre in the pocket from the nearest one at a mouth; 0
   /// without mouths.
   double depth = 0;

@@ -30,6 +30,7 @@ from eses_tools import measuring, report_page, thumbnails
 ERROR = "eses-blocks: error: "  # begins the messages of files that measure has refused
 MIN_SPACING = 0.4  # angstrom, of pictures
 MAX_CELLS = 30000  # of the surface of a picture, which are squares of the spacing
+OPTIONAL = ("model", "radii", "left_out")  # columns that most files leave empty
 
 
 def read_text(path):
@@ -162,7 +163,8 @@ def main():
     rows, columns = read_table(options.table)
     failures = failures_in(options.messages) if options.messages else []
     if "status" not in columns:
-        columns = [name for name in columns if name != "error"] + ["status", "message"]
+        columns = [name for name in columns if name != "error" and (
+            name not in OPTIONAL or any(row.get(name) for row in rows))] + ["status", "message"]
         failed = [failure_of(row["error"], row["file"]) for row in rows if row.get("error")]
         named = {row["message"] for row in failed}
         failures = failed + [row for row in failures if row["message"] not in named]

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
 #include <cstdint>
 #include <functional>
@@ -274,8 +275,14 @@ struct Molecule::Parts {
   }
 
   // The tree is made when it is first needed: areas need none.
+  // Makes the tree when it is first needed. An exception must not leave std::call_once: it passes a
+  // function of the C library, whose unwinder differs from that of a program that is linked
+  // statically.
   const AtomTree& atom_tree() const {
-    std::call_once(has_tree, [this] { tree.emplace(atoms); });
+    if (const AtomTree* const made = made_tree.load(std::memory_order_acquire)) return *made;
+    const std::lock_guard lock(tree_mutex);
+    if (!tree) tree.emplace(atoms);
+    made_tree.store(&*tree, std::memory_order_release);
     return *tree;
   }
 
@@ -286,7 +293,8 @@ struct Molecule::Parts {
   std::vector<std::uint8_t> has_nearly_equal;
   std::vector<Diagnostic> diagnostics;
   mutable std::optional<AtomTree> tree;
-  mutable std::once_flag has_tree;
+  mutable std::atomic<const AtomTree*> made_tree = nullptr;
+  mutable std::mutex tree_mutex;
 };
 
 Molecule::Molecule(std::vector<Atom> atoms) : Molecule(std::move(atoms), {}) {}

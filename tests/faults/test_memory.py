@@ -12,6 +12,7 @@ import sys
 import unittest
 
 from faults import NAMES, PROGRAM, SMALL, TINY, FaultTest, forget_signals, needs_library
+from support import DATA
 
 # The last two messages are from OpenMP's runtimes, which cannot start a thread.
 OUT_OF_MEMORY = "[Oo]ut of memory|libgomp: |OMP: Error"
