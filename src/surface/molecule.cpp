@@ -274,10 +274,9 @@ struct Molecule::Parts {
     }
   }
 
-  // The tree is made when it is first needed: areas need none.
-  // Makes the tree when it is first needed. An exception must not leave std::call_once: it passes a
-  // function of the C library, whose unwinder differs from that of a program that is linked
-  // statically.
+  // Makes the tree when it is first needed: areas need none. An exception must not leave
+  // std::call_once: it passes a function of the C library, whose unwinder differs from that of a
+  // program that is linked statically.
   const AtomTree& atom_tree() const {
     if (const AtomTree* const made = made_tree.load(std::memory_order_acquire)) return *made;
     const std::lock_guard lock(tree_mutex);
