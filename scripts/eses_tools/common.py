@@ -58,6 +58,8 @@ class Failed(Exception):
 
 class Parser(argparse.ArgumentParser):
     def error(self, message):
+        if message.startswith("unrecognized arguments") and "-- ARGUMENT" in (self.usage or ""):
+            message += "; arguments of eses-blocks follow --"
         self.exit(2, f"{self.prog}: {message}\n")  # one line, without the usage
 
 
@@ -99,9 +101,9 @@ def between(least, largest, kind=float):
 
 
 def end_on_signals():
-    """Makes SIGTERM and SIGHUP end the script as Ctrl-C does: temporary files and programs that it
-    has started go with it."""
-    for number in (signal.SIGTERM, signal.SIGHUP):
+    """Makes SIGTERM, SIGHUP and SIGQUIT end the script as Ctrl-C does: temporary files and programs
+    that it has started go with it."""
+    for number in (signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT):
         if signal.getsignal(number) == signal.SIG_DFL:  # a signal that is ignored stays ignored
             signal.signal(number, lambda number, _: sys.exit(128 + number))
 
@@ -245,6 +247,12 @@ def require_output(path, inputs=()):
             raise Failed(f"{what} is {which}, and would be overwritten; choose another name")
 
 
+def files_among(arguments):
+    """Returns the files that arguments of eses-blocks name, such as that of --radii."""
+    values = (value for argument in map(str, arguments) for value in (argument, argument.partition("=")[2]))
+    return [value for value in values if value and os.path.isfile(value)]
+
+
 def regular_status(path, descriptor):
     """Returns the status of a regular file, or None. Terminals and pipes may be both input and
     output. `-` is the descriptor."""
@@ -260,7 +268,9 @@ def require_writable_file(path):
         if os.path.isdir(path):
             raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR))
         final = pathlib.Path(os.path.realpath(path))
-        if is_special(path):
+        if pathlib.Path(path).is_fifo():
+            pass  # opening and closing it would be the end of the file for its reader
+        elif is_special(path):
             open(path, "ab").close()
         else:
             os.lstat(final.parent)  # names the error of a missing folder

@@ -20,11 +20,11 @@ GRACE = 5  # seconds
 
 @contextlib.contextmanager
 def delayed_signals():
-    """Delays SIGINT, SIGTERM and SIGHUP until the end of the block. An exception of their handlers within
+    """Delays SIGINT, SIGTERM, SIGHUP and SIGQUIT until the end of the block. An exception of their handlers within
     Popen would leave a process that nobody knows."""
     received = []
     handlers = {number: signal.getsignal(number)
-                for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)}
+                for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT)}
     changed = [number for number, handler in handlers.items() if handler != signal.SIG_IGN]
     for number in changed:
         signal.signal(number, lambda number, _: received.append(number))

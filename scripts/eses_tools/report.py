@@ -24,6 +24,7 @@ import pathlib
 import tempfile
 
 from eses_tools.common import (NAME, PICTURES, PROGRAM, Failed, Parser, describe_build, end_with,
+                               files_among,
                                gzip_errors, printable, require_kind, require_output, show)
 from eses_tools import measuring, report_page, thumbnails
 
@@ -172,6 +173,7 @@ def main():
         for row in rows:
             row.pop("error", None)
     read = [options.table, *([options.messages] if options.messages else ()),
+            *files_among(options.arguments),
             *(file_of(options.table, row) for row in rows if options.pictures and "file" in row)]
     require_output(options.output, read)
     pictures = draw_all(options, rows) if options.pictures else {}

@@ -26,7 +26,7 @@ import subprocess
 import tempfile
 
 from eses_tools.common import (NAME, PICTURES, PROGRAM, Failed, Parser, at_least, command_of,
-                               complete_file, describe_build, end_with, require_kind,
+                               complete_file, describe_build, end_with, files_among, require_kind,
                                require_output, show)
 from eses_tools import measuring, pdb_to_pqr
 from eses_tools.structures import KINDS, split_name
@@ -394,7 +394,7 @@ def main():
     for path in read:
         if not path.is_file():
             raise Failed(f"{path}: no such file")
-    require_output(options.output, read)
+    require_output(options.output, [*read, *files_among(options.arguments)])
     if options.needs_program:
         describe_build(options.program)
     molecules = make_molecules(options)

@@ -84,7 +84,8 @@ std::filesystem::path plain_path(const std::filesystem::path& output) {
 /// Throws Error if an output file would replace a file that is read, another output file, or
 /// something else than a regular file.
 void check_outputs(const MeasureCommandOptions& options, const std::vector<std::string>& outputs) {
-  std::vector<ReadFile> read{{options.structure.radii, "the file of --radii"}};
+  std::vector<ReadFile> read{{options.structure.radii, "the file of --radii"},
+                             {options.list, "the file of --files-from"}};
   for (const std::filesystem::path& input : options.inputs)
     read.push_back({input, "an input file"});
   const ReadFiles files(read);

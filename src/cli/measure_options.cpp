@@ -308,6 +308,7 @@ MeasureCommandOptions parse_measure_arguments(const Arguments& arguments) {
   add_measure_options(app, options, inputs);
   parse(app, arguments, "FILE...");
   options.inputs = inputs.files();
+  options.list = inputs.list;
   options.pocket_options.probe_radius = options.probe_radius;
   check_pocket_options(app, options);
   check_surfaces(options);

@@ -119,6 +119,7 @@ struct PlaceChoice {
 
 struct MeasureCommandOptions {
   std::vector<std::filesystem::path> inputs;  ///< without folders; `-` is standard input
+  std::filesystem::path list;                 ///< file of --files-from; empty if it is not given
   bool all_models = false;                    ///< whether each model of a file is measured
   /// With `all_models`, the number of the model of each input. An input is in the list once for
   /// each of its models.

@@ -550,6 +550,9 @@ TEST_CASE("measure: bad requests are refused") {
              "ATOM      1  CA  ALA A   1       1.000   2.000   3.000  1.00 20.00           C\n");
   fails({"measure", "one.pdb", "--radii", "radii.cfg", "--csv", "radii.cfg"},
         "radii.cfg is the file of --radii, and would be overwritten; choose another name");
+  write_file(box.directory() / "list.txt", "two.xyzr\n");
+  fails({"measure", "--files-from", "list.txt", "--csv", "list.txt"},
+        "list.txt is the file of --files-from, and would be overwritten; choose another name");
   fs::create_hard_link(box.directory() / "two.xyzr", box.directory() / "hard.csv");
   fails({"measure", "two.xyzr", "--csv", "hard.csv"},
         "hard.csv is an input file, and would be overwritten; choose another name");

@@ -39,6 +39,7 @@ class Outputs(TestCase):
         if can_import(SCRIPTS / "view", "numpy"):
             yield "view", [self.atoms, "--program", PROGRAM], "-o", self.atoms
             yield "view", [self.mesh, "--potential", self.potential], "-o", self.potential
+            yield "view", [self.mesh, "--table", self.table], "-o", self.table
         if can_draw():
             yield "render", [self.mesh, "--size", 40], "-o", self.mesh
             yield "render", [self.mesh, "--potential", self.potential, "--size", 40], "-o", self.potential
@@ -46,6 +47,31 @@ class Outputs(TestCase):
     def name_for(self, tool, path):
         """Returns a name of an output that the tool accepts."""
         return path.with_suffix(".dx") if tool == "apbs" else path.with_suffix(".out")
+
+    def test_files_named_after_the_dashes_are_inputs(self):
+        radii = self.folder / "radii.html"
+        radii.write_text("none")
+        for tool, arguments in (("view", [self.atoms, "-o", radii, "--", "--radii", radii]),
+                                ("view", [self.atoms, "-o", radii, "--", f"--radii={radii}"]),
+                                ("report", [self.table, "--pictures", "x", "-o", radii, "--", "--radii", radii])):
+            with self.subTest(tool=tool):
+                done = run(tool, *arguments)
+                self.assertNotEqual(done.returncode, 0)
+                self.assertIn(OVERWRITTEN, done.stderr)
+                self.assertEqual(radii.read_text(), "none")
+
+    def test_pipes_are_not_opened_before_the_output(self):
+        """A reader of a pipe would take the first closing as the end."""
+        pipe = self.folder / "pipe.html"
+        os.mkfifo(pipe)
+        with subprocess.Popen(["cat", pipe], stdout=subprocess.PIPE) as reader:
+            self.assertDone(run("report", self.table, "-o", pipe))
+            self.assertIn(b"</html>", reader.communicate(timeout=60)[0])
+
+    def test_arguments_of_the_program_follow_dashes(self):
+        done = run("report", self.table, "-o", self.folder / "a.html", "--chains", "A")
+        self.assertDone(done, 2)
+        self.assertIn("unrecognized arguments: --chains A; arguments of eses-blocks follow --", done.stderr)
 
     def test_inputs_are_not_overwritten(self):
         for tool, arguments, option, read in self.writers():
