@@ -8,7 +8,7 @@ import pathlib
 import subprocess
 import unittest
 
-from support import PROGRAM, TestCase, python_with
+from support import PROGRAM, TestCase, needs_gemmi, python_with
 
 # PDB files of the Debian packages freesasa, pymol-data and python-biopython-doc.
 STRUCTURES = ("/usr/share/freesasa/test-data/1ubq.pdb", "/usr/share/pymol/data/demo/pept.pdb",
@@ -101,6 +101,7 @@ class Callers(TestCase):
                     self.assertGreater(depth, expected - 0.05)
                     self.assertLess(depth, expected + 0.3)
 
+    @needs_gemmi
     def test_call_and_reader_of_masif(self):
         structure = self.pdb_file(STRUCTURES[0])
         spheres = subprocess.run([PROGRAM, "pdb_to_xyzrn", structure], capture_output=True,
@@ -126,6 +127,7 @@ class Callers(TestCase):
         self.assertAlmostEqual(sum(areas.values()), float(row[5]), 1)
         self.assertAlmostEqual(len(vertices) / float(row[5]), 3, delta=0.1)
 
+    @needs_gemmi
     def test_call_and_reader_of_pyvol(self):
         """PyVOL reads all components but the first one from NAME_1.face and so on."""
         structure = self.pdb_file(STRUCTURES[2])

@@ -3,7 +3,7 @@
 import csv
 import unittest
 
-from support import DATA, PROGRAM, TestCase, run
+from support import DATA, PROGRAM, TestCase, needs_gemmi, run
 from eses_tools import pdb_to_pqr
 
 # data/fas2.pqr has names of its own for the ends of the chain and some others.
@@ -121,6 +121,7 @@ class Pdb2pqr(TestCase):
         for key in ("status", "radii", "atoms", "nx", "ny", "nz", "area", "volume"):
             self.assertEqual(second[key], first[key], key)
 
+    @needs_gemmi
     def test_prepared_atoms_are_not_used_with_other_radii(self):
         prepared = self.run_on(self.protein())
         direct = self.run_on(self.protein(), 0, "--radii", "protor")
