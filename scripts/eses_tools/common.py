@@ -268,9 +268,9 @@ def require_writable_file(path):
         if os.path.isdir(path):
             raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR))
         final = pathlib.Path(os.path.realpath(path))
-        if pathlib.Path(path).is_fifo():
-            pass  # opening and closing it would be the end of the file for its reader
-        elif is_special(path):
+        if final.is_fifo():
+            return  # opening and closing it would be the end of the file for its reader
+        if is_special(path):
             open(path, "ab").close()
         else:
             os.lstat(final.parent)  # names the error of a missing folder
