@@ -248,6 +248,13 @@ bool join_parts(Options options, const Processes& processes) try {
   return false;
 }
 
+// Returns whether all parts of a run are complete. They may be joined and removed meanwhile.
+bool are_parts_complete(const PlannedRun& run) try {
+  return remaining(region_planes(run.plan), run.checkpoint->complete()).empty();
+} catch (const Error&) {
+  return false;
+}
+
 // Computes a part of a run. The last part joins all of them.
 int perform_part(const Options& options, const Processes& processes) {
   Report report;
@@ -259,7 +266,9 @@ int perform_part(const Options& options, const Processes& processes) {
     if (options.request.dry_run) return exit_done;
     run_with_progress(options, run, processes, report);
     is_locked = run.checkpoint->is_locked();
-    is_last = remaining(region_planes(run.plan), run.checkpoint->complete()).empty();
+    // If it looked before, two parts that end together would each leave the join to the other.
+    run.checkpoint->unlock();
+    is_last = are_parts_complete(run);
   }
   if (has_faults(report.summary)) {
     for (const std::string& fault : fault_lines(report.summary)) print_message("error", fault);

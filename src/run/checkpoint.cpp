@@ -106,8 +106,12 @@ Checkpoint::Checkpoint(const std::filesystem::path& output_directory, std::strin
       chunks_(chunks) {}
 
 Checkpoint::~Checkpoint() {
+  if (lock_) remove_temporary();
+  unlock();
+}
+
+void Checkpoint::unlock() {
   if (!lock_) return;
-  remove_temporary();
   std::error_code error;  // a directory with chunks cannot be removed
   if (part_lock_) {
     part_lock_.reset();

@@ -108,6 +108,8 @@ class Checkpoint {
   /// Does the same, but lets runs of other parts use the directory at the same time. Throws Error
   /// if it belongs to another run, even if that run has no complete chunk.
   void lock_part(const Share& part);
+  /// Unlocks the directory, and removes it if it is empty.
+  void unlock();
   /// Whether the file system supports locks.
   bool is_locked() const { return lock_ && lock_->is_locked(); }
   /// Returns the planes of the complete chunks, ascending and disjoint. A chunk with damaged sums

@@ -152,6 +152,25 @@ class Failure(Parts):
         self.assertDone(self.run_program(*RUN, "--resume"))
         self.assertTrue(self.contents() == reference)
 
+    @needs_library
+    def test_parts_that_end_at_the_same_time_are_joined(self):
+        """A part computes its planes and ends while another one stands still at one of its calls."""
+        _, reference = self.reference_of(*RUN)
+        for call in ("lock", "unlink"):
+            number, is_stopped = 0, True
+            while is_stopped:
+                number += 1
+                first = self.start(*RUN, "--part", "1/2",
+                                   fault=f"{call} {number} signal={signal.SIGSTOP.value}")
+                is_stopped = os.WIFSTOPPED(os.waitpid(first.pid, os.WUNTRACED)[1])
+                self.assertDone(self.run_program(*RUN, "--part", "2/2"))
+                if is_stopped:
+                    first.send_signal(signal.SIGCONT)
+                    self.assertDone(self.finish(first))
+                self.assertTrue(self.contents() == reference, (call, number))
+                self.clear()
+            self.assertGreater(number, 1)
+
     def test_join_without_parts_is_an_error(self):
         self.assertFailed(self.run_program(*RUN, "--join"), "are missing in")
         self.assertEqual(self.all_files(), [])
