@@ -251,11 +251,7 @@ constexpr std::string_view known_records =
     "tvect hydbnd sltbrg ftnote user root endroot branch endbranch torsdof";
 
 bool is_known_record(std::string_view line) {
-  const std::string name = lower_case(std::string(take_first(line).substr(0, 6)));
-  std::string_view names = known_records;
-  for (std::string_view known = take_first(names); !known.empty(); known = take_first(names))
-    if (name == known) return true;
-  return false;
+  return has_word(known_records, lower_case(std::string(take_first(line).substr(0, 6))));
 }
 
 /// Returns the first number behind the word `column` in a text in lower case; 0 if there is none.

@@ -185,18 +185,13 @@ constexpr RadiusGroup msms[] = {
     {1.80, "CYS MET", "LP1 LP2"},
 };
 
-bool matches(std::string_view pattern, std::string_view name) {
-  if (!pattern.ends_with('*')) return pattern == name;
-  pattern.remove_suffix(1);
-  return name.starts_with(pattern);
-}
-
 bool has_match(std::string_view patterns, std::string_view name) {
-  constexpr auto none = std::string_view::npos;
-  if (patterns.find(name) == none && patterns.find('*') == none) return false;
+  if (has_word(patterns, name)) return true;
+  if (patterns.find('*') == patterns.npos) return false;
   for (std::string_view pattern = take_first(patterns); !pattern.empty();
        pattern = take_first(patterns))
-    if (matches(pattern, name)) return true;
+    if (pattern.back() == '*' && name.starts_with(pattern.substr(0, pattern.size() - 1)))
+      return true;
   return false;
 }
 

@@ -31,12 +31,6 @@ constexpr std::string_view of_amino_acids =
 // The same for nucleotides, with the methyl group of thymine and the oxygen of ribose.
 constexpr std::string_view of_nucleotides = "O1P O2P O3P O5T O3T O2' C5M C7 CM5";
 
-bool has_word(std::string_view words, std::string_view wanted) {
-  for (std::string_view word = take_first(words); !word.empty(); word = take_first(words))
-    if (word == wanted) return true;
-  return false;
-}
-
 /// Returns the standard residue of a form, such as HIS for NHID, and DA for DA5.
 std::string_view standard_form(std::string_view residue) {
   const auto find = [](std::string_view name) {

@@ -83,6 +83,13 @@ std::string_view take_last(std::string_view& rest) {
   return field;
 }
 
+bool has_word(std::string_view words, std::string_view word) {
+  const auto is_end = [&](std::size_t i) { return i >= words.size() || is_blank(words[i]); };
+  for (std::size_t at = words.find(word); at != words.npos; at = words.find(word, at + 1))
+    if (!word.empty() && (at == 0 || is_end(at - 1)) && is_end(at + word.size())) return true;
+  return false;
+}
+
 std::size_t count_fields(std::string_view text) {
   std::size_t count = 0;
   while (!take_first(text).empty()) ++count;

@@ -49,6 +49,9 @@ std::string_view column_text(std::string_view line, std::size_t first, std::size
 std::string_view take_first(std::string_view& rest);
 std::string_view take_last(std::string_view& rest);
 
+/// Returns whether a list of words, separated by blanks, has this word.
+bool has_word(std::string_view words, std::string_view word);
+
 /// Returns the number of fields.
 std::size_t count_fields(std::string_view text);
 

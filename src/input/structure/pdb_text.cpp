@@ -120,15 +120,26 @@ std::string_view element_of_columns(std::string_view record) {
   return {};
 }
 
+/// Returns whether a text is digits around a decimal point, as nearly all numbers are. Such a
+/// number is valid and need not be converted to be checked.
+bool is_decimal_fraction(std::string_view text) {
+  if (text.starts_with('-')) text.remove_prefix(1);
+  const std::size_t point = text.find('.');
+  if (point == text.npos || text.size() == 1) return false;
+  return std::all_of(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(point), is_digit) &&
+         std::all_of(text.begin() + static_cast<std::ptrdiff_t>(point) + 1, text.end(), is_digit);
+}
+
 /// Returns the identifier of the segment; empty if there is none. Old files have the entry and the
 /// number of the line in the last eight columns.
 std::string_view segment_of(std::string_view record) {
+  const std::string_view segment = field_of(record, segment_columns);
+  if (segment.empty()) return segment;
   const std::string_view last = column_text(record, segment_columns.first + 4, 4);
   const bool has_line_number = !last.empty() && std::all_of(last.begin(), last.end(), is_digit);
   const bool follows_blanks = column_text(record, 66, segment_columns.first - 66).empty();
-  return has_line_number || !follows_blanks || is_pdbqt_record(record)
-             ? std::string_view()
-             : field_of(record, segment_columns);
+  return has_line_number || !follows_blanks || is_pdbqt_record(record) ? std::string_view()
+                                                                       : segment;
 }
 
 /// Returns whether two records belong to the same residue.
@@ -282,13 +293,13 @@ class PdbRecords {
           tab + 1));
   }
 
-  double number_in(std::string_view line, const Columns& columns, std::string_view what) const {
+  void check_number(std::string_view line, const Columns& columns, std::string_view what) const {
     const std::string_view field = field_of(line, columns);
     double value = 0;
+    if (is_decimal_fraction(field)) return;
     if (parse_number(field, value) != std::errc{} || !std::isfinite(value))
       lines_.fail(formatted("expected a number for {} in columns {} to {}, found {}", what,
                             columns.first + 1, columns.first + columns.width, quoted(field)));
-    return value;
   }
 
   void refuse_other_format(std::string_view line) const {
@@ -315,9 +326,9 @@ class PdbRecords {
     check_columns(line);
     if (line.size() < occupancy_columns.first)
       lines_.fail("the record ends before its coordinates; the file seems to be damaged");
-    number_in(line, coordinate_columns[0], "x");
-    number_in(line, coordinate_columns[1], "y");
-    number_in(line, coordinate_columns[2], "z");
+    check_number(line, coordinate_columns[0], "x");
+    check_number(line, coordinate_columns[1], "y");
+    check_number(line, coordinate_columns[2], "z");
     require_whole_operator();
     if (!is_in_model_) begin_model({});
     has_atoms_ = true;
@@ -457,7 +468,7 @@ class PdbRecords {
       lines_.fail(formatted("expected a row of operator {}, found one of operator {}",
                             printable(operator_number_), printable(number)));
     for (const std::size_t column : std::array<std::size_t, 4>{23, 33, 43, 58})
-      number_in(line, {column, width}, "the operator");
+      check_number(line, {column, width}, "the operator");
     operator_rows_ = (operator_rows_ + 1) % 3;
   }
 

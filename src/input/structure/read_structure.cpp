@@ -76,28 +76,48 @@ void refuse_copies(const ModelList& models, std::string_view file) {
                 file, models.names.size()));
 }
 
+/// The name and the alternate location of an atom, which tell it from others of its residue.
+using AtomLocation = std::pair<std::string_view, char>;
+
+/// Returns whether an atom of the same name and alternate location repeats. `locations` is scratch.
+bool has_repeated_atom(const gemmi::Residue& residue, std::vector<AtomLocation>& locations) {
+  locations.clear();
+  for (const gemmi::Atom& atom : residue.atoms) locations.emplace_back(atom.name, atom.altloc);
+  std::sort(locations.begin(), locations.end());
+  return std::adjacent_find(locations.begin(), locations.end()) != locations.end();
+}
+
 /// Splits residues in which an atom of the same name and alternate location repeats. They are
 /// several residues with the same name and number, because in large files numbers begin again after
 /// 9999.
-void split_residues(gemmi::Model& model) {
+void split_residues(gemmi::Chain& chain) {
   std::set<std::pair<std::string, char>> known;
-  for (gemmi::Chain& chain : model.chains) {
-    std::vector<gemmi::Residue> parts;
-    parts.reserve(chain.residues.size());
-    for (gemmi::Residue& residue : chain.residues) {
-      std::vector<gemmi::Atom> atoms = std::move(residue.atoms);
-      residue.atoms.clear();
-      known.clear();
-      for (gemmi::Atom& atom : atoms) {
-        const bool is_repeated = !known.emplace(atom.name, atom.altloc).second;
-        if (is_repeated) known = {{atom.name, atom.altloc}};
-        if (is_repeated || &atom == &atoms.front()) parts.push_back(residue);
-        parts.back().atoms.push_back(std::move(atom));
-      }
+  std::vector<gemmi::Residue> parts;
+  parts.reserve(chain.residues.size());
+  for (gemmi::Residue& residue : chain.residues) {
+    std::vector<gemmi::Atom> atoms = std::move(residue.atoms);
+    residue.atoms.clear();
+    known.clear();
+    for (gemmi::Atom& atom : atoms) {
+      const bool is_repeated = !known.emplace(atom.name, atom.altloc).second;
+      if (is_repeated) known = {{atom.name, atom.altloc}};
+      if (is_repeated || &atom == &atoms.front()) parts.push_back(residue);
+      parts.back().atoms.push_back(std::move(atom));
     }
+  }
+  chain.residues = std::move(parts);
+}
+
+void split_residues(gemmi::Model& model) {
+  std::vector<AtomLocation> locations;
+  const auto must_be_split = [&](const gemmi::Residue& residue) {
+    return has_repeated_atom(residue, locations);
+  };
+  for (gemmi::Chain& chain : model.chains) {
+    if (std::any_of(chain.residues.begin(), chain.residues.end(), must_be_split))
+      split_residues(chain);
     // The atoms stay in memory until the result is complete.
-    for (gemmi::Residue& part : parts) part.atoms.shrink_to_fit();
-    chain.residues = std::move(parts);
+    for (gemmi::Residue& residue : chain.residues) residue.atoms.shrink_to_fit();
   }
 }
 
