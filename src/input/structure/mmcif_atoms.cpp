@@ -1,17 +1,16 @@
 // This file is valid C++17, for the reason given in mmcif_text.cpp.
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstddef>
 #include <gemmi/numb.hpp>
 #include <gemmi/resinfo.hpp>
 #include <initializer_list>
-#include <iterator>
 #include <map>
 #include <set>
 #include <stdexcept>
 #include <string>
+#include <unordered_map>
 #include <utility>
 
 #include "input/check_at.hpp"
@@ -51,26 +50,26 @@ class Column {
     return values_ ? gemmi::cif::as_string(values_[row.index]) : std::string();
   }
 
-  std::string character(const Row& row, const char* quantity) const {
-    std::string value = text(row);
+  /// Returns a value of one character, or `unknown`.
+  char character(const Row& row, const char* quantity, char unknown) const {
+    const std::string value = text(row);
     if (value.size() > 1) fail(row, std::string("one character for ") + quantity);
+    return value.empty() ? unknown : value.front();
+  }
+
+  double number(const Row& row, const char* quantity, const char* unknown = "") const {
+    const std::string known = text(row);
+    const double value = gemmi::cif::as_number(known.empty() ? unknown : known);
+    if (!std::isfinite(value)) fail(row, std::string("a number for ") + quantity);
     return value;
   }
 
-  std::string number(const Row& row, const char* quantity, const char* unknown = "") const {
-    std::string value = text(row);
-    if (value.empty()) value = unknown;
-    if (!std::isfinite(gemmi::cif::as_number(value)))
-      fail(row, std::string("a number for ") + quantity);
-    return value;
-  }
-
-  /// Throws MmcifError if the value, or its part `number`, is not a residue number.
-  void check_residue_number(const Row& row, const std::string& number) const {
+  /// Returns the value, or its part `number`, as a residue number.
+  int residue_number(const Row& row, const std::string& number) const {
     constexpr std::ptrdiff_t max_digits = 9;  // such that it is in the range of int
     try {
-      gemmi::cif::as_int(number);
-      if (std::count_if(number.begin(), number.end(), is_digit) <= max_digits) return;
+      const int value = gemmi::cif::as_int(number);
+      if (std::count_if(number.begin(), number.end(), is_digit) <= max_digits) return value;
     } catch (const std::invalid_argument&) {  // The message below has the line.
     }
     fail(row,
@@ -93,45 +92,32 @@ bool is_standard_monomer(const std::string& residue_name) {
   return info.is_standard() && (info.is_amino_acid() || info.is_nucleic_acid());
 }
 
-/// The values of a row that identify a residue in its model.
+/// A residue of the chain of a row. Its number is unknown in some files.
 struct ResidueKey {
-  std::string chain, name, number, insertion_code;
+  std::string chain;
+  gemmi::ResidueId id;
 
-  bool operator==(const ResidueKey& other) const {
-    return number == other.number && chain == other.chain && name == other.name &&
-           insertion_code == other.insertion_code;
-  }
+  bool has_number() const { return id.seqid.num.has_value(); }
+  bool operator==(const ResidueKey& other) const { return id == other.id && chain == other.chain; }
 };
 
-/// Checks the rows and adds those of the chosen model to a new table.
-class TableBuilder {
+/// Checks the rows and makes the chains of the chosen model.
+class ChainBuilder {
  public:
-  TableBuilder(gemmi::cif::Block& block, ModelList& models) : block_(block), models_(models) {}
+  ChainBuilder(gemmi::cif::Block& block, ModelList& models) : block_(block), models_(models) {}
 
   AtomTable build(const std::vector<std::uint64_t>& lines, const CheckCallback& check) {
-    AtomTable table;
-    gemmi::cif::Loop& loop = table.block.init_loop(
-        atom_category,
-        {"id", "group_PDB", "type_symbol", "label_atom_id", "label_alt_id", "label_comp_id",
-         "label_asym_id", "label_entity_id", "label_seq_id", "pdbx_PDB_ins_code", "Cartn_x",
-         "Cartn_y", "Cartn_z", "occupancy", "B_iso_or_equiv", "auth_seq_id", "auth_asym_id"});
-    loop.values.reserve(lines.size() * loop.width());
     for (std::size_t i = 0; i < lines.size(); ++i) {
       check_at(i, check);
       const Row row{static_cast<int>(i), lines[i]};
       ResidueKey residue = residue_of(row);
-      std::array<std::string, 17> values = values_of(row, residue);
+      gemmi::Atom atom = atom_of(row, residue.id.name);
       if (!is_in_chosen_model(row)) continue;
-      if (residue.number.empty()) number_residue(row, lines, residue, values);
-      if (element_.text(row).empty()) table.guessed_elements.push_back(row.line);
-      if (table.chains.empty() || !(residue == last_residue_)) {
-        table.chains.push_back(residue.chain);
-        last_residue_ = residue;
-      }
-      values.back() = std::to_string(table.chains.size());
-      std::move(values.begin(), values.end(), std::back_inserter(loop.values));
+      if (!residue.has_number()) number_residue(atom, lines, residue);
+      if (element_.text(row).empty()) table_.guessed_elements.push_back(row.line);
+      place_of(residue, row).atoms.push_back(std::move(atom));
     }
-    return table;
+    return std::move(table_);
   }
 
  private:
@@ -148,67 +134,75 @@ class TableBuilder {
   }
 
   ResidueKey residue_of(const Row& row) const {
-    ResidueKey key{chain_name_.text(row), residue_name_.text(row), number_.text(row),
-                   insertion_code_.character(row, "the insertion code")};
-    if (key.number.empty()) return key;
+    ResidueKey key;
+    key.chain = chain_name_.text(row);
+    key.id.name = residue_name_.text(row);
+    key.id.seqid.icode = insertion_code_.character(row, "the insertion code", ' ');
+    std::string number = number_.text(row);
+    if (number.empty()) return key;
     // Old files write the insertion code also after the number, as in 15A.
-    if (is_letter(key.number.back())) {
-      if (!key.insertion_code.empty() && key.insertion_code[0] != key.number.back())
-        number_.fail(row, "the insertion code " + key.insertion_code);
-      key.insertion_code = key.number.back();
-      key.number.pop_back();
+    if (is_letter(number.back())) {
+      if (key.id.seqid.icode != ' ' && key.id.seqid.icode != number.back())
+        number_.fail(row, std::string("the insertion code ") + key.id.seqid.icode);
+      key.id.seqid.icode = number.back();
+      number.pop_back();
     }
-    number_.check_residue_number(row, key.number);
+    key.id.seqid.num = number_.residue_number(row, number);
     return key;
   }
 
   // Gives a residue without a number, such as a water or an ion, a number behind all numbers of the
   // file. A new residue begins with another name or chain, or with an atom that repeats.
-  void number_residue(const Row& row, const std::vector<std::uint64_t>& lines, ResidueKey& residue,
-                      std::array<std::string, 17>& values) {
+  void number_residue(const gemmi::Atom& atom, const std::vector<std::uint64_t>& lines,
+                      ResidueKey& residue) {
     if (last_number_ == 0)
       for (std::size_t i = 0; i < lines.size(); ++i)
-        if (const auto other = residue_of({static_cast<int>(i), lines[i]}); !other.number.empty())
-          last_number_ = std::max(last_number_, std::stoi(other.number));
-    const std::string name = atom_name_.text(row), altloc = altloc_.text(row);
-    std::set<std::string>& known = unnumbered_altlocs_[name];
-    const bool is_other = residue.chain != unnumbered_.chain || residue.name != unnumbered_.name;
+        if (const auto other = residue_of({static_cast<int>(i), lines[i]}); other.has_number())
+          last_number_ = std::max(last_number_, *other.id.seqid.num);
+    std::set<char>& known = unnumbered_altlocs_[atom.name];
     // An atom has one location without a letter, or several with letters.
-    if (is_other || known.count(altloc) > 0 ||
-        (!known.empty() && (altloc.empty() || known.count(std::string()) > 0))) {
+    if (!(residue == unnumbered_) || known.count(atom.altloc) > 0 ||
+        (!known.empty() && (atom.altloc == '\0' || known.count('\0') > 0))) {
       ++last_number_;
       unnumbered_altlocs_.clear();
     }
     unnumbered_ = residue;
-    unnumbered_altlocs_[name].insert(altloc);
-    residue.number = values[auth_number_index] = std::to_string(last_number_);
+    unnumbered_altlocs_[atom.name].insert(atom.altloc);
+    residue.id.seqid.num = last_number_;
   }
 
-  std::array<std::string, 17> values_of(const Row& row, const ResidueKey& residue) const {
-    const auto quoted = [](const std::string& text) {
-      return text.empty() ? std::string("?") : gemmi::cif::quote(text);
-    };
-    const std::string label_number = label_number_.text(row);
-    std::string element = element_.text(row);
-    if (element.empty()) element = symbol_by_name(atom_name_.text(row), residue.name);
-    if (!label_number.empty()) label_number_.check_residue_number(row, label_number);
-    return {std::to_string(row.line),
-            is_hetatm(row, residue.name) ? "HETATM" : "ATOM",
-            quoted(element),
-            quoted(atom_name_.text(row)),
-            quoted(altloc_.character(row, "the alternate location")),
-            quoted(residue.name),
-            quoted(subchain_.text(row)),
-            quoted(entity_.text(row)),
-            quoted(label_number),
-            quoted(residue.insertion_code),
-            x_.number(row, "x"),
-            y_.number(row, "y"),
-            z_.number(row, "z"),
-            occupancy_.number(row, "the occupancy", "1"),
-            b_factor_.number(row, "the B-factor", "0"),
-            quoted(residue.number),
-            {}};
+  gemmi::Atom atom_of(const Row& row, const std::string& residue) const {
+    gemmi::Atom atom;
+    atom.name = atom_name_.text(row);
+    const std::string element = element_.text(row);
+    atom.element = gemmi::Element(element.empty() ? symbol_by_name(atom.name, residue) : element);
+    atom.altloc = altloc_.character(row, "the alternate location", '\0');
+    if (const std::string number = label_number_.text(row); !number.empty())
+      label_number_.residue_number(row, number);
+    atom.pos = {x_.number(row, "x"), y_.number(row, "y"), z_.number(row, "z")};
+    atom.occ = static_cast<float>(occupancy_.number(row, "the occupancy", "1"));
+    atom.b_iso = static_cast<float>(b_factor_.number(row, "the B-factor", "0"));
+    atom.serial = static_cast<int>(row.line);
+    return atom;
+  }
+
+  // Returns the residue of a row, which may be new. The rows of a residue may be anywhere in those
+  // of its chain. Chains are runs of rows.
+  gemmi::Residue& place_of(const ResidueKey& key, const Row& row) {
+    std::vector<gemmi::Chain>& chains = table_.chains;
+    if (chains.empty() || chains.back().name != key.chain) {
+      chains.emplace_back(key.chain);
+      indices_.clear();
+    }
+    std::vector<gemmi::Residue>& residues = chains.back().residues;
+    const auto [found, is_new] = indices_.emplace(key.id, residues.size());
+    if (is_new) {
+      gemmi::Residue& residue = residues.emplace_back(key.id);
+      residue.subchain = subchain_.text(row);
+      residue.entity_id = entity_.text(row);
+      residue.het_flag = is_hetatm(row, key.id.name) ? 'H' : 'A';
+    }
+    return residues[found->second];
   }
 
   bool is_hetatm(const Row& row, const std::string& residue_name) const {
@@ -236,20 +230,20 @@ class TableBuilder {
   Column occupancy_{block_, {"occupancy"}};
   Column b_factor_{block_, {"B_iso_or_equiv"}};
   Column model_number_{block_, {"pdbx_PDB_model_num"}};
-  static constexpr std::size_t auth_number_index = 15;
-  int last_number_ = 0;                                              // of residues without a number
-  ResidueKey unnumbered_;                                            // the last of these
-  std::map<std::string, std::set<std::string>> unnumbered_altlocs_;  // by names of its atoms
+  AtomTable table_;
+  std::unordered_map<gemmi::ResidueId, std::size_t> indices_;  // of residues of the last chain
+  int last_number_ = 0;                                        // of residues without a number
+  ResidueKey unnumbered_;                                      // the last of these
+  std::map<std::string, std::set<char>> unnumbered_altlocs_;   // by names of its atoms
   std::string last_model_;
   bool is_chosen_ = false;
-  ResidueKey last_residue_;  // of the last row that was added
 };
 
 }  // namespace
 
-AtomTable make_atom_table(gemmi::cif::Block& block, const std::vector<std::uint64_t>& lines,
+AtomTable read_atom_table(gemmi::cif::Block& block, const std::vector<std::uint64_t>& lines,
                           ModelList& models, const CheckCallback& check) {
-  return TableBuilder(block, models).build(lines, check);
+  return ChainBuilder(block, models).build(lines, check);
 }
 
 }  // namespace eses::detail

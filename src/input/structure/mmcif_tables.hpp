@@ -25,18 +25,16 @@ inline constexpr const char* atom_category = "_atom_site.";
 /// Throws MmcifError if a table that `is_used` accepts lacks values or has the same tag twice.
 void check_tables(const gemmi::cif::Block& block, bool (*is_used)(const std::string& tag));
 
-/// A table of atoms from which gemmi makes the chosen model.
+/// The atoms of the chosen model.
 struct AtomTable {
-  gemmi::cif::Block block;
-  std::vector<std::string> chains;  ///< name of the chain of each run of rows with one residue
+  std::vector<gemmi::Chain> chains;
   std::vector<std::uint64_t> guessed_elements;  ///< lines of atoms with elements by name
 };
 
-/// Checks the table of atoms and returns the rows of the chosen model. Their columns `id` have the
-/// line number from `lines`, and the columns `auth_asym_id` the index of a run of rows with one
-/// residue. Calls `check` repeatedly. Throws MmcifError if the table lacks a column or has an
-/// invalid value.
-AtomTable make_atom_table(gemmi::cif::Block& block, const std::vector<std::uint64_t>& lines,
+/// Checks the table of atoms and returns those of the chosen model. Their serial numbers are the
+/// line numbers from `lines`. Calls `check` repeatedly. Throws MmcifError if the table lacks a
+/// column or has an invalid value.
+AtomTable read_atom_table(gemmi::cif::Block& block, const std::vector<std::uint64_t>& lines,
                           ModelList& models, const CheckCallback& check);
 
 /// Returns whether read_assemblies needs the table of a tag.

@@ -6,6 +6,8 @@
 #include <gemmi/cif.hpp>
 #include <gemmi/mmcif.hpp>
 #include <set>
+#include <string>
+#include <type_traits>
 #include <unordered_map>
 #include <utility>
 #include <vector>
@@ -183,27 +185,13 @@ std::vector<std::uint64_t> lines_of_atoms(Block& block, const StructureDocument&
   return document.atom_lines;
 }
 
-/// Puts the residues of gemmi's chains, each of which has one run of rows, into chains with these
-/// names. The rows of a residue may be anywhere in its chain. gemmi looks for the residue of each
-/// row in all residues of the chain, which would take quadratic time for long chains.
-void join_runs(gemmi::Model& model, const std::vector<std::string>& names) {
-  const std::vector<gemmi::Chain> runs = std::move(model.chains);
-  model.chains.clear();
-  std::unordered_map<gemmi::ResidueId, std::size_t> indices;
-  for (std::size_t i = 0; i < runs.size(); ++i) {
-    if (i == 0 || names.at(i) != model.chains.back().name) {
-      model.chains.emplace_back(names.at(i));
-      indices.clear();
-    }
-    std::vector<gemmi::Residue>& residues = model.chains.back().residues;
-    for (const gemmi::Residue& residue : runs[i].residues) {
-      const auto [found, is_new] = indices.emplace(residue, residues.size());
-      if (is_new)
-        residues.push_back(residue);
-      else
-        gemmi::vector_move_extend(residues[found->second].atoms, std::vector(residue.atoms));
-    }
-  }
+/// Returns an empty model. Old versions of gemmi name models, new ones number them.
+template <class Model = gemmi::Model>
+Model make_model() {
+  if constexpr (std::is_constructible_v<Model, std::string>)
+    return Model("1");
+  else
+    return Model(1);
 }
 
 /// Gives residues the types of their entities, by their subchains or, if the file does not list
@@ -229,18 +217,18 @@ ParsedStructure convert(Block& block, const StructureDocument& document,
   result.models.wanted = options.model;
   std::vector<gemmi::Assembly> assemblies = read_assemblies(block, options.assembly);
   AtomTable atoms =
-      make_atom_table(block, lines_of_atoms(block, document), result.models, options.check);
+      read_atom_table(block, lines_of_atoms(block, document), result.models, options.check);
   const bool lists_subchains = block.find("_struct_asym.", {"id", "entity_id"}).ok();
-  for (Item& item : block.items) {
-    if (is_needed_tag(tag_of(item)) && !is_atom_table(item))
-      atoms.block.items.push_back(std::move(item));
-  }
-  block.items.clear();
-  result.structure = gemmi::make_structure_from_block(atoms.block);
+  // gemmi reads the entities. It would take quadratic time for chains of many residues.
+  gemmi::vector_remove_if(block.items, [](const Item& item) {
+    return is_atom_table(item) || !is_needed_tag(tag_of(item));
+  });
+  result.structure = gemmi::make_structure_from_block(block);
   result.structure.assemblies = std::move(assemblies);
   result.guessed_elements = std::move(atoms.guessed_elements);
-  if (result.structure.models.empty()) return result;
-  join_runs(result.structure.models.front(), atoms.chains);
+  if (atoms.chains.empty()) return result;
+  result.structure.models = {make_model()};
+  result.structure.models.front().chains = std::move(atoms.chains);
   set_entity_types(result.structure, lists_subchains);
   return result;
 }
