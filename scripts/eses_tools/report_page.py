@@ -14,7 +14,7 @@ PARTS = pathlib.Path(__file__).resolve().parent / "pages/report"
 TEXTS = ("id", "input", "file", "radii", "status", "message")  # other columns are numbers if possible
 # Columns that are drawn against the number of atoms, if the table has them.
 PLOTS = (("seconds", "time, s"), ("peak_bytes", "peak memory, bytes"), ("area", "area, Å²"),
-         ("volume", "volume, Å³"), ("ses_area", "SES area, Å²"), ("ses_volume", "SES volume, Å³"))
+         ("volume", "volume, Å³"), ("ses_area", "SES area, Å²"), ("sas_area", "SAS area, Å²"), ("ses_volume", "SES volume, Å³"))
 
 
 def is_text(rows, name):
@@ -47,7 +47,7 @@ def make_report(rows, columns, title, pictures):
             "plots": [plot for plot in PLOTS if plot[0] in columns],
             "rows": [[value_of(row, name, texts) for name in columns] for row in rows],
             "pictures": {printable(name): address for name, address in pictures.items()}}
-    return page.fill(PARTS, ("report.js",),
+    return page.fill(PARTS, ("plots.js", "report.js"),
                      {"title": html.escape(title), "rows": page.script_text(data)})
 
 

@@ -82,15 +82,9 @@ class Report(TestCase):
         self.assertEqual(shown(), ["n1", "n10"])
         self.assertEqual(browser.find_element("id", "shown").text, "2 of 4 structures")
         self.assertIn("<b>bad: ", browser.find_element("id", "failures").text)
-        # A dot for each structure with an area: as many pixels as circles have.
-        blue = browser.execute_script("""
-          const canvas = document.getElementById("plot-area"), pen = canvas.getContext("2d");
-          const { data } = pen.getImageData(0, 0, canvas.width, canvas.height);
-          let count = 0;
-          for (let i = 0; i < data.length; i += 4)
-            if (data[i + 2] > data[i] + 100 && data[i + 3] > 127) count++;
-          return count""")
-        self.assertAlmostEqual(blue, 2 * 3.14 * 2.5**2, delta=12)
+        # A dot for each structure with an area.
+        path = browser.find_element("css selector", "#plots-area .points").get_attribute("d")
+        self.assertEqual(path.count("M"), 2)
         self.assertEqual(accessibility_faults(browser), [])
         self.assertEqual(browser_errors(browser), [])
 
@@ -140,8 +134,66 @@ class MeasureReport(TestCase):
             self.assertEqual(failed["status"], "failed")
             self.assertIn("bad.xyzr:1: field 4 (radius)", failed["message"])
             data = data_of(self.page)
-            self.assertEqual([name for name, _ in data["plots"]], ["ses_area", "ses_volume"])
+            self.assertEqual([name for name, _ in data["plots"]], ["ses_area", "sas_area", "ses_volume"])
             self.assertEqual(data["texts"], ["file", "status", "message"])
+
+    @unittest.skipUnless(has_browser(), "needs chromium, chromium-driver and python3-selenium")
+    def test_many_files_at_a_glance(self):
+        """Plots fit their values, outliers are named, and the table is downloaded as it is shown."""
+        table = self.folder / "a.csv"
+        values = [(f"s{n}.pdb", 1000 + 37 * n, 50 * (1000 + 37 * n) * (3 if n == 7 else 1 + 0.01 * (n % 3)))
+                  for n in range(40)]
+        table.write_text("file,atoms,ses_area,error\n"
+                         + "".join(f"{name},{atoms},{area:.6f},\n" for name, atoms, area in values))
+        self.assertDone(run("report", table, "-o", self.page))
+        browser = open_browser(self)
+        browser.get(self.page.as_uri())
+        self.assertEqual(len(browser.find_elements("css selector", "#plots-ses_area .outlier")), 1)
+        outliers = [item.text for item in browser.find_elements("css selector", "#outliers li")]
+        self.assertEqual(len(outliers), 1)
+        self.assertRegex(outliers[0], r"^s7\.pdb: SES area 2\.9\d* times the expected$")
+        # Less than a decade has several labels, and points fill most of the plot.
+        labels = browser.execute_script(
+            "return Array.from(document.querySelectorAll('#plots-ses_area text:not(.title)'), (e) => e.textContent)")
+        self.assertGreater(len(labels), 6)
+        box = browser.execute_script("const b = document.querySelector('#plots-ses_area .points').getBBox(); "
+                                     "return [b.width, b.height]")
+        self.assertGreater(box[0], 200)
+        self.assertGreater(box[1], 100)
+        clipped = browser.execute_script("""
+          return Array.from(document.querySelectorAll("svg text"), (text) => {
+            const box = text.getBBox(), all = text.ownerSVGElement.viewBox.baseVal;
+            return box.x < 0 || box.y < 0 || box.x + box.width > all.width + 0.5 || box.y + box.height > all.height + 0.5
+              ? text.textContent : "";
+          }).filter((text) => text)""")
+        self.assertEqual(clipped, [])
+        self.assertEqual(len(browser.find_elements("css selector", "#histograms-ses_area .bars")), 1)
+        browser.find_element("css selector", "#outliers button").click()
+        self.assertEqual(browser.find_element("id", "shown").text, "1 of 40 structures")
+        browser.execute_script("URL.createObjectURL = (blob) => { blob.text().then((text) => { window.saved = text; }); "
+                               "return '#'; };")
+        browser.find_element("id", "download").click()
+        saved = browser.execute_async_script("const [done] = arguments; setTimeout(() => done(window.saved), 100)")
+        self.assertEqual(saved.splitlines()[0], "file,atoms,ses_area,status,message")
+        self.assertEqual(saved.splitlines()[1:], [f"s7.pdb,1259,{values[7][2]:g},done,"])
+        self.assertEqual(browser_errors(browser), [])
+
+    @unittest.skipUnless(has_browser(), "needs chromium, chromium-driver and python3-selenium")
+    def test_printed_and_narrow_pages_have_no_clipped_parts(self):
+        table = self.folder / "a.csv"
+        self.measure("--csv", table)
+        self.assertDone(run("report", table, "-o", self.page))
+        browser = open_browser(self)
+        for media, width in (("print", 1032), ("screen", 360)):
+            browser.execute_cdp_cmd("Emulation.setEmulatedMedia", {"media": media})
+            browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride",
+                                    {"width": width, "height": 700, "deviceScaleFactor": 1, "mobile": False})
+            browser.get(self.page.as_uri())
+            self.assertLessEqual(browser.execute_script("return document.documentElement.scrollWidth"), width)
+            if media == "print":
+                region = "document.querySelector('.scroll')"
+                self.assertLessEqual(browser.execute_script(f"return {region}.scrollWidth - {region}.clientWidth"), 0)
+                self.assertFalse(browser.find_element("id", "download").is_displayed())
 
     def test_other_files_are_refused(self):
         table = self.folder / "a.csv"

@@ -1,8 +1,11 @@
-// Shows the rows of a table: failures, pictures, plots, and the table, which can be sorted and
-// filtered. The first column names the structures.
+// Shows the rows of a table: failures, outliers, pictures, plots, and the table, which can be sorted,
+// filtered and downloaded. The first column names the structures.
 
 const STEP = 200; // rows that are shown at once
-const MARGIN = { left: 62, right: 12, top: 24, bottom: 36 }; // of a plot, in pixels
+const MAX_OPEN = 5; // failures that are shown at once
+const MAX_OUTLIERS = 20; // that are named
+// Columns whose distributions say nothing about the structures.
+const SETTINGS = ["probe_radius", "model", "threads", "nx", "ny", "nz", "bx", "by", "bz"];
 
 const { columns, texts, plots, rows: lists, pictures } =
   JSON.parse(document.getElementById("rows").textContent);
@@ -10,16 +13,14 @@ const key = columns[0], isText = (name) => texts.includes(name);
 const rows = lists.map((list) => Object.fromEntries(columns.map((name, i) => [name, list[i]])));
 const state = { column: key, isDescending: false, filter: "", status: "", shown: STEP };
 const $ = (selector) => document.querySelector(selector);
+const titles = new Map(plots);
+const titleOf = (name) => titles.get(name) ?? name.replaceAll("_", " ");
 
 function element(tag, text, className = "") {
   const made = document.createElement(tag);
   made.textContent = text;
   made.className = className;
   return made;
-}
-
-function shortNumber(value) {
-  return value >= 1e5 || value < 1e-3 ? value.toExponential(0).replace("e+", "e") : String(value);
 }
 
 // -------------------------------------------------------------------------------------- table
@@ -37,12 +38,22 @@ function compare(a, b) {
   return state.isDescending ? -order : order;
 }
 
+const chosenRows = () => rows.filter(isMatch).sort(compare);
+
+// Numbers in the table have six digits; those of the download have all.
+function cellOf(row, name) {
+  const value = row[name], isLong = !isText(name) && value !== "" && !Number.isInteger(value);
+  const cell = element("td", isLong ? String(+value.toPrecision(6)) : value, isText(name) ? "text" : "");
+  if (isLong) cell.title = value;
+  return cell;
+}
+
 function showTable() {
-  const matches = rows.filter(isMatch).sort(compare);
+  const matches = chosenRows();
   $("#shown").textContent = `${matches.length} of ${rows.length} structures`;
   $("tbody").replaceChildren(...matches.slice(0, state.shown).map((row) => {
     const line = document.createElement("tr");
-    line.append(...columns.map((name) => element("td", row[name], isText(name) ? "text" : "")));
+    line.append(...columns.map((name) => cellOf(row, name)));
     return line;
   }));
   $("#more").hidden = matches.length <= state.shown;
@@ -55,7 +66,9 @@ function showTable() {
 
 function makeHeader() {
   $("thead tr").append(...columns.map((name) => {
-    const cell = element("th", "", isText(name) ? "text" : ""), button = element("button", name);
+    const cell = element("th", "", isText(name) ? "text" : ""), button = element("button", "");
+    // Long names may be divided behind underscores.
+    button.append(...name.split(/(?<=_)/).flatMap((part) => [part, document.createElement("wbr")]));
     cell.scope = "col";
     button.type = "button";
     button.addEventListener("click", () => {
@@ -68,78 +81,77 @@ function makeHeader() {
   }));
 }
 
-// -------------------------------------------------------------------------------------- plots
-
-// Returns the powers of ten around positive values.
-function decades(values) {
-  const low = Math.floor(Math.log10(values.reduce((a, b) => Math.min(a, b))));
-  const high = Math.ceil(Math.log10(values.reduce((a, b) => Math.max(a, b))));
-  return Array.from({ length: Math.max(high - low, 1) + 1 }, (_, i) => low + i);
+// Saves the rows that the filter leaves, in their order, as CSV.
+function download() {
+  const field = (value) => /[",\r\n]/.test(value) ? `"${String(value).replaceAll('"', '""')}"` : value;
+  const lines = [columns, ...chosenRows().map((row) => columns.map((name) => row[name]))];
+  const text = lines.map((line) => `${line.map(field).join(",")}\n`).join("");
+  const link = document.createElement("a");
+  link.href = URL.createObjectURL(new Blob([text], { type: "text/csv" }));
+  link.download = "structures.csv";
+  link.click();
+  URL.revokeObjectURL(link.href);
 }
 
-// Draws y against the number of atoms, both on logarithmic scales.
-function drawPlot(canvas, points, title) {
-  const ratio = window.devicePixelRatio || 1, style = getComputedStyle(document.body);
-  const width = canvas.clientWidth, height = canvas.clientHeight, pen = canvas.getContext("2d");
-  canvas.width = ratio * width;
-  canvas.height = ratio * height;
-  pen.scale(ratio, ratio);
-  pen.font = "13px sans-serif";
-  pen.fillStyle = style.color;
-  pen.fillText(title, 4, 14);
-  if (points.length === 0) return;
-  const x = decades(points.map((point) => point[0])), y = decades(points.map((point) => point[1]));
-  const place = (value, scale, from, to) =>
-    from + (to - from) * (Math.log10(value) - scale[0]) / (scale[scale.length - 1] - scale[0]);
-  const across = (value) => place(value, x, MARGIN.left, width - MARGIN.right);
-  const up = (value) => place(value, y, height - MARGIN.bottom, MARGIN.top);
-  pen.strokeStyle = style.getPropertyValue("--line");
-  pen.lineWidth = 0.5;
-  pen.beginPath();
-  pen.textAlign = "right";
-  for (const power of y) {
-    pen.moveTo(MARGIN.left, up(10 ** power));
-    pen.lineTo(width - MARGIN.right, up(10 ** power));
-    pen.fillText(shortNumber(+`1e${power}`), MARGIN.left - 6, up(10 ** power) + 4);
-  }
-  pen.textAlign = "center";
-  for (const power of x) {
-    pen.moveTo(across(10 ** power), MARGIN.top);
-    pen.lineTo(across(10 ** power), height - MARGIN.bottom);
-    pen.fillText(shortNumber(+`1e${power}`), across(10 ** power), height - MARGIN.bottom + 16);
-  }
-  pen.fillText("atoms", (MARGIN.left + width) / 2, height - 4);
-  pen.stroke();
-  pen.fillStyle = style.getPropertyValue("--point");
-  for (const [a, b] of points) {
-    pen.beginPath();
-    pen.arc(across(a), up(b), 2.5, 0, 7);
-    pen.fill();
-  }
+// -------------------------------------------------------------------------------------- plots
+
+function makePlot(folder, name) {
+  const figure = document.createElement("figure");
+  const plot = svg("svg", { id: `${folder}-${name}`, viewBox: `0 0 ${SIZE.width} ${SIZE.height}`, role: "img" });
+  figure.append(plot);
+  $(`#${folder}`).append(figure);
+}
+
+// Names the structures with outliers in any plot, the farthest first.
+function showOutliers(found) {
+  found.sort((a, b) => Math.abs(Math.log(b.factor)) - Math.abs(Math.log(a.factor)));
+  const values = new Map();
+  for (const { name, title, factor } of found)
+    values.set(name, [...values.get(name) ?? [],
+      `${title.replace(/,.*/, "")} ${numberText(+factor.toPrecision(3))} times the expected`]);
+  $("#outliers").hidden = found.length === 0;
+  $("#outliers ul").replaceChildren(...Array.from(values).slice(0, MAX_OUTLIERS).map(([name, parts]) => {
+    const item = element("li", ""), button = element("button", name);
+    button.type = "button";
+    button.addEventListener("click", () => setFilter(name));
+    item.append(button, `: ${parts.join(", ")}`);
+    return item;
+  }));
+  if (values.size > MAX_OUTLIERS)
+    $("#outliers ul").append(element("li", `and ${values.size - MAX_OUTLIERS} more`));
 }
 
 function drawPlots(matches) {
+  const found = [];
   for (const [name, title] of plots) {
-    const canvas = $(`#plot-${name}`);
     const points = matches.filter((row) => row.atoms > 0 && row[name] > 0)
-      .map((row) => [row.atoms, row[name]]);
-    drawPlot(canvas, points, title);
-    canvas.setAttribute("aria-label", `${title}, of ${points.length} structures, against atoms; `
-      + "the table has the numbers");
+      .map((row) => ({ x: row.atoms, y: row[name], name: row[key] }));
+    const outliers = outliersOf(points), plot = $(`#plots-${name}`);
+    drawScatter(plot, title, points, outliers);
+    found.push(...outliers.map((point) => ({ ...point, title })));
+    plot.setAttribute("aria-label", `${title}, of ${points.length} structures, against atoms; the table has the numbers`);
+  }
+  showOutliers(found);
+  for (const name of distributions) {
+    const values = matches.map((row) => row[name]).filter((value) => value !== ""), plot = $(`#histograms-${name}`);
+    plot.parentElement.hidden = values.length === 0;
+    if (values.length === 0) continue;
+    drawHistogram(plot, titleOf(name), values);
+    plot.setAttribute("aria-label", `distribution of ${titleOf(name)}; median ${numberText(median(values))}`);
   }
 }
 
-function makePlots() {
-  $("#plots").append(...plots.map(([name]) => {
-    const figure = document.createElement("figure"), canvas = document.createElement("canvas");
-    canvas.id = `plot-${name}`;
-    canvas.setAttribute("role", "img");
-    figure.append(canvas);
-    return figure;
-  }));
-}
+// Returns the columns of numbers that differ between structures.
+const distributions = columns.filter((name) => !isText(name) && !SETTINGS.includes(name)
+  && new Set(rows.map((row) => row[name]).filter((value) => value !== "")).size > 2);
 
 // --------------------------------------------------------------------------------------- start
+
+function setFilter(text) {
+  state.filter = text;
+  $("#filter").value = text;
+  showTable();
+}
 
 function showCounts() {
   const counts = new Map();
@@ -149,8 +161,11 @@ function showCounts() {
   for (const status of counts.keys()) $("#status").append(new Option(status, status));
   const failures = rows.filter(({ status }) => status === "failed");
   $("#failures").hidden = failures.length === 0;
+  $("#failures details").open = failures.length <= MAX_OPEN;
+  $("#failures summary").textContent = `${failures.length} of ${rows.length} structures`;
+  // Most messages begin with the name of the file.
   $("#failures ul").append(...failures.map((row) =>
-    element("li", row[key] ? `${row[key]}: ${row.message}` : row.message)));
+    element("li", !row[key] || row.message.startsWith(row[key]) ? row.message : `${row[key]}: ${row.message}`)));
 }
 
 function showPictures() {
@@ -167,11 +182,15 @@ function showPictures() {
 }
 
 makeHeader();
-makePlots();
+for (const [name] of plots) makePlot("plots", name);
+for (const name of distributions) makePlot("histograms", name);
+$("#against").hidden = plots.length === 0;
+$("#distributions").hidden = distributions.length === 0;
 showCounts();
 showPictures();
 showTable();
-$("#filter").addEventListener("input", (event) => { state.filter = event.target.value; showTable(); });
+$("form").addEventListener("submit", (event) => event.preventDefault());
+$("#filter").addEventListener("input", (event) => setFilter(event.target.value));
 $("#status").addEventListener("change", (event) => { state.status = event.target.value; showTable(); });
+$("#download").addEventListener("click", download);
 $("#more").addEventListener("click", () => { state.shown += STEP; showTable(); });
-window.addEventListener("resize", () => showTable());
