@@ -1,12 +1,23 @@
 # Manual pages, completions, and the reference of the library. scripts/dev/make-manual makes the manual
-# pages from --help. The completions read --help when they are used.
+# pages from --help-all. The completions read --help-all when they are used.
 
 install(DIRECTORY packaging/man/ DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 COMPONENT program)
 install(FILES packaging/completions/eses-blocks.bash
         DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions COMPONENT program
         RENAME eses-blocks)
-install(FILES packaging/completions/_eses-blocks
+install(FILES packaging/completions/_eses-blocks packaging/completions/_eses-tools
         DESTINATION ${CMAKE_INSTALL_DATADIR}/zsh/vendor-completions COMPONENT program)
+install(FILES packaging/completions/eses-blocks.fish
+        DESTINATION ${CMAKE_INSTALL_DATADIR}/fish/vendor_completions.d COMPONENT program)
+# bash and fish look for the completions of a command in a file of its name.
+foreach(name apbs assemble msms pdb_to_xyzr pdb_to_xyzrn pdbbind render report traj view)
+  install(FILES packaging/completions/eses-blocks.bash
+          DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions COMPONENT program
+          RENAME eses-${name})
+  install(FILES packaging/completions/eses-blocks.fish
+          DESTINATION ${CMAKE_INSTALL_DATADIR}/fish/vendor_completions.d COMPONENT program
+          RENAME eses-${name}.fish)
+endforeach()
 
 # The target `reference` makes HTML pages of the public headers. Every warning of Doxygen is an
 # error, such as a name without a description.

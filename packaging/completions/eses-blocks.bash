@@ -1,4 +1,4 @@
-# bash completion for eses-blocks: reads the options from --help.
+# bash completion for eses-blocks and its tools: reads the options from --help-all.
 # shellcheck shell=bash disable=SC2016,SC2034,SC2154,SC2207
 
 # Options of MSMS have a single dash.
@@ -43,6 +43,7 @@ _eses_blocks() {
       if [[ $command == interface ]]; then tables='interfaces residues atoms'; fi
       COMPREPLY=($(compgen -W "$tables" -- "$cur")) && return
       ;;
+    --like) COMPREPLY=($(compgen -W 'freesasa biopython mdtraj zsasa pymol' -- "$cur")) && return ;;
     --reference) COMPREPLY=($(compgen -W 'tien miller sander' -- "$cur")) && return ;;
     --parts) COMPREPLY=($(compgen -W chains -- "$cur")) && return ;;
     --model) if [[ $command == measure ]]; then COMPREPLY=($(compgen -W all -- "$cur")); fi; return ;;
@@ -66,9 +67,9 @@ _eses_blocks() {
 
   if [[ $cur == -* ]]; then
     if [[ -n $command ]]; then
-      COMPREPLY=($(compgen -W '$(_parse_help "$1" "$command --help")' -- "$cur"))
+      COMPREPLY=($(compgen -W '$(_parse_help "$1" "$command --help-all")' -- "$cur"))
     else
-      COMPREPLY=($(compgen -W '$(_parse_help "$1")' -- "$cur"))
+      COMPREPLY=($(compgen -W '$(_parse_help "$1" --help-all)' -- "$cur"))
     fi
     if [[ ${COMPREPLY-} == *= ]]; then compopt -o nospace; fi
   elif [[ $command == diff ]]; then
@@ -79,3 +80,24 @@ _eses_blocks() {
   fi
 }
 complete -F _eses_blocks eses-blocks
+
+_eses_tool() {
+  local cur prev words cword split
+  _init_completion -s || return
+  if [[ $cur == -* ]]; then
+    # COLUMNS keeps the names of options and their descriptions, which begin after two blanks, in a line.
+    COMPREPLY=($(compgen -W "$(COLUMNS=1000 "$1" --help-all 2>/dev/null |
+      sed -n -e '/^  -/{s/^  //;s/   *.*//;p;}' | grep -oE -e '--[a-z-]+')" -- "$cur"))
+  else
+    _filedir
+  fi
+}
+complete -F _eses_tool eses-apbs eses-assemble eses-pdbbind eses-render eses-report eses-traj eses-view \
+  eses-pdb_to_xyzr eses-pdb_to_xyzrn
+
+_eses_msms_program() {
+  local cur prev words cword
+  _init_completion || return
+  _eses_msms
+}
+complete -F _eses_msms_program eses-msms

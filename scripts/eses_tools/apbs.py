@@ -167,7 +167,13 @@ def ion(text):
 def parse_options():
     paragraphs = __doc__.split("\n\n")
     above_zero = at_least(0, is_open=True)
-    parser = Parser(description="\n\n".join(paragraphs[:2]), epilog=paragraphs[2])
+    parser = Parser(description="\n\n".join(paragraphs[:2]), epilog=paragraphs[2],
+                    usage=f"{NAME} [OPTION...] PQR...",
+                    examples=(("1crn.pqr", "solvation energy of a molecule"),
+                              ("ab.pqr a.pqr b.pqr", "binding energy of a complex"),
+                              ("1crn.pqr --write-potential 1crn.dx", "the potential, for eses-view")),
+                    advanced=("--grid-center", "--coarse-padding", "--coarse-spacing", "--ion", "--ion-radius",
+                              "--temperature", "--bcfl", "--chgm", "--ignore-memory", "--program"))
     parser.add_argument("molecules", nargs="+", metavar="PQR", type=pathlib.Path,
                         help="molecule, or complex followed by its parts; .pqr or .pqr.gz")
     grid = parser.add_argument_group("grid")

@@ -119,7 +119,10 @@ def parse_options():
         return value
 
     paragraphs = __doc__.split("\n\n")
-    parser = Parser(description=paragraphs[0], epilog=paragraphs[1])
+    parser = Parser(description=paragraphs[0], epilog=paragraphs[1], usage=f"{NAME} [OPTION...] FILE",
+                    examples=(("1crn.xyzr -o large.xyzr", "42 copies on six rings"),
+                              ("1crn.xyzr --copies 7 --rings 1 -o ring.xyzr", "one ring"),
+                              ("1crn.pqr --gap 5 -o large.xyzr.gz", "5 angstrom apart")))
     parser.add_argument("structure", metavar="FILE",
                         help="xyzr file, or PQR file separated by blanks, also .gz; - is standard "
                              "input")

@@ -2,6 +2,7 @@
 
 import argparse
 import contextlib
+import difflib
 import errno
 import gzip
 import io
@@ -57,10 +58,54 @@ class Failed(Exception):
 
 
 class Parser(argparse.ArgumentParser):
+    """Shows `examples`, pairs of arguments and their meaning, before the options. --help leaves out the
+    options in `advanced`, which --help-all shows."""
+
+    def __init__(self, *arguments, examples=(), advanced=(), **how):
+        super().__init__(*arguments, **how)
+        self.examples, self.advanced, self.shows_all = examples, advanced, False
+        self.add_argument("--help-all", action=ShowAll, nargs=0,
+                          help="show all options and exit" if advanced else argparse.SUPPRESS)
+
+    def format_help(self):
+        hidden = [action for action in self._actions
+                  if not self.shows_all and set(action.option_strings) & set(self.advanced)]
+        helps = [action.help for action in hidden]
+        for action in hidden:
+            action.help = argparse.SUPPRESS
+        text = super().format_help()
+        for action, kept in zip(hidden, helps):
+            action.help = kept
+        begin, heading, rest = text.partition("\npositional arguments:")
+        lines = (f"  {self.prog} {words:{max(len(words) for words, _ in self.examples)}}   {meaning}\n"
+                 for words, meaning in self.examples)
+        return begin + ("\nexamples:\n" + "".join(lines) if self.examples else "") + heading + rest
+
     def error(self, message):
+        if message.startswith(("unrecognized arguments", "the following arguments are required")):
+            message = self.message_of_typo() or message
         if message.startswith("unrecognized arguments") and "-- ARGUMENT" in (self.usage or ""):
             message += "; arguments of eses-blocks follow --"
         self.exit(2, f"{self.prog}: {message}\n")  # one line, without the usage
+
+    def message_of_typo(self):
+        """Returns the message for the first unknown option that resembles a known one, if there is any."""
+        known = [name for action in self._actions for name in action.option_strings if name.startswith("--")]
+        words = sys.argv[1:sys.argv.index("--")] if "--" in sys.argv else sys.argv[1:]
+        for name in (word.partition("=")[0] for word in words if word.startswith("--")):
+            close = difflib.get_close_matches(name, known, 1)
+            if close and not any(other.startswith(name) for other in known):
+                return f"unknown option {printable(name)}; did you mean {close[0]}?"
+        return ""
+
+
+class ShowAll(argparse.Action):
+    """Prints the help with all options."""
+
+    def __call__(self, parser, *_):
+        parser.shows_all = True
+        parser.print_help()
+        parser.exit()
 
 
 def positive(text):

@@ -417,7 +417,7 @@ OURS = "pdbbind sets it"
 BY_KEEP = "--keep, before --, chooses the files"
 BY_THREADS = "use --threads before --"
 REFUSED = {
-    **dict.fromkeys(("--dry-run", "-h", "--help", "--version"), NO_RESULT),
+    **dict.fromkeys(("--dry-run", "-h", "--help", "--help-all", "--version"), NO_RESULT),
     **dict.fromkeys(("--json", "--format", "-o", "--output-dir"), OURS),
     "--radii": "use --radii before --",
     **dict.fromkeys(("--write", "--mesh", "--ply-ascii", "--color", "--potential",
@@ -460,6 +460,10 @@ def parse_options():
     at = arguments.index("--") if "--" in arguments else len(arguments)
     paragraphs = __doc__.split("\n\n")
     parser = Parser(description=paragraphs[0], epilog="\n".join(paragraphs[1:]),
+                    examples=(("structures", "all structures, with PDB2PQR"),
+                              ("structures --radii protor --report", "PDB files directly, and a page"),
+                              ("structures --jobs 4 --threads 16 -o out", "four at once")),
+                    advanced=("--task", "--margin", "--block-size", "--program"),
                     usage=f"{NAME} [OPTION...] DIR [-- ARGUMENT...]\n       {NAME} merge OUT")
     parser.add_argument("folder", metavar="DIR", type=pathlib.Path, help="folder with structures")
     parser.add_argument("-o", "--output", metavar="OUT", type=pathlib.Path,

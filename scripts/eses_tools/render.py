@@ -22,8 +22,8 @@ import struct
 import subprocess
 import tempfile
 
-from eses_tools.common import (PAGES, PICTURES, Failed, Parser, at_least, between, complete_file, end_with,
-                               require_kind, require_output)
+from eses_tools.common import (NAME, PAGES, PICTURES, Failed, Parser, at_least, between, complete_file,
+                               end_with, require_kind, require_output)
 from eses_tools import measuring
 
 BACKGROUND = (1, 1, 1)
@@ -441,7 +441,10 @@ def png_of(vtk, window):
 
 
 def parse():
-    parser = Parser(description=__doc__)
+    parser = Parser(description=__doc__, usage=f"{NAME} [OPTION...] MESH... -o FILE.png",
+                    examples=(("1crn.ply -o 1crn.png", "a mesh of eses-blocks --mesh 1crn.ply"),
+                              ("1crn.ply --azimuth 120 --size 2400 -o 1crn.png", "from another side"),
+                              ("1crn.ply --potential 1crn.dx -o 1crn.png", "its potential")))
     parser.add_argument("meshes", nargs="+", metavar="MESH", type=pathlib.Path,
                         help=".ply, .vtp, .obj, .off, .stl, .glb, .vert or .face file")
     parser.add_argument("-o", "--output", required=True, metavar="FILE", type=pathlib.Path,

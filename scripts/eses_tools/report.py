@@ -137,6 +137,9 @@ def parse():
     at = arguments.index("--") if "--" in arguments else len(arguments)
     first, *others = __doc__.split("\n\n")
     parser = Parser(description=first, epilog="\n\n".join(others),
+                    examples=(("all.csv -o all.html", "a table of eses-blocks measure --csv all.csv"),
+                              ("out/summary.csv -o all.html", "the summary of eses-pdbbind"),
+                              ("all.csv --pictures '1a*' -o all.html", "with pictures")),
                     usage=f"{NAME} [OPTION...] TABLE -o PAGE.html [-- ARGUMENT...]")
     parser.add_argument("table", metavar="TABLE", type=pathlib.Path,
                         help="table of eses-blocks measure, or summary of eses-pdbbind")

@@ -325,7 +325,10 @@ def identity_of(version, frames, options):
 
 def parse_options():
     first, *others = __doc__.split("\n\n")
-    parser = Parser(description=first, epilog="\n\n".join(others), usage=f"{NAME} [OPTION...] FILES -o TABLE.csv")
+    parser = Parser(description=first, epilog="\n\n".join(others), usage=f"{NAME} [OPTION...] FILES -o TABLE.csv",
+                    examples=(("run.xtc top.pdb -o areas.csv", "a row for each frame"),
+                              ("run.xtc top.pdb --level residue -o r.csv.gz", "a row for each residue"),
+                              ("run.dcd top.psf --stride 10 --surface sas -o a.csv", "every tenth frame")))
     parser.add_argument("files", metavar="FILES", nargs="+", help="trajectories and topology")
     parser.add_argument("-o", "--output", required=True, metavar="TABLE.csv",
                         help="table to write, gzipped if it ends in .gz; - for standard output")

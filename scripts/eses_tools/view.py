@@ -305,6 +305,10 @@ def parse():
     paragraphs = __doc__.split("\n\n")
     above_zero = at_least(0, is_open=True)
     parser = Parser(description="\n\n".join(paragraphs[:2]), epilog=paragraphs[2],
+                    examples=(("1crn.pdb -o 1crn.html", "a structure, in the colours of its chains"),
+                              ("1brs.pdb --electrostatics -o p.html", "its potential"),
+                              ("1crn.ply a.glb -o both.html", "two meshes side by side")),
+                    advanced=("--spacing", "--potential-offset", "--potential-limit", "--ionic-strength", "--program"),
                     usage=f"{NAME} [OPTION...] FILE... -o PAGE.html [-- ARGUMENT...]")
     parser.add_argument("files", nargs="+", metavar="FILE", type=pathlib.Path,
                         help=f"structure ({KINDS}) or mesh (.ply, .vtp, .obj, .off, .stl, .glb, .vert or .face)")

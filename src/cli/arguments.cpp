@@ -26,20 +26,25 @@ constexpr int left_column = 28;  ///< characters, of the names of options
 /// Formats the help. CLI11 formats options and paragraphs differently since its version 2.5.
 class HelpFormatter : public CLI::Formatter {
  public:
-  explicit HelpFormatter(std::string usage) : usage_(std::move(usage)) {}
+  explicit HelpFormatter(HelpText text) : text_(std::move(text)) {}
 
   std::string make_help(const CLI::App* app, std::string /*name*/,
                         CLI::AppFormatMode mode) const override {
-    const std::string help =
-        formatted("{}\n\nUsage: {}\n{}{}\n{}\n", app->get_description(), usage_,
-                  make_positionals(app), make_groups(app, mode), app->get_footer());
-    return replaced(help, "\n\n\n", "\n\n");
-  }
-  std::string make_positionals(const CLI::App* app) const override {
-    const auto positionals = app->get_options([](const CLI::Option* option) {
+    const bool is_short = !text_.common.empty() && mode != CLI::AppFormatMode::All;
+    std::string help = formatted("{}\n\nUsage: {}\n\nExamples:\n{}\n", app->get_description(),
+                                 text_.usage, text_.examples);
+    help += group_text("Arguments", app->get_options([](const CLI::Option* option) {
       return !option->get_group().empty() && option->get_positional();
-    });
-    return positionals.empty() ? "" : make_group("Arguments", true, positionals);
+    }));
+    for (const std::string& group : app->get_groups())
+      help += group_text(group, app->get_options([&](const CLI::Option* option) {
+        return option->get_group() == group && option->nonpositional() &&
+               (!is_short || is_common(option->get_name()));
+      }));
+    return help + "\n" +
+           (is_short ? formatted("More options, all files and exit codes: {} --help-all\n",
+                                 app->get_name())
+                     : text_.details + "\n");
   }
   std::string make_option(const CLI::Option* option, bool is_positional) const override {
     const std::string indent(left_column, ' ');
@@ -62,7 +67,19 @@ class HelpFormatter : public CLI::Formatter {
   }
 
  private:
-  std::string usage_;
+  bool is_common(const std::string& option) const {
+    return std::ranges::find(text_.common, option) != text_.common.end();
+  }
+  /// Returns the heading and the options of a group; nothing if it has no options.
+  std::string group_text(const std::string& group,
+                         const std::vector<const CLI::Option*>& options) const {
+    if (options.empty()) return {};
+    std::string text = formatted("\n{}:\n", group);
+    for (const CLI::Option* option : options) text += make_option(option, option->get_positional());
+    return text;
+  }
+
+  HelpText text_;
 };
 
 /// Throws UsageError for `--name=`, for which CLI11 would use the next argument as the value.
@@ -186,9 +203,10 @@ CLI::Option* add_flag(CLI::App& app, const std::string& name, const std::string&
 
 void begin_group(CLI::App& app, const char* name) { app.option_defaults()->group(name); }
 
-void set_up(CLI::App& app, std::string usage, std::string footer) {
-  app.formatter(std::make_shared<HelpFormatter>(std::move(usage)));
-  app.footer(std::move(footer));
+void set_up(CLI::App& app, HelpText text) {
+  if (!text.common.empty())
+    text.common.insert(text.common.end(), {"--version", "--help", "--help-all"});
+  app.formatter(std::make_shared<HelpFormatter>(std::move(text)));
   app.allow_extras();  // refuse_extras() gives better messages
   app.set_help_flag();
   begin_group(app, "Options");
@@ -210,6 +228,9 @@ void add_notices(CLI::App& app) {
   app.add_flag_callback(
          "-h,--help", [] { throw CLI::CallForHelp(); }, "print this help")
       ->trigger_on_parse();
+  app.add_flag_callback(
+         "--help-all", [] { throw CLI::CallForAllHelp(); }, "print the help with all options")
+      ->trigger_on_parse();
 }
 
 void parse(CLI::App& app, const Arguments& arguments, std::string_view positionals) {
@@ -218,6 +239,8 @@ void parse(CLI::App& app, const Arguments& arguments, std::string_view positiona
     parse_or_refuse(app, arguments);
   } catch (const CLI::CallForHelp&) {
     throw Notice{app.help()};
+  } catch (const CLI::CallForAllHelp&) {
+    throw Notice{app.help("", CLI::AppFormatMode::All)};
   } catch (const CLI::CallForVersion& notice) {
     throw Notice{notice.what()};
   } catch (const UsageError&) {

@@ -103,17 +103,27 @@ CLI::Option* add_flag(CLI::App& app, const std::string& name, const std::string&
 /// Sets the group, in the help, of the options that are added next.
 void begin_group(CLI::App& app, const char* name);
 
-/// Sets the layout of the help; `usage` follows `Usage: `.
-void set_up(CLI::App& app, std::string usage, std::string footer);
+/// The texts of the help of a command, beside its options.
+struct HelpText {
+  std::string usage;     ///< follows `Usage: `
+  std::string examples;  ///< three command lines with their meanings, shown first
+  std::string details;   ///< files, exit codes and so on
+  /// The options in --help. --help-all has all options and the details. If the list is empty,
+  /// --help has them, too.
+  std::vector<std::string> common = {};
+};
+
+/// Sets the layout of the help.
+void set_up(CLI::App& app, HelpText text);
 
 /// Returns the text of --version.
 std::string version_text();
 
-/// Adds --version and --help, which stop the parsing.
+/// Adds --version, --help and --help-all, which stop the parsing.
 void add_notices(CLI::App& app);
 
 /// Parses the arguments of a command. `positionals` has the names of the positional arguments, for
-/// the message about superfluous ones. Throws UsageError, or Notice for --help and --version.
+/// the message about superfluous ones. Throws UsageError, or Notice for help and version.
 void parse(CLI::App& app, const Arguments& arguments, std::string_view positionals);
 
 /// Throws UsageError if one of these options is given without something that it needs.

@@ -112,7 +112,12 @@ struct DiffOptions {
   bool is_json = false;
 };
 
-constexpr char diff_footer[] =
+constexpr char diff_examples[] =
+    R"(  eses-blocks diff out ESES                     the files of two programs
+  eses-blocks diff out ESES --tolerance 1e-4    larger differences only
+  eses-blocks diff a b --json                   the report as JSON)";
+
+constexpr char diff_details[] =
     R"(Compared files, each as NAME or NAME.gz:
   bounding_box.txt            corners and number of points of the grid
   grid_info.txt               points: inside or outside
@@ -132,7 +137,9 @@ DiffOptions parse_options(const Arguments& arguments) {
   CLI::App app("Compares the output files of ESES or eses-blocks in two directories.",
                "eses-blocks diff");
   DiffOptions options;
-  set_up(app, "eses-blocks diff [OPTIONS] DIR_A DIR_B", diff_footer);
+  set_up(app, {.usage = "eses-blocks diff [OPTIONS] DIR_A DIR_B",
+               .examples = diff_examples,
+               .details = diff_details});
   add_value(app, "DIR_A", "", "directory with output files of ESES or eses-blocks",
             options.directories[0], any_text("a directory"))
       ->required();

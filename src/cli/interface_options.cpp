@@ -15,7 +15,12 @@
 namespace eses::detail::cli {
 namespace {
 
-constexpr char interface_footer[] =
+constexpr char interface_examples[] =
+    R"(  eses-blocks interface 1brs.pdb                    all pairs of chains that touch
+  eses-blocks interface 1ahw.cif --groups A+B C     chains A and B against chain C
+  eses-blocks interface 1iep.pdb --ligand STI       how much of each ligand is buried)";
+
+constexpr char interface_details[] =
     R"(Both sides lose area where the other one keeps the probe away. The interface area is half of
 what both lose of the SAS (Chothia and Janin 1975), as in ChimeraX and PISA. The SES areas are
 those of the solvent excluded surface. Each pair is measured without all other atoms of the
@@ -26,10 +31,7 @@ Groups and their atoms:
   ligand:STI     all residues named STI
   //A/10-50      a selection in gemmi's syntax, for PDB and mmCIF files
 
-Examples:
-  eses-blocks interface 1brs.pdb                    all pairs of chains that touch
-  eses-blocks interface 1ahw.cif --groups A+B C     chains A and B against chain C
-  eses-blocks interface 1iep.pdb --ligand STI       how much of each ligand is buried
+More examples:
   eses-blocks interface 1brs.pdb --table residues   the residues of each interface, as CSV
   eses-blocks interface complexes --table interfaces   all files in a folder
 
@@ -39,7 +41,13 @@ Exit codes:
   2  error in the command line)";
 
 void add_interface_options(CLI::App& app, InterfaceOptions& options, InputChoice& inputs) {
-  set_up(app, "eses-blocks interface [OPTIONS] FILE...", interface_footer);
+  set_up(app,
+         {.usage = "eses-blocks interface [OPTIONS] FILE...",
+          .examples = interface_examples,
+          .details = interface_details,
+          .common = {"--groups", "--ligand", "--probe-radius", "--area-cutoff", "--residue-cutoff",
+                     "--table", "--radii", "--model", "--waters", "--no-hetatm", "--chains",
+                     "--select", "--threads", "--quiet", "--json"}});
   begin_group(app, "Interfaces");
   add_input_files(app, "input files (PDB, mmCIF or PQR), or folders of them; - for\nstandard input",
                   inputs);

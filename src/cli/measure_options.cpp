@@ -21,7 +21,12 @@
 namespace eses::detail::cli {
 namespace {
 
-constexpr char measure_footer[] =
+constexpr char measure_examples[] =
+    R"(  eses-blocks measure 1crn.pdb                       areas and volumes of a protein
+  eses-blocks measure 1crn.pdb --table residues      areas of residues, to standard output
+  eses-blocks measure --csv all.csv structures       the files in a folder, in parallel)";
+
+constexpr char measure_details[] =
     R"(Nothing is sampled: areas and volumes have rounding errors only. Units are angstrom.
 Only pockets come from a grid.
 Atoms share the areas of saddle and concave patches by the power diagram of the spheres.
@@ -40,17 +45,16 @@ Tables (--write), in the output directory, named after the input file NAME:
   NAME.rsa, .seq, .res        SAS areas of residues as NACCESS and FreeSASA print them
   NAME.areas.pdb, .areas.cif  the atoms with SAS areas as B-factors
 
-Examples:
-  eses-blocks measure 1crn.pdb                       areas and volumes of a protein
-  eses-blocks measure --csv all.csv structures       the files in a folder, in parallel
-  eses-blocks measure 1crn.pdb --table residues      areas of residues, to standard output
+More examples:
   eses-blocks measure --surface sas --csv sas.csv *.pdb   the fastest way to SAS areas
   eses-blocks measure 1brs.pdb --parts 'A|D'         area buried between two chains
   eses-blocks measure 1crn.pdb --report //A/23       areas of residue 23 in its protein
   eses-blocks measure 1d3z.pdb --model all           all models of an NMR structure
+  eses-blocks measure 1crn.pdb --write pdb           areas as B-factors
   eses-blocks measure 1crn.pdb --cavities            cavities and their volumes
   eses-blocks measure 1crn.pdb --pockets             pockets that a probe of 3 does not reach
   eses-blocks measure 1iep.pdb --pockets --at ligand:STI   the pocket of a ligand
+  eses-blocks measure 1crn.pdb --like freesasa       atoms and radii as another program
   eses-blocks measure 1crn.pdb --probe-radius 0      van der Waals surface
   To compute the surface of a file called measure: eses-blocks ./measure
 
@@ -179,11 +183,15 @@ void check_pocket_options(const CLI::App& app, const MeasureCommandOptions& opti
 }
 
 void add_measure_options(CLI::App& app, MeasureCommandOptions& options, InputChoice& inputs) {
-  set_up(app, "eses-blocks measure [OPTIONS] FILE...", measure_footer);
+  set_up(app, {.usage = "eses-blocks measure [OPTIONS] FILE...",
+               .examples = measure_examples,
+               .details = measure_details,
+               .common = {"--probe-radius", "--surface", "--parts", "--report", "--cavities",
+                          "--pockets", "--at", "--table", "--write", "--output-dir", "--csv",
+                          "--like", "--radii", "--model", "--waters", "--no-hetatm", "--chains",
+                          "--quiet", "--json"}});
   begin_group(app, "Surface");
-  add_input_files(
-      app, "input files (xyzr, PQR, PDB or mmCIF), or folders of them; - for\nstandard input",
-      inputs);
+  add_input_files(app, "files or folders (xyzr, PQR, PDB, mmCIF); - for standard input", inputs);
   add_value(app, "--probe-radius,--probe-in", "ANGSTROM",
             formatted("radius of the solvent probe, 0 or 0.01 to 1000 [{}]", options.probe_radius),
             options.probe_radius,

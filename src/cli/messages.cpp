@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstdio>
+#include <cstdlib>
 #include <system_error>
 
 #include "system/formatted.hpp"
@@ -18,6 +19,15 @@ namespace {
       formatted("cannot write to standard output: {}", std::generic_category().message(error));
   if (error == EPIPE) throw ClosedPipe(message);
   throw Error(message);
+}
+
+/// Whether standard error is a terminal that shows colours, and the user has not refused them
+/// (https://no-color.org).
+bool shows_color() {
+  const char* const refused = std::getenv("NO_COLOR");
+  const char* const terminal = std::getenv("TERM");
+  return (refused == nullptr || *refused == '\0') && terminal != nullptr &&
+         std::string_view(terminal) != "dumb" && isatty(STDERR_FILENO) == 1;
 }
 
 }  // namespace
@@ -34,7 +44,11 @@ void require_standard_output() {
 }
 
 void print_message(std::string_view kind, std::string_view message) {
-  const std::string line = formatted("eses-blocks: {}: {}\n", kind, one_line(message));
+  const std::string_view color = !shows_color()    ? ""
+                                 : kind == "error" ? "\x1b[1;31m"
+                                                   : "\x1b[1;33m";
+  const std::string line = formatted("eses-blocks: {}{}:{} {}\n", color, kind,
+                                     color.empty() ? "" : "\x1b[0m", one_line(message));
   std::fwrite(line.data(), 1, line.size(), stderr);
 }
 

@@ -8,8 +8,10 @@
 #include <string>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 #include "cli/arguments.hpp"
+#include "cli/suggestions.hpp"
 #include "eses/surface.hpp"
 #include "system/formatted.hpp"
 
@@ -20,6 +22,11 @@ constexpr char help[] = R"(Molecular surfaces with the options, files and messag
 
 Usage: eses-blocks msms -if FILE [OPTIONS]
        eses-msms -if FILE [OPTIONS]
+
+Examples:
+  eses-msms -if 1crn.xyzr -of 1crn                    1crn.vert and 1crn.face
+  eses-msms -if 1crn.xyzrn -of 1crn -af 1crn          and the areas of the atoms
+  eses-msms -if 1crn.xyzr -of 1crn -density 3.0 -probe_radius 1.4
 
 Options may be abbreviated. If an abbreviation fits several options, the first one of this list
 is used.
@@ -42,7 +49,7 @@ Options:
   -all_components           all components of the surface: the first one in NAME.vert, component
                             N in NAME_N.vert
   -one_cavity COUNT ATOM... only the component that touches these atoms, one to three, from 0
-  -h, --help                print this help
+  -h, --help, --help-all    print this help
   --version                 print version and build information
 
 -socketName, -socketPort, -xdr and -sinetd are refused: there is no server.
@@ -50,10 +57,7 @@ Options:
 Components are the connected parts of the triangles: outer surfaces from the largest to the
 smallest, then walls of cavities. Spheres of radius 0 are ignored.
 
-Examples:
-  eses-msms -if 1crn.xyzr -of 1crn                    1crn.vert and 1crn.face
-  eses-msms -if 1crn.xyzrn -of 1crn -af 1crn -density 3.0 -probe_radius 1.4
-  To compute the surface of a file called msms: eses-blocks ./msms
+To compute the surface of a file called msms: eses-blocks ./msms
 
 Exit codes:
   0  done
@@ -155,10 +159,13 @@ const Option& option_named(std::string_view name) {
   const auto first = std::find_if(begin, end, [&](const Option& option) {
     return name.size() > 1 && option.name.starts_with(name);
   });
-  if (first == end)
-    throw UsageError(name.starts_with('-') ? formatted("unknown option '{}'", name)
-                                           : formatted("unexpected argument '{}'", name));
-  return *first;
+  if (first != end) return *first;
+  if (!name.starts_with('-')) throw UsageError(formatted("unexpected argument '{}'", name));
+  std::vector<std::string> names;
+  for (const Option& option : known_options) names.emplace_back(option.name);
+  const std::string_view meant = closest_name(name, names);
+  throw UsageError(formatted("unknown option '{}'{}", name,
+                             meant.empty() ? "" : formatted("; did you mean {}?", meant)));
 }
 
 }  // namespace
@@ -167,7 +174,7 @@ MsmsOptions parse_msms_arguments(const Arguments& arguments) {
   MsmsOptions options;
   for (std::span<const std::string> rest = arguments; !rest.empty();) {
     const std::string_view name = rest.front();
-    if (name == "-h" || name == "--help") throw Notice{help};
+    if (name == "-h" || name == "--help" || name == "--help-all") throw Notice{help};
     if (name == "--version") throw Notice{version_text()};
     const Option& option = option_named(name);
     Values values{option.name, rest.subspan(1)};

@@ -31,7 +31,19 @@ constexpr std::int64_t default_verify = 2000;
 
 constexpr char independent_flag[] = "--independent", part_option[] = "--part";
 
-constexpr char surface_footer[] = R"(Output files:
+constexpr char surface_usage[] =
+    R"(eses-blocks [OPTIONS] FILE [PROBE [SPACING [MARGIN]]]
+  or:  eses-blocks measure [OPTIONS] FILE...     areas and volumes, without a grid
+  or:  eses-blocks interface [OPTIONS] FILE...   areas that chains or a ligand bury
+  or:  eses-blocks diff [OPTIONS] DIR_A DIR_B    compare directories of output files
+  or:  eses-blocks msms -if FILE [OPTIONS]       options and files of MSMS)";
+
+constexpr char surface_examples[] =
+    R"(  eses-blocks measure 1crn.pdb                 area, volume, SAS and van der Waals surface
+  eses-blocks 1crn.xyzr 1.4 0.25 0.8 -o out    probe radius, spacing and margin, as in ESES
+  eses-blocks 1crn.pdb --write none --mesh 1crn.ply --color chain   a mesh for viewers)";
+
+constexpr char surface_details[] = R"(Output files:
   bounding_box.txt            corners and number of points of the grid
   grid_info.txt               every grid point: 1 inside, -1 outside
   intersection_info.txt       every crossing of a grid edge: position, normal, atoms
@@ -45,17 +57,12 @@ Optional output files:
   mesh (--mesh)                      triangles of the surface
 All files appear together when the run succeeds. Only one run at a time can write to a directory.
 
-Examples:
-  eses-blocks 1crn.xyzr                                default parameters, current directory
-  eses-blocks 1crn.xyzr 1.4 0.25 0.8                   probe radius, spacing, margin as in ESES
+More examples:
   eses-blocks 1crn.pdb                                 protor radii; no waters, no hydrogens
   eses-blocks 1crn.cif.gz --radii bondi --assembly 1   a biological assembly
   eses-blocks 1crn.pqr --spacing 0.25 -o out --json    output in out/, report as JSON
-  eses-blocks 1crn.pqr --mesh 1crn.ply --color chain   a mesh coloured by chain
   eses-blocks 1crn.pqr --mesh 1crn.ply --color potential --potential 1crn.dx
   eses-blocks diff out ESES                            compare the files of two directories
-  eses-blocks measure 1crn.pdb                         areas and volumes without a grid
-  eses-blocks interface 1brs.pdb                       areas that chains bury of each other
   eses-blocks msms -if 1crn.xyzr -of 1crn              options and files of MSMS
   eses-blocks 1crn.xyzr --spacing 0.1 --dry-run        estimate points, memory and disk space
   eses-blocks 1crn.xyzr --inside map.dx --gzip         compressed text files, and a map for VMD
@@ -315,12 +322,12 @@ void add_messages(CLI::App& app, Options& options) {
 
 void add_options(CLI::App& app, Options& options, Lengths& lengths) {
   set_up(app,
-         "eses-blocks [OPTIONS] FILE [PROBE [SPACING [MARGIN]]]\n"
-         "  or:  eses-blocks diff [OPTIONS] DIR_A DIR_B\n"
-         "  or:  eses-blocks measure [OPTIONS] FILE...\n"
-         "  or:  eses-blocks interface [OPTIONS] FILE\n"
-         "  or:  eses-blocks msms -if FILE [OPTIONS]",
-         surface_footer);
+         {.usage = surface_usage,
+          .examples = surface_examples,
+          .details = surface_details,
+          .common = {"--probe-radius", "--spacing", "--margin", "--fill-cavities", "--output-dir",
+                     "--write", "--mesh", "--color", "--radii", "--waters", "--no-hetatm",
+                     "--chains", "--select", "--threads", "--dry-run", "--quiet", "--json"}});
   add_grid_options(app, options, lengths);
   add_file_options(app, options);
   add_structure_options(app, options.input().structure);
@@ -355,6 +362,10 @@ std::string advice_for_command(const Arguments& arguments, std::string_view mess
   if (!arguments.empty() && !std::filesystem::exists(arguments.front(), ignored))
     if (const std::string_view meant = closest_name(arguments.front(), commands); !meant.empty())
       return formatted("; did you mean 'eses-blocks {}'?", meant);
+  for (const std::string_view tool :
+       {"apbs", "assemble", "pdbbind", "render", "report", "traj", "view"})
+    if (!arguments.empty() && arguments.front() == tool)
+      return formatted("; did you mean 'eses-{}', a program of its own?", tool);
   constexpr std::string_view start = "PROBE is '";
   if (!message.starts_with(start)) return {};
   message.remove_prefix(start.size());
@@ -396,9 +407,7 @@ std::optional<Grid> chosen_grid(const Options& options) {
 
 Options parse_arguments(const Arguments& arguments) {
   CLI::App app(
-      "Solvent excluded surface of a molecule on a grid, computed block by block. For areas\n"
-      "and volumes, use eses-blocks measure FILE; for what chains or a ligand bury,\n"
-      "eses-blocks interface FILE.\n"
+      "Solvent excluded surface of a molecule on a grid, computed block by block.\n"
       "Four files of ESES, often tens of MB, go to the current directory; -o DIR chooses\n"
       "another one, and -o - or --write none writes none.",
       "eses-blocks");

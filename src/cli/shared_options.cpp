@@ -2,10 +2,12 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <limits>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "cli/arguments.hpp"
@@ -26,6 +28,42 @@ std::optional<std::vector<std::string>> chains_in(const std::string& list) {
   const bool has_empty = std::any_of(chains.begin(), chains.end(),
                                      [](const std::string& chain) { return chain.empty(); });
   return has_empty ? std::nullopt : std::optional(chains);
+}
+
+/// The choice of atoms and radii that a program makes by default. Sets of radii are those of the
+/// same name or, for PyMOL, MDTraj and Biopython, the nearest one.
+struct Program {
+  std::string_view name;
+  std::string_view radii;
+  bool with_waters;
+  bool with_hetatm;
+  HydrogenChoice hydrogens;
+};
+constexpr std::array programs{
+    Program{"freesasa", "protor", false, false, HydrogenChoice::drop},
+    Program{"zsasa", "protor", false, false, HydrogenChoice::drop},
+    Program{"biopython", "bondi", true, true, HydrogenChoice::keep},
+    Program{"mdtraj", "bondi", true, true, HydrogenChoice::keep},
+    Program{"pymol", "bondi", false, false, HydrogenChoice::keep},
+};
+
+/// Adds --like. It must precede the options whose values it sets: they are read in the order in
+/// which they are added, so that they replace its values.
+void add_like(CLI::App& app, StructureOptions& structure) {
+  app.add_option("--like")
+      ->option_text("PROGRAM")
+      ->description(
+          "the atoms and radii that another program takes by default:\n"
+          "freesasa, biopython, mdtraj, zsasa or pymol")
+      ->each([&structure](const std::string& text) {
+        const auto* const program = std::ranges::find(programs, text, &Program::name);
+        if (program == programs.end())
+          refuse("--like", text, "freesasa, biopython, mdtraj, zsasa or pymol");
+        structure.radii = program->radii;
+        structure.with_waters = program->with_waters;
+        structure.with_hetatm = program->with_hetatm;
+        structure.hydrogens = program->hydrogens;
+      });
 }
 
 bool is_altloc(const std::string& text) { return text.size() == 1 && text != " " && text != "."; }
@@ -76,6 +114,7 @@ void add_model(CLI::App& app, int& model, bool* all_models) {
 
 void add_structure_options(CLI::App& app, StructureOptions& structure, bool* all_models) {
   begin_group(app, structure_group);
+  add_like(app, structure);
   add_value(app, "--radii", "NAME",
             "atomic radii: protor (Tsai et al. 1999), bondi, msms, or\n"
             "a file in FreeSASA's configuration format [protor]",

@@ -16,17 +16,15 @@
 namespace eses::detail::cli {
 namespace {
 
-constexpr char xyzr_footer[] =
+constexpr char xyzr_examples[] =
+    R"(  eses-blocks pdb_to_xyzr 1crn.pdb > 1crn.xyzr      x y z radius
+  eses-pdb_to_xyzrn 1crn.cif > 1crn.xyzrn           x y z radius 1 ATOM_RESIDUE_NUMBER
+  zcat 1crn.pdb.gz | eses-pdb_to_xyzr > 1crn.xyzr   standard input)";
+
+constexpr char xyzr_details[] =
     R"(The radii are those of MSMS for united atoms; hydrogens have 1.2 angstrom. PQR files keep
-their radii. Waters and
-hydrogens are included; eses-msms -noh ignores the hydrogens. Of several models or alternate
-locations, only one is read, as by the other commands.
-
-pdb_to_xyzr prints x y z radius, pdb_to_xyzrn prints x y z radius 1 ATOM_RESIDUE_NUMBER.
-
-Examples:
-  eses-blocks pdb_to_xyzr 1crn.pdb > 1crn.xyzr
-  eses-pdb_to_xyzrn 1crn.cif > 1crn.xyzrn
+their radii. Waters and hydrogens are included; eses-msms -noh ignores the hydrogens. Of several
+models or alternate locations, only one is read, as by the other commands.
 
 Exit codes:
   0  done
@@ -43,7 +41,9 @@ InputFile parse_xyzr_arguments(bool has_names, const Arguments& arguments) {
   CLI::App app(formatted("Prints the atoms of a PDB, mmCIF or PQR file as spheres for MSMS{}.",
                          has_names ? ", with names" : ""),
                "eses-blocks " + name);
-  set_up(app, formatted("eses-blocks {} [OPTIONS] [FILE]", name), xyzr_footer);
+  set_up(app, {.usage = formatted("eses-blocks {} [OPTIONS] [FILE]", name),
+               .examples = xyzr_examples,
+               .details = xyzr_details});
   add_value(app, "FILE", "", "PDB, mmCIF or PQR file; - for standard input [-]", input.path,
             any_text("a file"));
   add_value(app, "--format", "NAME", "auto (by suffix, otherwise pdb), pdb, mmcif or pqr [auto]",

@@ -1,5 +1,7 @@
 // Tests of the texts of the real program: help, version and suggestions.
 
+#include <algorithm>
+#include <cstddef>
 #include <string>
 #include <utility>
 #include <vector>
@@ -12,11 +14,10 @@ using namespace eses::detail::test;
 
 TEST_CASE("help names every option with unit and default, examples and exit codes", "[cli]") {
   const Sandbox sandbox;
-  const Outcome outcome = sandbox.run({"--help"});
+  const Outcome outcome = sandbox.run({"--help-all"});
   CHECK(outcome.code == 0);
   CHECK(outcome.err.empty());
-  CHECK(sandbox.run({"-h"}).out == outcome.out);
-  CHECK(sandbox.run({"--spacing", "0", "--help", "--other"}).out == outcome.out);
+  CHECK(sandbox.run({"--spacing", "0", "--help-all", "--other"}).out == outcome.out);
   for (const std::string part : {"Usage: eses-blocks [OPTIONS] FILE [PROBE [SPACING [MARGIN]]]\n",
                                  "--probe-radius ANGSTROM ",
                                  " radius of the solvent probe, 0.01 to 1000 [1.4]\n",
@@ -61,6 +62,34 @@ TEST_CASE("help names every option with unit and default, examples and exit code
   CHECK_FALSE(contains(outcome.out, "\n\n\n"));
 }
 
+TEST_CASE("help is short and begins with examples", "[cli]") {
+  const Sandbox sandbox;
+  for (const std::string command : {"", "measure", "interface", "diff", "msms", "pdb_to_xyzr"}) {
+    INFO(command);
+    const Arguments start = command.empty() ? Arguments{} : Arguments{command};
+    const auto with = [&](const std::string& option) {
+      Arguments arguments = start;
+      arguments.push_back(option);
+      return arguments;
+    };
+    const Outcome brief = sandbox.run(with("--help")), all = sandbox.run(with("--help-all"));
+    CHECK(brief.code == 0);
+    CHECK(all.code == 0);
+    CHECK(sandbox.run(with("-h")).out == brief.out);
+    CHECK(std::count(brief.out.begin(), brief.out.end(), '\n') < 60);
+    CHECK_FALSE(contains(brief.out, "\n\n\n"));
+    const std::size_t examples = brief.out.find("\nExamples:\n"), options = brief.out.find("\n  -");
+    REQUIRE(examples != brief.out.npos);
+    CHECK(examples < options);
+    const std::string lines = brief.out.substr(examples + 11, options - examples - 11);
+    CHECK(lines_with(lines.substr(0, lines.find("\n\n") + 1), "eses-").size() == 3);
+    // Every option of --help is in --help-all.
+    for (const std::string& line : lines_with(brief.out, "  -"))
+      CHECK(contains(all.out, line + "\n"));
+    CHECK(contains(all.out, "Exit codes:\n"));
+  }
+}
+
 TEST_CASE("version names compiler, build type and flags", "[cli]") {
   const Sandbox sandbox;
   const Outcome outcome = sandbox.run({"--version"});
@@ -85,6 +114,17 @@ TEST_CASE("mistyped options and commands have suggestions", "[cli]") {
       {{"pair.xyzr", "--probe", "1.4"}, "unknown option '--probe'; did you mean --probe-radius?"},
       {{"pair.xyzr", "--output=x"}, "unknown option '--output=x'; did you mean --output-dir?"},
       {{"pair.xyzr", "--chain", "A"}, "unknown option '--chain'; did you mean --chains?"},
+      {{"msms", "-if", "pair.xyzr", "-probe_radus", "1"},
+       "unknown option '-probe_radus'; did you mean -probe_radius?"},
+      {{"measure", "pair.xyzr", "--radi", "bondi"},
+       "unknown option '--radi'; did you mean --radii?"},
+      {{"interface", "pair.pdb", "--ligands", "STI"},
+       "unknown option '--ligands'; did you mean --ligand?"},
+      {{"diff", "a", "b", "--tolerence", "1"},
+       "unknown option '--tolerence'; did you mean --tolerance?"},
+      {{"view", "pair.xyzr"},
+       "PROBE is 'pair.xyzr', expected a number from 0.01 to 1000, in angstrom; did you mean "
+       "'eses-view', a program of its own?"},
       {{"pair.xyzr", "--cavities"},
        "unknown option '--cavities'; it is an option of 'eses-blocks measure'"},
       {{"measur", "pair.xyzr"},

@@ -48,6 +48,34 @@ TEST_CASE("the program reads a PDB file and reports the atoms that it leaves out
   CHECK(contains(piped.out, "read: 2 ATOM records, 1 HETATM record\n"));
 }
 
+TEST_CASE("--like chooses atoms and radii as another program", "[structure][cli]") {
+  const Sandbox sandbox;
+  write_file(sandbox.directory() / "m.pdb", mixed_text());
+  const auto check_choice = [&](const std::vector<std::string>& options,
+                                const std::string& expected) {
+    std::vector<std::string> arguments{"m.pdb", "--write", "none", "--json"};
+    arguments.insert(arguments.end(), options.begin(), options.end());
+    const Outcome outcome = sandbox.run(arguments);
+    REQUIRE(outcome.code == 0);
+    check_json(sandbox, outcome.out,
+               "[r['structure']['radii'], *(r['structure']['left_out'][n] for n in "
+               "('waters', 'hetatm_records', 'hydrogens'))]",
+               expected);
+  };
+  check_choice({}, "['protor', 1, 0, 1]");
+  for (const std::string program : {"freesasa", "zsasa"})
+    check_choice({"--like", program}, "['protor', 1, 1, 1]");
+  for (const std::string program : {"biopython", "mdtraj"})
+    check_choice({"--like", program}, "['bondi', 0, 0, 0]");
+  check_choice({"--like", "pymol"}, "['bondi', 1, 1, 0]");
+  // Options beside it replace parts of the choice, in any order.
+  check_choice({"--radii", "msms", "--like", "biopython"}, "['msms', 0, 0, 0]");
+  check_choice({"--like", "pymol", "--hydrogens", "drop"}, "['bondi', 1, 1, 1]");
+  check_choice({"--waters", "--like", "freesasa"}, "['protor', 0, 1, 1]");
+  CHECK(contains(sandbox.run({"m.pdb", "--like", "msms"}).err,
+                 "--like is 'msms', expected freesasa, biopython, mdtraj, zsasa or pymol"));
+}
+
 TEST_CASE("areas of residues and chains of PDB files are written", "[structure][cli]") {
   const Sandbox sandbox;
   write_file(sandbox.directory() / "m.pdb", mixed_text());
@@ -171,7 +199,8 @@ TEST_CASE("options of structure files are refused for xyzr files", "[structure][
   write_file(sandbox.directory() / "a.xyzr", "0 0 0 1\n");
   write_file(sandbox.directory() / "a.pqr", "ATOM 1 N ALA A 1 0 0 0 0.1 1.5\n");
   for (const std::vector<std::string>& option :
-       std::vector<std::vector<std::string>>{{"--radii", "bondi"},
+       std::vector<std::vector<std::string>>{{"--like", "pymol"},
+                                             {"--radii", "bondi"},
                                              {"--unknown-radius", "1"},
                                              {"--model", "1"},
                                              {"--altloc", "A"},

@@ -10,9 +10,10 @@ import subprocess
 import tempfile
 import unittest
 
-from support import PROGRAM, PROJECT, TestCase, skip_without_terminal, write_map
+from support import PROGRAM, PROJECT, SCRIPTS, TestCase, skip_without_terminal, write_map
 
 COMPLETIONS = PROJECT / "packaging" / "completions"
+TOOLS = ("apbs", "assemble", "pdbbind", "render", "report", "traj", "view")
 BASH_COMPLETION = pathlib.Path("/usr/share/bash-completion/bash_completion")
 
 # Runs the steps of bash when Tab is pressed after the last word.
@@ -23,7 +24,7 @@ source '{file}'
 COMP_WORDS=({words}) COMP_CWORD=$((${{#COMP_WORDS[@]}} - 1))
 COMP_LINE="${{COMP_WORDS[*]}}" COMP_POINT=${{#COMP_LINE}}
 compopt() {{ :; }}
-_eses_blocks "${{COMP_WORDS[0]}}" "${{COMP_WORDS[-1]}}" "${{COMP_WORDS[-2]}}"
+{function} "${{COMP_WORDS[0]}}" "${{COMP_WORDS[-1]}}" "${{COMP_WORDS[-2]}}"
 printf '%s\\n' "${{COMPREPLY[@]}}"
 """
 
@@ -50,20 +51,33 @@ PS1='READY''>'
 
 
 def options_of(*command):
-    text = subprocess.run([PROGRAM, *command, "--help"], capture_output=True, text=True,
+    text = subprocess.run([PROGRAM, *command, "--help-all"], capture_output=True, text=True,
                           check=True).stdout
     return set(re.findall(r"^  (?:-\w, )?(--[\w-]+)", text, re.MULTILINE))
 
 
+def options_of_tool(name):
+    text = subprocess.run([SCRIPTS / name, "--help-all"], capture_output=True, text=True, check=True,
+                          env={**os.environ, "COLUMNS": "1000"}).stdout
+    return set(re.findall(r"^  (?:-\w [^,]*, |-\w, )?(--[\w-]+)", text, re.MULTILINE))
+
+
+def link_tools(folder):
+    """Makes links to the tools with their installed names."""
+    for name in TOOLS:
+        pathlib.Path(folder, f"eses-{name}").symlink_to(SCRIPTS / name)
+
+
 class Bash(TestCase):
-    def complete(self, *words):
+    def complete(self, *words, tool=None):
         if not BASH_COMPLETION.is_file():
             self.skipTest("bash-completion is not installed")
         with tempfile.TemporaryDirectory() as folder:
             # Bash has the words as they are typed, where a blank in the path is escaped.
-            program = pathlib.Path(folder, PROGRAM.name)
-            program.symlink_to(PROGRAM)
+            program = pathlib.Path(folder, f"eses-{tool}" if tool else PROGRAM.name)
+            program.symlink_to(SCRIPTS / tool if tool else PROGRAM)
             script = COMPLETE.format(library=BASH_COMPLETION, file=COMPLETIONS / "eses-blocks.bash",
+                                     function="_eses_tool" if tool else "_eses_blocks",
                                      words=" ".join(f"'{word}'" for word in (program, *words)))
             done = subprocess.run(["bash", "--norc", "-c", script], capture_output=True, text=True,
                                   cwd=self.folder, check=False)
@@ -74,6 +88,11 @@ class Bash(TestCase):
         found = {name.rstrip("=") for name in self.complete("--")}
         self.assertEqual(found, options_of())
         self.assertEqual(self.complete("diff", "--"), options_of("diff"))
+
+    def test_options_of_tools_are_those_of_their_help(self):
+        for name in ("view", "traj"):
+            found = {option.rstrip("=") for option in self.complete("--", tool=name)}
+            self.assertEqual(found, options_of_tool(name))
 
     def test_options_of_msms_are_those_of_its_help(self):
         text = subprocess.run([PROGRAM, "msms", "--help"], capture_output=True, text=True,
@@ -125,11 +144,12 @@ class Zsh(TestCase):
         with tempfile.TemporaryDirectory() as folder:
             offered = pathlib.Path(folder, "offered")
             setup = pathlib.Path(folder, "setup")
+            link_tools(folder)
             setup.write_text(ZSH_SETUP.format(folder=folder, completions=COMPLETIONS, offered=offered))
             child, terminal = pty.fork()
             if child == 0:
                 os.chdir(self.folder)
-                os.environ["PATH"] = f"{PROGRAM.parent}:{os.environ['PATH']}"
+                os.environ["PATH"] = f"{folder}:{PROGRAM.parent}:{os.environ['PATH']}"
                 os.environ["TERM"] = "xterm"
                 os.execlp("zsh", "zsh", "-f", "-i")
             try:
@@ -172,6 +192,10 @@ class Zsh(TestCase):
             found = {name.rstrip("=") for name in self.complete(f"{words} --")}
             self.assertEqual(found, options_of(*command))
         self.assertEqual(self.complete(f"{PROGRAM.name} --js"), ["--json"])
+        for name in ("view", "traj"):
+            found = {option.rstrip("=") for option in self.complete(f"eses-{name} --")}
+            self.assertEqual(found, options_of_tool(name))
+        self.assertEqual(set(self.complete("eses-traj --surface=")), {"all", "ses", "sas"})
 
     def test_files_commands_and_values_are_completed(self):
         for name in ("a.xyzr", "b.pqr.gz", "c.ply", "d.obj", "e.off", "f.dx", "g.vti", "h.txt", "i.cif.gz",
@@ -210,6 +234,39 @@ class Zsh(TestCase):
             with self.subTest(line=line):
                 found = {name.rstrip("/") for name in self.complete(f"{PROGRAM.name} {line}")}
                 self.assertEqual(found, expected)
+
+
+class Fish(TestCase):
+    def complete(self, line):
+        """Returns the completions, without their descriptions."""
+        if not shutil.which("fish"):
+            self.skipTest("fish is not installed")
+        with tempfile.TemporaryDirectory() as folder:
+            link_tools(folder)
+            script = f"source {COMPLETIONS / 'eses-blocks.fish'}; complete -C '{line}'"
+            done = subprocess.run(["fish", "--no-config", "-c", script], capture_output=True, text=True, check=False,
+                                  cwd=self.folder, env={**os.environ, "HOME": folder,
+                                                        "PATH": f"{folder}:{PROGRAM.parent}:{os.environ['PATH']}"})
+        self.assertEqual(done.stderr, "")
+        return {line.partition("\t")[0] for line in done.stdout.splitlines()}
+
+    def test_options_are_those_of_help(self):
+        for command in ((), ("diff",), ("measure",)):
+            found = self.complete(" ".join((PROGRAM.name, *command, "--")))
+            self.assertEqual(found - {"--probe-in", "--probe-out"}, options_of(*command))  # second names
+        for name in ("view", "traj"):
+            self.assertEqual(self.complete(f"eses-{name} --"), options_of_tool(name))
+        self.assertIn("-probe_radius", self.complete(f"{PROGRAM.name} msms -"))
+
+    def test_commands_files_and_values_are_completed(self):
+        (self.folder / "a.xyzr").touch()
+        commands = {"diff", "interface", "measure", "msms", "pdb_to_xyzr", "pdb_to_xyzrn"}
+        self.assertEqual(self.complete(f"{PROGRAM.name} "), commands | {"a.xyzr"})
+        self.assertEqual(self.complete(f"{PROGRAM.name} measure "), {"a.xyzr"})
+        self.assertEqual(self.complete(f"{PROGRAM.name} --color "), {"patch", "atom", "chain", "potential", "component"})
+        self.assertEqual(self.complete(f"{PROGRAM.name} interface --table "), {"interfaces", "residues", "atoms"})
+        self.assertEqual(self.complete(f"{PROGRAM.name} measure --table r"), {"residues", "rsa", "res"})
+        self.assertEqual(self.complete(f"{PROGRAM.name} msms -surface "), {"tses", "ases"})
 
 
 if __name__ == "__main__":

@@ -132,7 +132,10 @@ class Install(TestCase):
     def test_all_files_are_installed(self):
         doc = "share/doc/eses-blocks"
         for name in ("bin/eses-blocks", "share/bash-completion/completions/eses-blocks",
-                     "share/zsh/vendor-completions/_eses-blocks",
+                     "share/bash-completion/completions/eses-view",
+                     "share/zsh/vendor-completions/_eses-blocks", "share/zsh/vendor-completions/_eses-tools",
+                     "share/fish/vendor_completions.d/eses-blocks.fish",
+                     "share/fish/vendor_completions.d/eses-msms.fish",
                      "share/eses-blocks/eses_pymol.py", f"{doc}/README.md",
                      f"{doc}/LICENSE", f"{doc}/CHANGELOG.md", f"{doc}/CITATION.cff",
                      f"{doc}/CONTRIBUTING.md", f"{doc}/SECURITY.md"):
@@ -204,7 +207,7 @@ class Install(TestCase):
         self.assertEqual(installed, expected - {"eses_tools/README.md"})
 
     def test_commands_have_manual_pages_that_agree_with_their_help(self):
-        """Every word of --help is in the page, and every option of the page in --help."""
+        """Every word of --help-all is in the page, and every option of the page in --help-all."""
         commands = {path.name: [path] for path in (self.prefix / "bin").iterdir()}
         commands |= {f"eses-blocks-{name}": [*commands["eses-blocks"], name] for name in ("diff", "interface", "measure")}
         pages = {path.stem: path for path in (self.prefix / "share/man/man1").iterdir()}
@@ -214,7 +217,7 @@ class Install(TestCase):
                 text = page.read_text()
                 self.assertIn(f"\n{name} \\- ", text)
                 # Scripts do not break the lines of their help.
-                done = run(*commands[name], "--help", env={**os.environ, "COLUMNS": "1000"})
+                done = run(*commands[name], "--help-all", env={**os.environ, "COLUMNS": "1000"})
                 self.assertDone(done)
                 plain = re.sub(r"\\f[BIR]|\\[,/&]|^\.\w+", " ", text, flags=re.MULTILINE)
                 plain = plain.replace("\\-", "-").replace("\\(aq", "'").replace("\\e", "\\")

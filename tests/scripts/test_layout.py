@@ -2,6 +2,7 @@
 READMEs."""
 
 import os
+import re
 import subprocess
 import sys
 
@@ -35,6 +36,26 @@ class Layout(TestCase):
                 self.assertIn(done.returncode, (0, 2), done.stderr)
                 self.assertIn("usage: ", (done.stdout + done.stderr).lower())
                 self.assertNotIn("Traceback", done.stderr)
+
+    def test_help_of_the_tools_is_short_and_begins_with_examples(self):
+        for name in ("apbs", "assemble", "pdbbind", "render", "report", "traj", "view"):
+            with self.subTest(script=name):
+                brief, complete = (subprocess.run([interpreter(SCRIPTS / name), SCRIPTS / name, option],
+                                                  capture_output=True, text=True, check=True,
+                                                  env={**os.environ, "COLUMNS": "80"}).stdout
+                                   for option in ("--help", "--help-all"))
+                self.assertLess(brief.count("\n"), 60)
+                examples, _, rest = brief.partition("\nexamples:\n")[2].partition("\n\n")
+                self.assertEqual(examples.count(f"  {name} "), 3)
+                self.assertIn("\noptions:\n", rest)
+                options = [set(re.findall(r"^  (?:-\w[^,]*, )?(--[\w-]+)", text, re.MULTILINE))
+                           for text in (brief, complete)]
+                self.assertEqual(options[0] - options[1], set())
+                known = sorted(options[1] - {"--help", "--help-all"})
+                done = subprocess.run([interpreter(SCRIPTS / name), SCRIPTS / name, known[0] + "x"],
+                                      capture_output=True, text=True, check=False)
+                self.assertEqual(done.returncode, 2)
+                self.assertIn(f"unknown option {known[0]}x; did you mean {known[0]}?\n", done.stderr)
 
     def test_every_script_is_described(self):
         for folder in FOLDERS:

@@ -330,7 +330,7 @@ class Failures(PdbbindTest):
 
     def test_arguments_that_the_script_sets_are_refused(self):
         self.add("c60.xyzr")
-        for words in (("--dry-run",), ("--help",), ("-h",), ("-qh",), ("--version",), ("--json",),
+        for words in (("--dry-run",), ("--help",), ("--help-all",), ("-h",), ("-qh",), ("--version",), ("--json",),
                       ("-o", "x"), ("-ox",), ("--output-dir=x",), ("--format", "xyzr"),
                       ("--write", "grid"), ("--write=none",), ("--mesh", "x.ply"),
                       ("--color=atom",), ("--inside", "x.dx"), ("--threads", "1"), ("-t1",),
@@ -344,7 +344,7 @@ class Failures(PdbbindTest):
         self.assertEqual(self.statuses(), {"c60": "done"})
 
     def test_help_describes_every_option(self):
-        output = run("pdbbind", "--help").stdout
+        output = run("pdbbind", "--help-all").stdout
         for option, word in (("--probe-radius", "solvent"), ("--spacing", "grid points"),
                              ("--margin", "grid boundary"), ("--block-size", "side of a block")):
             self.assertIn(word, " ".join(output.partition(option)[2].split())[:120])

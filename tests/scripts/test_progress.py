@@ -56,6 +56,17 @@ class Bar(TestCase):
         quiet, sent = self.run_on_terminal(command=[*command, "-q"])
         self.assertNotIn("files", sent)
 
+    def test_messages_are_coloured_on_terminals_only(self):
+        point = self.folder / "point.xyzr"
+        point.write_text("0 0 0 0.1\n")  # warned about
+        command = [PROGRAM, "measure", point]
+        plain = subprocess.run(command, capture_output=True, text=True, check=True).stderr
+        self.assertTrue(plain.startswith("eses-blocks: warning: "), plain)
+        coloured = self.run_on_terminal(command=command)[1].replace("\r\n", "\n")
+        self.assertEqual(coloured, plain.replace("warning:", "\033[1;33mwarning:\033[0m"))
+        self.assertNotIn("\033", self.run_on_terminal(command=command, term="dumb")[1])
+        self.assertNotIn("\033", self.run_on_terminal(command=["env", "NO_COLOR=1", *command])[1])
+
     def test_bar_grows_and_disappears(self):
         printed, sent = self.run_on_terminal()
         self.assertIn("surface area: ", printed)

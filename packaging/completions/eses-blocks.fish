@@ -1,0 +1,86 @@
+# fish completion for eses-blocks and its tools: reads the options and their descriptions from --help-all.
+
+set -l tools apbs assemble pdbbind render report traj view
+set -l commands diff interface measure msms pdb_to_xyzr pdb_to_xyzrn
+
+# Prints the command of the line: a command of eses-blocks, or nothing.
+function __eses_blocks_command
+    set -l words (commandline -opc)
+    if set -q words[2]; and contains -- $words[2] diff interface measure msms pdb_to_xyzr pdb_to_xyzrn
+        echo $words[2]
+    end
+end
+
+# Prints the options of a program and their descriptions, which tabs separate. Lines that are indented
+# far to the right continue a description.
+function __eses_blocks_options
+    set -l words (commandline -opc)
+    COLUMNS=1000 $words[1] $argv --help-all 2>/dev/null | awk '
+        function show() { for (i = 1; i <= count; i++) print names[i] "\t" meaning; count = 0 }
+        /^  -/ {
+            show()
+            head = line = substr($0, 3); meaning = ""
+            if (match(line, /   */)) { head = substr(line, 1, RSTART - 1); meaning = substr(line, RSTART + RLENGTH) }
+            count = split(head, names, ", ")
+            for (i = 1; i <= count; i++) sub(/[ =\[].*/, "", names[i])
+            next
+        }
+        /^                    / { sub(/^ +/, ""); meaning = meaning (meaning == "" ? "" : " ") $0; next }
+        { show() }
+        END { show() }'
+end
+
+# Prints the values of the option before the cursor.
+function __eses_blocks_values
+    set -l words (commandline -opc)
+    set -l tables atoms residues chains derivatives cavities pieces pockets rsa seq res pdb cif
+    switch "$words[-1]"
+        case --format
+            printf '%s\n' auto xyzr pqr pdb mmcif
+        case --color
+            printf '%s\n' patch atom chain potential component
+        case --component
+            echo outside
+        case --radii
+            printf '%s\n' protor bondi msms
+        case --like
+            printf '%s\n' freesasa biopython mdtraj zsasa pymol
+        case --hydrogens
+            printf '%s\n' keep drop
+        case --reference
+            printf '%s\n' tien miller sander
+        case --parts
+            echo chains
+        case --model
+            echo all
+        case --surface
+            printf '%s\n' ses sas vdw all
+        case -surface
+            printf '%s\n' tses ases
+        case --table
+            if contains interface $words[2]
+                printf '%s\n' interfaces residues atoms
+            else
+                printf '%s\n' $tables
+            end
+        case --write
+            if contains measure $words[2]
+                printf '%s\n' $tables
+            else
+                printf '%s\n' all none grid edges areas residues atoms
+            end
+        case '*'
+            return 1
+    end
+end
+
+complete -c eses-blocks -n 'test -z "$(__eses_blocks_command)"; and test (count (commandline -opc)) = 1' -a "$commands"
+complete -c eses-blocks -n 'string match -q -- "-*" (commandline -ct)' -a '(__eses_blocks_options (__eses_blocks_command))'
+complete -c eses-blocks -n __eses_blocks_values -f -a '(__eses_blocks_values)'
+for name in msms pdb_to_xyzr pdb_to_xyzrn
+    complete -c eses-$name -n 'string match -q -- "-*" (commandline -ct)' -a '(__eses_blocks_options)'
+    complete -c eses-$name -n __eses_blocks_values -f -a '(__eses_blocks_values)'
+end
+for name in $tools
+    complete -c eses-$name -n 'string match -q -- "-*" (commandline -ct)' -a '(__eses_blocks_options)'
+end
