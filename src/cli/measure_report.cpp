@@ -384,7 +384,7 @@ std::vector<Column> columns_of(const MeasureCommandOptions& options) {
   };
   for (const auto& [name, member] : areas_and_volumes(options.surfaces))
     columns.push_back(
-        {name, 14, [member = member](const MeasuredFile& file) { return file.measures.*member; }});
+        {name, 14, [of = member](const MeasuredFile& file) { return file.measures.*of; }});
   if (options.surfaces.has_ses())
     add_count("euler_number", 12, [](const auto& file) { return file.measures.euler_number; });
   using NamedPatch = std::pair<std::string_view, double PatchAreas::*>;
@@ -392,8 +392,8 @@ std::vector<Column> columns_of(const MeasureCommandOptions& options) {
                                      NamedPatch{"saddle_area", &PatchAreas::saddle},
                                      NamedPatch{"concave_area", &PatchAreas::concave}})
     if (options.surfaces.has_ses())
-      columns.push_back({std::string(name), 0, [member = member](const MeasuredFile& file) {
-                           return file.measures.ses_areas.*member;
+      columns.push_back({std::string(name), 0, [of = member](const MeasuredFile& file) {
+                           return file.measures.ses_areas.*of;
                          }});
   if (options.cavities) {
     add_count("cavities", 8, [](const auto& file) {
@@ -406,7 +406,7 @@ std::vector<Column> columns_of(const MeasureCommandOptions& options) {
   if (options.parts.is_chosen())
     for (const auto& [name, area] : buried_areas(options.surfaces))
       columns.push_back(
-          {name, 15, [area = area](const MeasuredFile& file) { return file.buried(area); }});
+          {name, 15, [of = area](const MeasuredFile& file) { return file.buried(of); }});
   for (std::size_t k = 0; k < options.reports.size(); ++k) {
     const auto add = [&](std::string_view area, double ReportedAtoms::*member) {
       const std::string name = formatted("{} of {}", area, name_of(options.reports[k]));

@@ -57,8 +57,8 @@ std::vector<std::string> Processes::gather_texts(std::span<const std::string> te
   for (const std::string& text : texts) packed.append(text).push_back('\0');
   const std::vector<char> all = gather<char>(packed);
   std::vector<std::string> unpacked;
-  for (auto text = all.begin(); text != all.end(); text += unpacked.back().size() + 1)
-    unpacked.emplace_back(&*text);
+  for (std::size_t at = 0; at < all.size(); at += unpacked.back().size() + 1)
+    unpacked.emplace_back(&all[at]);
   return unpacked;
 }
 

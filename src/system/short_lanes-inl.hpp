@@ -25,9 +25,9 @@
 #define ESES_SIMD_SHORT_LANES_INL_
 #endif
 
+#if HWY_TARGET == HWY_SCALAR && defined(__SSE2__)
 HWY_BEFORE_NAMESPACE();
 namespace eses::detail::HWY_NAMESPACE {
-#if HWY_TARGET == HWY_SCALAR && defined(__SSE2__)
 
 namespace sn {
 
@@ -73,15 +73,17 @@ inline std::size_t compress_store(ShortLanes lanes, ShortVector values, ShortMas
   return count;
 }
 
+}  // namespace eses::detail::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
 #else
+namespace eses::detail::HWY_NAMESPACE {
 
 namespace sn = hwy::HWY_NAMESPACE;
 using ShortLanes = sn::ScalableTag<std::int16_t>;
 using ShortVector = sn::Vec<ShortLanes>;
 using ShortMask = sn::Mask<ShortLanes>;
 
-#endif
 }  // namespace eses::detail::HWY_NAMESPACE
-HWY_AFTER_NAMESPACE();
+#endif
 
 #endif

@@ -128,7 +128,8 @@ TEST_CASE("interfaces: polar atoms, with the hydrogens at them") {
 TEST_CASE("interfaces: halogens are apolar in molecules, and ions are polar") {
   const std::vector<Atom> atoms(4, Atom{{0, 0, 0}, 1});
   std::vector<AtomLabel> labels(4, AtomLabel{"A", "LIG", "1", "X"});
-  for (const auto& [i, element] : {std::pair{0, "Cl"}, {1, "C"}, {2, "Cl"}, {3, "Zn"}})
+  for (const auto& [i, element] :
+       {std::pair<std::size_t, const char*>{0, "Cl"}, {1, "C"}, {2, "Cl"}, {3, "Zn"}})
     labels[i].element = element;
   labels[2].residue_number = "2";
   labels[3].residue_number = "3";

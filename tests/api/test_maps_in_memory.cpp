@@ -58,7 +58,7 @@ void check_against_files(const Surface& surface, const Grid& grid, const RunOpti
   write_files(surface, grid, directory.path(), outputs, options);
   const GridIndex size = options.region.value_or(grid.whole()).size();
   const auto dielectric = compute_dielectric(surface, grid, {solute, solvent}, options);
-  for (const std::size_t axis : {0, 1, 2}) {
+  for (const std::size_t axis : {0U, 1U, 2U}) {
     const std::string name = std::string("diel_") + "xyz"[axis] + ".dx";
     const bool are_equal =
         dx_words(size, dielectric[axis], "%.6e") == dx_values(read_bytes(directory.path() / name));

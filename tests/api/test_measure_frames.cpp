@@ -39,7 +39,7 @@ std::string failure_of(std::size_t frames, const FrameReader& read,
 
 TEST_CASE("frames are measured once each", "[measure]") {
   for (const int threads : {1, 2, 5})
-    for (const std::size_t count : {1, 3, 60}) {
+    for (const std::size_t count : {1U, 3U, 60U}) {
       std::vector<double> areas(count);
       measure_frames(count, radii, read_pair,
                      [&areas](std::size_t frame, const Measures& measures) {
@@ -107,7 +107,7 @@ TEST_CASE("cavities of frames are filled", "[measure]") {
 }
 
 TEST_CASE("options are checked before the first frame", "[measure]") {
-  for (const std::size_t count : {0, 1}) {
+  for (const std::size_t count : {0U, 1U}) {
     const auto ignore = [](std::size_t, const Measures&) {};
     CHECK_THROWS_AS(measure_frames(count, radii, read_pair, ignore, {}, {.max_filled_void = -1}),
                     std::invalid_argument);

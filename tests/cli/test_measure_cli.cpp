@@ -262,7 +262,7 @@ TEST_CASE("measure: derivatives have the closed values of spheres") {
   REQUIRE(rows.size() == 2);
   REQUIRE(rows[0].size() == 17);
   const double sas = radius + probe;
-  for (const int side : {0, 1}) {
+  for (const std::size_t side : {0U, 1U}) {
     const auto value = [&](std::size_t column) { return std::stod(rows[side][column]); };
     CHECK(rows[side][0] == std::to_string(side + 1));
     // The table has all digits.

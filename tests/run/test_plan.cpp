@@ -431,7 +431,7 @@ TEST_CASE("the plan knows the length of the tables and of the bounding box", "[p
 
 TEST_CASE("no plan takes less memory than the minimum for its number of atoms") {
   // Equal atoms need the least memory, because only one of them is part of the surface.
-  for (const std::size_t count : {1, 1000, 30000}) {
+  for (const std::size_t count : {1U, 1000U, 30000U}) {
     const std::vector<Atom> atoms(count, {{0, 0, 0}, 1.5});
     INFO(count);
     const auto bytes = static_cast<double>(make_plan(atoms, {}, Outputs::none()).memory_bytes);

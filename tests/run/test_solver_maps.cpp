@@ -223,7 +223,7 @@ SolverMaps maps_of(const std::vector<Atom>& atoms, const Parameters& parameters,
 
 TEST_CASE("maps for solvers agree with the definition on all kinds of atoms", "[solver-maps]") {
   for (const Kind kind : all_kinds)
-    for (const std::uint64_t seed : {1, 2}) {
+    for (const std::uint64_t seed : {1U, 2U}) {
       INFO(kind_name(kind) << ' ' << seed);
       const std::vector<Atom> atoms = make_atom_set(kind, seed);
       const double probe_radius = designed_probe_radius(seed);

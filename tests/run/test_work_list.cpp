@@ -45,7 +45,7 @@ std::optional<WorkItem> take(WorkList& list) {
 
 TEST_CASE("every block and batch is taken once, after those on which it depends", "[sweep]") {
   for (const Shape& shape : shapes())
-    for (const std::size_t threads : {1, 3}) {
+    for (const std::size_t threads : {1U, 3U}) {
       INFO(shape.layers << " layers, " << shape.blocks << " blocks, " << shape.ahead << " ahead, "
                         << threads << " threads");
       WorkList list = list_of(shape);
