@@ -322,7 +322,7 @@ TEST_CASE("filled cavities: proteins agree with the verification") {
 }
 
 TEST_CASE("filled cavities: the bytes do not depend on threads and blocks") {
-  for (const std::uint64_t seed : {2, 3}) {
+  for (const std::uint64_t seed : {2U, 3U}) {
     const std::vector<Atom> atoms = make_sponge(seed);
     Parameters parameters = parameters_for(0.35, 0.3, seed == 2 ? all : 4);
     const std::string expected = bytes_of(atoms, parameters);

@@ -128,7 +128,7 @@ TEST_CASE("measure: relation of SES and SAS where no patch is cut") {
 // The derivative of the volume by the probe radius is the area. The integral over a range without
 // events follows from Simpson's rule.
 TEST_CASE("measure: the SAS area is the derivative of the volume") {
-  for (const std::uint64_t seed : {1, 2, 3, 4, 5, 6}) {
+  for (const std::uint64_t seed : {1U, 2U, 3U, 4U, 5U, 6U}) {
     const std::vector<Atom> atoms = make_atom_set(Kind::gas, seed);
     const double low = 1, step = 1e-5;
     const Measures first = measure_atoms(atoms, low), middle = measure_atoms(atoms, low + step),
