@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import eses_blocks as eses
-from conftest import DATA
+from conftest import DATA, PROJECT
 
 
 @pytest.fixture(scope="module")
@@ -129,3 +129,29 @@ def test_missing_packages_are_named(tmp_path):
     assert [line.partition(";")[0] for line in done.stdout.splitlines()] == [
         "to_trimesh needs trimesh", "to_pyvista needs pyvista", "to_xarray needs xarray",
         "show(backend='k3d') needs k3d", "residue_table needs pandas"]
+
+
+@pytest.mark.parametrize("viewer", ["trimesh", "pyvista", "py3Dmol", "nglview", "molviewspec"])
+def test_other_viewers_take_the_mesh(viewer, result, tmp_path, monkeypatch):
+    """Runs the lines of doc/python.md."""
+    package = pytest.importorskip(viewer)
+    text = (PROJECT / "doc/python.md").read_text(encoding="utf-8")
+    code, = re.findall(rf"```python\n(import {viewer}\n.*?)```", text, re.DOTALL)
+    (tmp_path / "fas2.pqr").write_bytes((DATA / "fas2.pqr").read_bytes())
+    monkeypatch.chdir(tmp_path)
+    if viewer == "pyvista":
+        monkeypatch.setattr(package, "OFF_SCREEN", True)
+    mesh = result.mesh()
+    names = {"mesh": mesh}
+    exec(code, names)
+    if viewer == "trimesh":
+        assert len(package.load(tmp_path / "fas2.glb").to_mesh().faces) == len(mesh.faces)
+    elif viewer == "py3Dmol":
+        page = names["view"].write_html()
+        assert page.count('"x":') == 2 * len(mesh.vertices) and "addModel" in page
+    elif viewer == "nglview":
+        (name, position, color, index, normal), = names["view"]._ngl_msg_archive[-1]["args"][1]
+        assert name == "mesh" and len(position) == len(color) == len(normal) == mesh.vertices.size
+        assert index == mesh.faces.ravel().tolist()
+    elif viewer == "molviewspec":
+        assert str(mesh.faces[-1, -1]) in names["view"].get_state().dumps()

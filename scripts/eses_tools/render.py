@@ -5,7 +5,8 @@ of all, as in an exploded view. PLY and VTP files with colours (--color) are dra
 exact borders of the patches and a legend, other meshes in a fixed colour. --cavities cuts a
 molecule and shows its cavities: the closed shells that are around no part of the molecule.
 
-Needs VTK and numpy (Debian: python3-vtk9, python3-numpy), and xvfb if there is no display.
+Needs VTK and numpy (Debian: python3-vtk9, python3-numpy). Without a display, it needs xvfb, or VTK from
+PyPI with EGL (Debian: libegl1).
 """
 
 import os
@@ -55,13 +56,18 @@ def write_cookie(path):
 
 @contextlib.contextmanager
 def display():
-    """Provides a display: that of the user, or one in memory (Xvfb), which ends with the script."""
+    """Provides a display: that of the user, or one in memory (Xvfb), which ends with the script. Without
+    Xvfb, VTK draws with EGL, which needs no display, if its build can."""
     if os.environ.get("DISPLAY"):
         yield
         return
     server = shutil.which("Xvfb")
     if not server:
-        raise Failed("there is no display; install xvfb")
+        if not hasattr(import_vtk(), "vtkEGLRenderWindow"):
+            raise Failed("there is no display; install xvfb, or VTK from PyPI (pip install vtk)")
+        os.environ["VTK_DEFAULT_OPENGL_WINDOW"] = "vtkEGLRenderWindow"
+        yield
+        return
     reading, writing = os.pipe()
     process = None
     folder = tempfile.TemporaryDirectory(prefix="render-")
@@ -386,8 +392,8 @@ def add_legend(vtk, renderer, legend, size):
         text.SetPosition(left + line, y)
         text.GetTextProperty().SetColor(0, 0, 0)
         text.GetTextProperty().SetFontSize(max(6, round(0.75 * line)))
-        renderer.AddActor2D(patch)
-        renderer.AddActor2D(text)
+        renderer.AddViewProp(patch)
+        renderer.AddViewProp(text)
 
 
 def add_occlusion(vtk, renderer):

@@ -8,7 +8,7 @@ import subprocess
 import unittest
 import zlib
 
-from support import DATA, PROGRAM, SCRIPTS, TestCase, can_draw, write_map
+from support import DATA, PROGRAM, SCRIPTS, TestCase, can_draw, interpreter_of, write_map
 
 SCRIPT = SCRIPTS / "render"
 
@@ -86,6 +86,21 @@ class Render(TestCase):
     def differences(rows, others):
         """Returns the number of bytes, differences by PNG's filters, that differ by more than rounding."""
         return sum((a - b + 4) % 256 > 8 for a, b in zip(rows, others))
+
+    def test_pictures_need_no_server_where_vtk_has_egl(self):
+        mesh = self.folder / "a.ply"
+        self.assertDone(subprocess.run([PROGRAM, DATA / "c60.xyzr", "-q", "--write", "none", "--mesh", mesh],
+                                       capture_output=True, text=True, check=False))
+        picture = self.folder / "a.png"
+        # No program is found in this path, so that there is no Xvfb.
+        done = subprocess.run([interpreter_of(SCRIPT).split()[0], SCRIPT, mesh, "-o", picture, "--size", "80"],
+                              env={"PATH": str(self.folder), "HOME": str(self.folder)}, capture_output=True, text=True,
+                              check=False)
+        if "install xvfb" in done.stderr:
+            self.assertEqual(done.stderr, "render: there is no display; install xvfb, or VTK from PyPI (pip install vtk)\n")
+            self.skipTest("this VTK needs a display")
+        self.assertDone(done)
+        self.assertEqual(read_png(picture)[:2], (80, 60))
 
     def test_picture_shows_the_mesh(self):
         picture = self.make_picture("a.ply")
