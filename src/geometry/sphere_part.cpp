@@ -15,9 +15,11 @@ using std::numbers::pi;
 // Longer arcs are divided. The ends of a piece must not be almost opposite.
 constexpr double max_piece = 2.2;
 
-// Caps whose rims are nearer to each other than this are the same cap (radians). Their rims would
-// meet in points that rounding decides. The part changes by at most 2 pi times this.
-constexpr double same_cap = 2e-8;
+// Caps whose rims are nearer to each other than this are the same cap (radians). The value is above
+// the rounding errors of axes. The part changes by at most 2 pi times this. The points in which
+// almost equal rims meet have large errors along these rims, but both rims have the same points, so
+// that this changes the part by rounding errors only.
+constexpr double same_cap = 1e-14;
 
 // The meeting points of rims whose axes are nearer to one line than this are computed with more
 // care (square of an angle in radians).

@@ -104,9 +104,15 @@ void ClusterMeasurement::add_placements(const ClusterPatches& patches, std::uint
     find_near_large(placements_, bounds_of(all), scratch.concave.near);
   for (std::size_t begin = 0; begin < all.size(); begin += max_group) {
     const std::span<const Vec3> group = all.subspan(begin, std::min(max_group, all.size() - begin));
-    if (probe() > 0) find_near_small(placements_, bounds_of(group), scratch.concave.near);
+    const auto group_first = static_cast<std::uint32_t>(first + begin);
+    // Only the first placement of a node has a patch.
+    bool has_patches = false;
+    for (std::uint32_t k = 0; k < group.size(); ++k)
+      has_patches = has_patches || placements_.is_first(group_first + k);
+    if (probe() > 0 && has_patches)
+      find_near_small(placements_, bounds_of(group), scratch.concave.near);
     for (std::size_t k = 0; k < group.size(); ++k) {
-      const auto number = static_cast<std::uint32_t>(first + begin + k);
+      const auto number = static_cast<std::uint32_t>(group_first + k);
       const PatchSums sums = add_placement(number, scratch, terms);
       terms.sums += sums;
       if (!components_) continue;

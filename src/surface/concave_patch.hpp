@@ -50,7 +50,7 @@ struct NearPlacements {
 struct ConcaveScratch {
   SpherePartFinder finder;
   NearPlacements near;
-  std::vector<std::uint32_t> node;
+  std::vector<std::uint32_t> node, other_node;
   std::vector<SphericalCap> caps;
   std::vector<AtomIndex> borders;  ///< touched atoms beside the owner of a part
 };

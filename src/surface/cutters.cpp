@@ -5,23 +5,25 @@
 #include <optional>
 #include <span>
 
+#include "geometry/meeting_point.hpp"
 #include "geometry/tolerances.hpp"
 
 namespace eses::detail {
 namespace {
 
-// The direction between two placements nearer to each other than this follows from a contact circle
-// on which both are (angstrom). The difference of their centres has a relative error of the
-// rounding error divided by their distance.
+// The positions of placements nearer to each other than this are computed with more digits
+// (angstrom). The difference of rounded positions has a relative error of the rounding error
+// divided by the distance.
 constexpr double close_placements = 1e-6;
 
-// Placements nearer than this do not cut each other's patches if they are on no common contact
-// circle (angstrom). doc/algorithm.md bounds the error.
+// Placements nearer than this do not cut each other's patches if their direction is not known
+// (angstrom). doc/algorithm.md bounds the error.
 constexpr double min_cutting_distance = 3e-8;
 
-// A cap that misses a cone by less than this counts as one that cuts it (angstrom). The value is
-// far above rounding errors, so no cap that cuts it is missed.
-constexpr double meeting_slack = 1e-9;
+// A cap that misses a cone by less than this counts as one that cuts it (angstrom, and as a
+// fraction of the distance of the placements). The values are far above rounding errors, so no cap
+// that cuts it is missed.
+constexpr double meeting_slack = 1e-9, meeting_fraction = 1e-3;
 
 // The mean of unit vectors has a direction if their sum is longer than this.
 constexpr double min_mean_length = 0.1;
@@ -62,7 +64,8 @@ bool may_cut(Vec3 to_other, double squared, double probe, const ConcavePatch& pa
     if ((squared - height * height) * limit <= squared * squared) return false;
   }
   if (is_within) return true;
-  const double min_along = squared / (2 * probe) - meeting_slack;
+  const double slack = std::min(meeting_slack, meeting_fraction * std::sqrt(squared));
+  const double min_along = squared / (2 * probe) - slack;
   for (const Vec3 edge : patch.toward)
     if (dot(to_other, edge) > min_along) return true;
   return std::any_of(patch.caps.begin(), patch.caps.end(), [&](const SphericalCap& plane) {
@@ -70,41 +73,45 @@ bool may_cut(Vec3 to_other, double squared, double probe, const ConcavePatch& pa
     if (height <= 0) return false;
     const Vec3 projection = to_other - height * plane.axis;
     return std::all_of(patch.caps.begin(), patch.caps.end(), [&](const SphericalCap& other) {
-      return dot(projection, other.axis) <= meeting_slack;
+      return dot(projection, other.axis) <= slack;
     });
   });
 }
 
-// Returns the direction from the placement of a patch to another one that is close to it, or
-// nothing if no contact circle has both. The chord of a circle is at right angles to its axis, and
-// to the line from its centre to the middle of the chord. Of several circles, the one with the
-// longest such line has the smallest error.
-std::optional<Vec3> direction_of_chord(const PlacementIndex& placements, const ConcavePatch& patch,
-                                       std::uint32_t other) {
-  const SurfaceModel& surface = placements.surface();
-  const Vec3 from = placements.centers()[patch.number], to = placements.centers()[other];
-  std::vector<std::uint32_t> node;
-  std::vector<AtomIndex> touched, common;
-  std::vector<Vec3> toward;
-  placements.find_node(other, node);
-  placements.find_touched(node, touched, toward);
-  for (const AtomIndex i : patch.touched)
-    if (std::binary_search(touched.begin(), touched.end(), i)) common.push_back(i);
-  if (common.size() < 2) return std::nullopt;
-  const Vec3 middle = 0.5 * (from + to);
-  Vec3 direction = normalized(to - from);
-  double max_distance = 0.5 * norm(to - from);
-  for (std::size_t a = 0; a < common.size(); ++a)
-    for (std::size_t b = a + 1; b < common.size(); ++b) {
-      const ContactCircle circle =
-          make_contact_circle(surface.sas_sphere(common[a]), surface.sas_sphere(common[b]));
-      const Vec3 across = cross(circle.axis, middle - circle.center);
-      const double distance = norm(across);
-      if (distance <= max_distance) continue;
-      max_distance = distance;
-      direction = (1 / distance) * across;
-    }
-  return dot(direction, to - from) < 0 ? -direction : direction;
+bool share_two_atoms(const ProbePlacement& a, const ProbePlacement& b) {
+  return std::count_if(a.atoms.begin(), a.atoms.end(), [&](AtomIndex atom) {
+           return std::find(b.atoms.begin(), b.atoms.end(), atom) != b.atoms.end();
+         }) >= 2;
+}
+
+// Returns the vector from one placement to another one, with the digits that the rounded positions
+// do not have.
+std::optional<Vec3> vector_between(const SurfaceModel& surface, const ProbePlacement& from,
+                                   const ProbePlacement& to) {
+  const auto rounding_error = [&](const ProbePlacement& placement) {
+    const auto& [a, b, c] = placement.atoms;
+    return vector_to_meeting_point(
+        {surface.sas_sphere(a), surface.sas_sphere(b), surface.sas_sphere(c)}, placement.center);
+  };
+  const std::optional<Vec3> from_error = rounding_error(from), to_error = rounding_error(to);
+  if (!from_error || !to_error) return std::nullopt;
+  return (to.center - from.center) + (*to_error - *from_error);
+}
+
+// Returns the vector from the node of a patch to one that is close to it, or nothing if it is not
+// known. If placements of both nodes are on a common contact circle, it is the chord between them.
+// Otherwise, the position of a node with several placements is not known well enough.
+std::optional<Vec3> vector_to_close(const PlacementIndex& placements, ConcaveScratch& scratch,
+                                    std::uint32_t number, std::uint32_t other) {
+  const std::span<const ProbePlacement* const> all = placements.placements();
+  placements.find_node(number, scratch.node);
+  placements.find_node(other, scratch.other_node);
+  for (const std::uint32_t a : scratch.node)
+    for (const std::uint32_t b : scratch.other_node)
+      if (share_two_atoms(*all[a], *all[b]))
+        return vector_between(placements.surface(), *all[a], *all[b]);
+  if (scratch.node.size() > 1 || scratch.other_node.size() > 1) return std::nullopt;
+  return vector_between(placements.surface(), *all[number], *all[other]);
 }
 
 }  // namespace
@@ -124,14 +131,15 @@ void find_cutters(const PlacementIndex& placements, ConcaveScratch& scratch, Con
     const std::uint32_t other = near.number(near.found.at[k]);
     if (other == patch.number || !placements.is_first(other)) continue;
     Vec3 to_other = placements.centers()[other] - from;
-    const double squared = squared_norm(to_other);
+    double squared = squared_norm(to_other);
     if (std::fabs(squared - limit) < 4 * probe * tolerance::touching)
       patch.tangent.push_back((1 / (2 * probe)) * to_other);
     if (squared >= limit || squared == 0) continue;
     if (!surface.has_slack && squared < close_placements * close_placements) {
-      const std::optional<Vec3> chord = direction_of_chord(placements, patch, other);
-      if (!chord && squared < min_cutting_distance * min_cutting_distance) continue;
-      if (chord) to_other = std::sqrt(squared) * *chord;
+      const auto vector = vector_to_close(placements, scratch, patch.number, other);
+      if (!vector && squared < min_cutting_distance * min_cutting_distance) continue;
+      if (vector) to_other = *vector;
+      squared = squared_norm(to_other);
     }
     if (!may_cut(to_other, squared, probe, patch)) continue;
     const double length = std::sqrt(squared);

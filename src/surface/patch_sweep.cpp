@@ -1,6 +1,7 @@
 #include "surface/patch_sweep.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <limits>
 #include <utility>
 
@@ -66,19 +67,19 @@ bool PatchSweep::build_patches(double up_to) {
     steps.clear();
     while (const auto step = schedule.take(up_to)) steps.push_back(*step);
     const auto count = static_cast<std::int64_t>(steps.size());
+    std::atomic<bool> is_stopped = false;
     parallel_for(count, threads_, [&](std::int64_t k, int thread) {
       if (thread == 0 && check_) check_();
+      if (is_stopped) return;
       const BuildStep& step = steps[static_cast<std::size_t>(k)];
       if (step.kind == BuildStep::Kind::find_arcs)
         patches.find_arcs(step.cluster, scratch_[static_cast<std::size_t>(thread)]);
       else
         patches.complete(step.cluster);
+      if (stops_if_irregular_ && !patches.of_cluster(step.cluster).is_regular) is_stopped = true;
     });
+    if (is_stopped) return false;
     for (const BuildStep& step : steps) schedule.finish(step);
-    if (stops_if_irregular_ && std::any_of(steps.begin(), steps.end(), [&](const BuildStep& step) {
-          return !patches.of_cluster(step.cluster).is_regular;
-        }))
-      return false;
   }
   return true;
 }

@@ -1,6 +1,7 @@
 // Compares arcs, tube crossings and covering directions with their definitions, by dense sampling.
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <vector>
@@ -10,6 +11,7 @@
 #include "geometry/circle_arcs.hpp"
 #include "geometry/covering_directions.hpp"
 #include "geometry/line_torus.hpp"
+#include "geometry/meeting_point.hpp"
 #include "support/atom_sets.hpp"
 
 namespace eses::detail::test {
@@ -287,6 +289,34 @@ TEST_CASE("every direction is within the covering radius of one of the set") {
     CHECK(farthest <= covering.radius);
     CHECK(farthest > 0.9 * covering.radius);
   }
+}
+
+TEST_CASE("the point in which three spheres meet has digits beyond its coordinates") {
+  Random random(3);
+  for (int k = 0; k < 200; ++k) {
+    // Powers of 2 make the sum of the point and an offset exact.
+    Vec3 point, offset;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      point[axis] = std::floor(random.uniform(-1, 1) * 0x1p20) * 0x1p-17;
+      offset[axis] = std::floor(random.uniform(-1, 1) * 0x1p10) * 0x1p-45;
+    }
+    std::array<SasSphere, 3> spheres;
+    for (SasSphere& sphere : spheres) {
+      sphere.center = point + 3 * random_direction(random);
+      sphere.radius = norm(sphere.center - point);
+    }
+    const auto from_point = vector_to_meeting_point(spheres, point);
+    const auto from_other = vector_to_meeting_point(spheres, point + offset);
+    const Vec3 a = spheres[0].center - point, b = spheres[1].center - point;
+    if (std::fabs(dot(a, cross(b, spheres[2].center - point))) < 0.1) continue;
+    INFO("set " << k);
+    REQUIRE((from_point && from_other));
+    CHECK(norm(*from_point) < 1e-12);
+    CHECK(norm(*from_point - *from_other - offset) < 1e-11 * norm(offset));
+  }
+  // Two spheres that touch in the middle between their centres do not meet the third one in a
+  // point.
+  CHECK_FALSE(vector_to_meeting_point({{{{-1, 0, 0}, 1}, {{1, 0, 0}, 1}, {{0, 1, 0}, 1}}}, {}));
 }
 
 }  // namespace eses::detail::test

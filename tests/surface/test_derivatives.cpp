@@ -443,4 +443,27 @@ TEST_CASE("measure: derivatives of almost symmetric atoms have no force") {
   }
 }
 
+// A probe almost fits between six atoms, so that eight placements are close to each other there,
+// and as many in each hole nearby. The caps of those in one hole are almost equal, as seen from
+// another.
+TEST_CASE("measure: the volume around probes that almost fit has no force") {
+  Random random(230);
+  for (int k = 0; k < 4; ++k) {
+    std::vector<Atom> atoms;
+    for (const double height : {4.7, 9.4})
+      for (std::size_t axis = 0; axis < 3; ++axis)
+        for (const double side : {-1, 1}) {
+          Vec3 center{random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)};
+          center = 1e-8 * center;
+          center[axis] += side * (height + 2e-8);
+          atoms.push_back({center, 1.7});
+        }
+    const Measures measures = measure_atoms(atoms, 3, {.gradients = true});
+    Vec3 force;
+    for (const Vec3 by_center : measures.gradients.ses_volume.centers) force = force + by_center;
+    INFO("set " << k);
+    CHECK(norm(force) < 1e-9);
+  }
+}
+
 }  // namespace eses::detail::test
