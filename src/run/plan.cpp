@@ -260,13 +260,6 @@ void choose_schedule(const SurfaceSurvey& survey, const MemoryBudget& budget,
   refuse_limit(p, smallest);
 }
 
-// Returns a survey of the part of the surface that the run computes.
-SurfaceSurvey survey_of(const Molecule& molecule, const Plan& plan) {
-  const double probe_radius = plan.parameters.probe_radius;
-  if (plan.is_whole_surface()) return {molecule, probe_radius};
-  return {molecule, probe_radius, region_box(plan.grid, plan.tiling.region)};
-}
-
 void expect_maps(const Outputs& outputs, const Plan& plan, FileSizes& files) {
   const GridRegion& region = plan.tiling.region;
   for (const MapChoice& map : chosen_maps(outputs)) {
@@ -349,7 +342,10 @@ Plan plan_grid(const Box& bounds, const Parameters& parameters) {
 
 void plan_schedule(const MemoryBudget& budget, const Molecule& molecule, const Outputs& outputs,
                    Plan& plan) {
-  const SurfaceSurvey survey = survey_of(molecule, plan);
+  const SurfaceSurvey survey(molecule, plan.parameters.probe_radius,
+                             plan.is_whole_surface()
+                                 ? std::nullopt
+                                 : std::optional(region_box(plan.grid, plan.tiling.region)));
   plan.crossings = expected_crossings(survey.totals().area, plan.grid.spacing);
   choose_schedule(survey, budget, outputs, plan);
 }

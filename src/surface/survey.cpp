@@ -74,38 +74,35 @@ std::vector<Vec3> exposed_directions(const CapList& caps, double radius,
 
 }  // namespace
 
-SurfaceSurvey::SurfaceSurvey(const Molecule& molecule, double probe_radius)
+SurfaceSurvey::SurfaceSurvey(const Molecule& molecule, double probe_radius,
+                             const std::optional<Box>& box)
     : surface_(molecule, probe_radius), burial_(burial_patches(probe_radius > 0)) {
+  if (box) surface_.confine_to(*box);
+  for (AtomIndex i = 0; i < surface_.atoms.size(); ++i)
+    if (!box || surface_.needs_patches(i)) patched_.push_back(i);
+  // A box far from all atoms needs no patches. The survey needs at least one atom.
+  if (patched_.empty()) patched_.push_back(0);
   take_samples();
 }
 
-SurfaceSurvey::SurfaceSurvey(const Molecule& molecule, double probe_radius, const Box& box)
-    : surface_(molecule, probe_radius), burial_(burial_patches(probe_radius > 0)) {
-  surface_.confine_to(box);
-  for (AtomIndex i = 0; i < surface_.atoms.size(); ++i)
-    if (surface_.needs_patches(i)) reach_.push_back(i);
-  // A box far from all atoms needs no patches. The survey needs at least one atom.
-  if (reach_.empty()) reach_.push_back(0);
-  take_samples();
+std::size_t SurfaceSurvey::bin_of(double z) const {
+  return static_cast<std::size_t>(
+      std::clamp((z - low_z_) / bin_, 0.0, static_cast<double>(bins - 1)));
 }
 
 void SurfaceSurvey::prepare_bins() {
   const double probe = surface_.probe_radius;
-  low_z_ = surface_.atoms[patched_atom(0)].center.z;
+  low_z_ = surface_.atoms[patched_.front()].center.z;
   double high = low_z_;
-  for (std::size_t i = 0; i < patched_count(); ++i) {
-    const Atom& atom = surface_.atoms[patched_atom(i)];
-    low_z_ = std::min(low_z_, atom.center.z - atom.radius - probe);
-    high = std::max(high, atom.center.z + atom.radius + probe);
+  for (const AtomIndex i : patched_) {
+    const auto& [center, radius] = surface_.atoms[i];
+    low_z_ = std::min(low_z_, center.z - radius - probe);
+    high = std::max(high, center.z + radius + probe);
+    max_radius_ = std::max(max_radius_, radius);
   }
   bin_ = (high - low_z_) / static_cast<double>(bins);
   atoms_.assign(bins, 0);
-  for (std::size_t i = 0; i < patched_count(); ++i) {
-    const double z = surface_.atoms[patched_atom(i)].center.z;
-    ++atoms_[static_cast<std::size_t>(
-        std::clamp((z - low_z_) / bin_, 0.0, static_cast<double>(bins - 1)))];
-    max_radius_ = std::max(max_radius_, surface_.atoms[patched_atom(i)].radius);
-  }
+  for (const AtomIndex i : patched_) ++atoms_[bin_of(surface_.atoms[i].center.z)];
   area_.assign(bins + 1, 0);
 }
 
@@ -116,7 +113,7 @@ void SurfaceSurvey::take_samples() {
   prepare_bins();
   const std::size_t count = patched_count();
   const auto size_of = [&](std::size_t i) {
-    const double radius = surface_.sas_sphere(patched_atom(i)).radius;
+    const double radius = surface_.sas_sphere(patched_[i]).radius;
     return radius * radius;
   };
   double sum = 0;
@@ -127,9 +124,9 @@ void SurfaceSurvey::take_samples() {
   BuiltPatches patches;
   for (std::size_t i = 0; i < count; ++i)
     if (size_of(i) > large)
-      visit(patched_atom(i), 1, scratch, patches);
+      visit(patched_[i], 1, scratch, patches);
     else if (std::fmod(static_cast<double>(i) * std::numbers::phi, 1) < share)
-      visit(patched_atom(i), 1 / share, scratch, patches);
+      visit(patched_[i], 1 / share, scratch, patches);
   // From the differences between consecutive bins to the sums up to each bin.
   for (int i = 0; i < 2; ++i) std::partial_sum(area_.begin(), area_.end(), area_.begin());
   slack_ = share < 1 ? sampling_slack : 1;
@@ -188,10 +185,6 @@ void SurfaceSurvey::add_area(double area, Box box) {
     box.high.z = std::min(box.high.z, within.high.z);
   }
   totals_.area += area;
-  const auto bin_of = [&](double z) {
-    return static_cast<std::size_t>(
-        std::clamp((z - low_z_) / bin_, 0.0, static_cast<double>(bins - 1)));
-  };
   const std::size_t begin = bin_of(box.low.z), end = bin_of(box.high.z) + 1;
   const double step = area / static_cast<double>(end - begin);
   area_[begin] += step;
@@ -251,7 +244,7 @@ SurfaceSurvey::AtomsNear SurfaceSurvey::max_atoms_near(Vec3 half_sides) const {
   std::vector<AtomIndex> found;
   AtomsNear maxima;
   for (std::size_t s = 0; s < box_count; ++s) {
-    const Vec3 center = surface_.atoms[patched_atom((2 * s + 1) * count / (2 * box_count))].center;
+    const Vec3 center = surface_.atoms[patched_[(2 * s + 1) * count / (2 * box_count)]].center;
     const Box box{center - half_sides, center + half_sides};
     surface_.tree().find_reaching(box, 2 * probe, found);
     const auto reaching = std::count_if(found.begin(), found.end(), [&](AtomIndex i) {

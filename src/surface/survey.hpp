@@ -1,9 +1,16 @@
 #pragma once
 /// Estimates of the patches and the area of a molecule, from a sample of its atoms.
+///
+/// The number of atoms alone does not give them. The area for each atom of separate spheres is
+/// seven times that for each atom of a protein, and a large atom may have more area, or more
+/// neighbours, than all others together. Crossings, and with them the memory of a layer and the
+/// sizes of files, are proportional to the area.
 
 #include <cstddef>
+#include <optional>
 #include <vector>
 
+#include "geometry/box.hpp"
 #include "surface/patches.hpp"
 
 namespace eses::detail {
@@ -22,16 +29,15 @@ struct PatchTotals {
 /// A survey: the patches of a sample of the atoms.
 class SurfaceSurvey {
  public:
-  /// Builds the patches of a sample of the atoms, or of all atoms if there are few.
-  SurfaceSurvey(const Molecule& molecule, double probe_radius);
-  /// Surveys a part of space: the patches that are needed for the points in `box`, and the area in
-  /// the box.
-  SurfaceSurvey(const Molecule& molecule, double probe_radius, const Box& box);
+  /// Builds the patches of a sample of the atoms, or of all atoms if there are few. With a box,
+  /// only the patches that are needed for the points in it, and the area in it, are estimated.
+  SurfaceSurvey(const Molecule& molecule, double probe_radius,
+                const std::optional<Box>& box = std::nullopt);
 
   const PatchTotals& totals() const { return totals_; }
   std::size_t atom_count() const { return surface_.atoms.size(); }
   /// Number of atoms whose patches are built.
-  std::size_t patched_count() const { return reach_.empty() ? atom_count() : reach_.size(); }
+  std::size_t patched_count() const { return patched_.size(); }
 
   /// Returns the maximum area (square angstrom) between two planes across z that are `thickness`
   /// apart (angstrom), with slack for the error of a sample.
@@ -53,16 +59,14 @@ class SurfaceSurvey {
  private:
   void take_samples();
   double max_fraction(double thickness) const;
-  AtomIndex patched_atom(std::size_t i) const {
-    return reach_.empty() ? static_cast<AtomIndex>(i) : reach_[i];
-  }
+  std::size_t bin_of(double z) const;
   void prepare_bins();
   void visit(AtomIndex i, double weight, AtomPatchScratch& scratch, BuiltPatches& patches);
   void add_area_of(AtomIndex i, double weight, const CapList& caps);
   void add_area(double area, Box box);
 
   SurfaceModel surface_;
-  std::vector<AtomIndex> reach_;  // atoms with patches; empty if these are all atoms
+  std::vector<AtomIndex> patched_;  // atoms with patches
   const BurialPatches& burial_;
   PatchTotals totals_;
   double low_z_ = 0, bin_ = 1, max_radius_ = 0;
