@@ -140,6 +140,8 @@ void parse_or_refuse(CLI::App& app, Arguments arguments) {
     throw;
   } catch (const CLI::ArgumentMismatch&) {
     throw UsageError(mismatch_message(app, last));
+  } catch (const CLI::RequiresError& error) {
+    throw UsageError(replaced(error.what(), " requires ", " needs "));
   } catch (const CLI::ExcludesError& error) {
     throw UsageError(formatted("{}; use only one of them", error.what()));
   } catch (const CLI::ParseError& error) {

@@ -88,14 +88,7 @@ void add_interface_options(CLI::App& app, InterfaceOptions& options, InputChoice
             one_of<InterfaceTable>({{"interfaces", InterfaceTable::interfaces},
                                     {"residues", InterfaceTable::residues},
                                     {"atoms", InterfaceTable::atoms}}));
-  add_structure_options(app, options.structure);
-  begin_group(app, "Computation (does not affect results)");
-  add_threads(app, options.threads);
-  begin_group(app, "Messages");
-  add_flag(app, "--strict", "treat warnings as errors", options.strict);
-  add_flag(app, "-q,--quiet", "print only results, no headings or warnings", options.quiet);
-  add_flag(app, "--json", "print a JSON object, in a line, for each file", options.json);
-  add_notices(app);
+  add_last_options(app, options);
 }
 
 }  // namespace
@@ -120,8 +113,6 @@ InterfaceOptions parse_interface_arguments(const Arguments& arguments) {
     throw UsageError("--groups needs two sides, such as --groups A+B C");
   if (!options.ligand.empty() && !options.groups.by_chain)
     throw UsageError("--ligand cannot be combined with --groups; use --groups ligand:NAME A");
-  if (options.json && options.table != InterfaceTable::report)
-    throw UsageError("--json cannot be combined with --table");
   return options;
 }
 

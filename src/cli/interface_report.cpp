@@ -147,72 +147,88 @@ std::string interface_report(const InterfaceOptions& options, const InterfaceFil
   return text;
 }
 
-/// Returns the first field of a row, with a comma, if there are several files.
-std::string file_field(const InterfaceOptions& options, const InterfaceFile& file) {
-  return options.inputs.size() > 1 ? csv_field(file.path.string()) + "," : "";
+/// Returns a record of the table of interfaces.
+Json interface_record(const InterfaceOptions& options, const InterfaceFile& file,
+                      const NamedInterface& interface) {
+  const BuriedArea &sas = interface.areas.sas, &ses = interface.areas.ses;
+  const std::vector<BuriedResidue> residues = residues_of(options, file, interface);
+  const auto count = [&](std::uint32_t part) {
+    return std::ranges::count(residues, part, &BuriedResidue::part);
+  };
+  return {{"first", interface.first},
+          {"second", interface.second},
+          {"sas_interface_area", sas.interface_area()},
+          {"sas_lost_by_first", sas.first},
+          {"sas_lost_by_second", sas.second},
+          {"sas_polar", area_of(file, interface, true)},
+          {"sas_apolar", area_of(file, interface, false)},
+          {"ses_interface_area", ses.interface_area()},
+          {"ses_lost_by_first", ses.first},
+          {"ses_lost_by_second", ses.second},
+          {"residues_of_first", count(interface.areas.first)},
+          {"residues_of_second", count(interface.areas.second)},
+          {"atoms", atoms_that_lose(interface)},
+          {"sas_of_first_alone", sas.first_alone},
+          {"sas_of_second_alone", sas.second_alone}};
+}
+
+Json residue_record(const BuriedResidue& residue) {
+  return {{"chain", residue.label.chain},
+          {"residue_number", residue.label.residue_number},
+          {"residue", residue.label.residue},
+          {"sas_lost", residue.sas},
+          {"ses_lost", residue.ses}};
+}
+
+Json atom_record(const AtomLabel& label, const BuriedAtom& buried, bool is_polar) {
+  return {{"serial", buried.atom + std::uint64_t{1}},
+          {"name", label.atom_name},
+          {"residue", label.residue},
+          {"residue_number", label.residue_number},
+          {"chain", label.chain},
+          {"element", label.element},
+          {"is_polar", is_polar ? 1 : 0},
+          {"sas_lost", buried.sas},
+          {"ses_lost", buried.ses}};
+}
+
+/// Returns the rows of a table about an interface.
+std::vector<std::string> rows_of(const InterfaceOptions& options, const InterfaceFile& file,
+                                 const NamedInterface& interface) {
+  std::vector<std::string> rows;
+  // The sides of a residue or atom, its own one first.
+  const auto add = [&](std::uint32_t part, const Json& record) {
+    std::string side = csv_field(interface.first), other = csv_field(interface.second);
+    if (part != interface.areas.first) std::swap(side, other);
+    rows.push_back(formatted("{},{},{}", side, other, csv_row(record)));
+  };
+  if (options.table == InterfaceTable::interfaces) {
+    rows.push_back(csv_row(interface_record(options, file, interface)));
+  } else if (options.table == InterfaceTable::residues) {
+    for (const BuriedResidue& residue : residues_of(options, file, interface))
+      add(residue.part, residue_record(residue));
+  } else {
+    for (std::size_t i = 0; i < interface.parts.size(); ++i) {
+      const BuriedAtom& buried = interface.areas.atoms[i];
+      add(interface.parts[i],
+          atom_record(file.file.labels[buried.atom], buried, file.are_polar[buried.atom]));
+    }
+  }
+  return rows;
 }
 
 std::string interface_rows(const InterfaceOptions& options, const InterfaceFile& file) {
-  std::string text;
-  for (const NamedInterface& interface : file.interfaces) {
-    const BuriedArea &sas = interface.areas.sas, &ses = interface.areas.ses;
-    const std::vector<BuriedResidue> residues = residues_of(options, file, interface);
-    const auto count = [&](std::uint32_t part) {
-      return std::ranges::count(residues, part, &BuriedResidue::part);
-    };
-    text += formatted(
-        "{}{},{},{:.6f},{:.6f},{:.6f},{:.6f},{:.6f},{:.6f},{:.6f},{:.6f},{},{},{},{:.6f},{:.6f}\n",
-        file_field(options, file), csv_field(interface.first), csv_field(interface.second),
-        sas.interface_area(), sas.first, sas.second, area_of(file, interface, true),
-        area_of(file, interface, false), ses.interface_area(), ses.first, ses.second,
-        count(interface.areas.first), count(interface.areas.second), atoms_that_lose(interface),
-        sas.first_alone, sas.second_alone);
-  }
-  return text;
-}
-
-/// Returns the first columns of a row of a residue or atom: the sides, its own one first.
-std::string side_fields(const NamedInterface& interface, std::uint32_t part) {
-  std::string side = csv_field(interface.first), other = csv_field(interface.second);
-  if (part != interface.areas.first) std::swap(side, other);
-  return side + "," + other;
-}
-
-std::string residue_rows(const InterfaceOptions& options, const InterfaceFile& file) {
+  const std::string start =
+      options.inputs.size() > 1 ? csv_field(file.path.string()) + "," : std::string();
   std::string text;
   for (const NamedInterface& interface : file.interfaces)
-    for (const BuriedResidue& residue : residues_of(options, file, interface))
-      text += formatted("{}{},{},{},{},{:.6f},{:.6f}\n", file_field(options, file),
-                        side_fields(interface, residue.part), csv_field(residue.label.chain),
-                        csv_field(residue.label.residue_number), csv_field(residue.label.residue),
-                        residue.sas, residue.ses);
-  return text;
-}
-
-std::string atom_rows(const InterfaceOptions& options, const InterfaceFile& file) {
-  std::string text;
-  for (const NamedInterface& interface : file.interfaces)
-    for (std::size_t i = 0; i < interface.parts.size(); ++i) {
-      const BuriedAtom& buried = interface.areas.atoms[i];
-      const AtomLabel& label = file.file.labels[buried.atom];
-      text += formatted("{}{},{},{},{},{},{},{},{},{:.6f},{:.6f}\n", file_field(options, file),
-                        side_fields(interface, interface.parts[i]), buried.atom + std::uint64_t{1},
-                        csv_field(label.atom_name), csv_field(label.residue),
-                        csv_field(label.residue_number), csv_field(label.chain),
-                        csv_field(label.element), file.are_polar[buried.atom] ? 1 : 0, buried.sas,
-                        buried.ses);
-    }
+    for (const std::string& row : rows_of(options, file, interface)) text += start + row + "\n";
   return text;
 }
 
 Json side_json(const std::string& name, const std::vector<BuriedResidue>& residues) {
   Json side{{"name", name}, {"residues", Json::array()}};
-  for (const BuriedResidue& residue : residues)
-    side["residues"].push_back({{"chain", residue.label.chain},
-                                {"residue_number", residue.label.residue_number},
-                                {"residue", residue.label.residue},
-                                {"sas_lost", residue.sas},
-                                {"ses_lost", residue.ses}});
+  for (const BuriedResidue& residue : residues) side["residues"].push_back(residue_record(residue));
   return side;
 }
 
@@ -241,38 +257,21 @@ std::string interface_json(const InterfaceOptions& options, const InterfaceFile&
 }  // namespace
 
 std::string interface_heading(const InterfaceOptions& options) {
+  if (options.table == InterfaceTable::report) return "";
   const std::string file = options.inputs.size() > 1 ? "file," : "";
-  switch (options.table) {
-    case InterfaceTable::interfaces:
-      return file +
-             "first,second,sas_interface_area,sas_lost_by_first,sas_lost_by_second,sas_polar,"
-             "sas_apolar,ses_interface_area,ses_lost_by_first,ses_lost_by_second,residues_of_first,"
-             "residues_of_second,atoms,sas_of_first_alone,sas_of_second_alone\n";
-    case InterfaceTable::residues:
-      return file + "side,other_side,chain,residue_number,residue,sas_lost,ses_lost\n";
-    case InterfaceTable::atoms:
-      return file +
-             "side,other_side,serial,name,residue,residue_number,chain,element,is_polar,sas_lost,"
-             "ses_lost\n";
-    case InterfaceTable::report:
-      break;
-  }
-  return "";
+  if (options.table == InterfaceTable::interfaces)
+    return file + csv_heading(interface_record(options, {}, {})) + "\n";
+  const AtomLabel label;
+  return file + "side,other_side," +
+         csv_heading(options.table == InterfaceTable::residues ? residue_record({.label = label})
+                                                               : atom_record(label, {}, false)) +
+         "\n";
 }
 
 std::string interface_text(const InterfaceOptions& options, const InterfaceFile& file) {
   if (options.json) return interface_json(options, file);
-  switch (options.table) {
-    case InterfaceTable::interfaces:
-      return interface_rows(options, file);
-    case InterfaceTable::residues:
-      return residue_rows(options, file);
-    case InterfaceTable::atoms:
-      return atom_rows(options, file);
-    case InterfaceTable::report:
-      break;
-  }
-  return interface_report(options, file);
+  return options.table == InterfaceTable::report ? interface_report(options, file)
+                                                 : interface_rows(options, file);
 }
 
 }  // namespace eses::detail::cli

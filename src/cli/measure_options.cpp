@@ -151,7 +151,8 @@ void add_pocket_options(CLI::App& app, MeasureCommandOptions& options) {
             Format<PlaceChoice>{
                 place_in, formatted("three numbers X,Y,Z, six X0,Y0,Z0,X1,Y1,Z1 of the lowest "
                                     "and highest corner, {}",
-                                    part_texts)});
+                                    part_texts)})
+      ->excludes("--parts", "--report");
   add_value(app, "--large-probe,--probe-out", "ANGSTROM",
             formatted("radius of the large probe, more than that of the\nprobe [{}]",
                       pockets.large_probe_radius),
@@ -218,6 +219,7 @@ void add_measure_options(CLI::App& app, MeasureCommandOptions& options, InputCho
       ->expected(1, -1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
       ->allow_extra_args(false)
+      ->excludes("--parts")
       ->each([&options](const std::string& text) {
         const std::optional<PartSelector> part = part_selector_in(text);
         if (!part) refuse("--report", text, std::string(part_texts));
@@ -244,17 +246,11 @@ void add_measure_options(CLI::App& app, MeasureCommandOptions& options, InputCho
                                    {"miller", AreaReference::miller},
                                    {"sander", AreaReference::sander}}));
   add_value(app, "-o,--output-dir", "DIR", "directory of the tables, created if missing [.]",
-            options.output_directory, any_text("a directory"));
+            options.output_directory, any_text("a directory"))
+      ->needs("--write");
   add_value(app, "--csv", "FILE", "write the results of all files as a table", options.csv,
             any_text("a file"));
-  add_structure_options(app, options.structure, &options.all_models);
-  begin_group(app, "Computation (does not affect results)");
-  add_threads(app, options.threads);
-  begin_group(app, "Messages");
-  add_flag(app, "--strict", "treat warnings as errors", options.strict);
-  add_flag(app, "-q,--quiet", "print only results, no headings or warnings", options.quiet);
-  add_flag(app, "--json", "print a JSON object, in a line, for each file", options.json);
-  add_notices(app);
+  add_last_options(app, options, &options.all_models);
 }
 
 /// Throws UsageError if an option needs a surface that is not measured.
@@ -279,16 +275,10 @@ void check_surfaces(const MeasureCommandOptions& options) {
 /// Throws UsageError if an option cannot be used with these files.
 void check(const CLI::App& app, const MeasureCommandOptions& options) {
   refuse_repeated_chains(options.parts, "--parts");
-  refuse_without(app, {"--output-dir"}, options.tables.any(), "--write");
   const bool has_many = options.inputs.size() > 1 || options.all_models;
-  if (options.printed_table != nullptr && (options.json || has_many))
-    throw UsageError(options.json ? "--table cannot be combined with --json"
-                                  : "--table prints the table of a single file; use --write");
-  if (options.parts.is_chosen() && !options.reports.empty())
-    throw UsageError("--parts cannot be combined with --report");
+  if (options.printed_table != nullptr && has_many)
+    throw UsageError("--table prints the table of a single file; use --write");
   const bool has_place_of_atoms = options.at && !options.at->point && !options.at->box;
-  if (options.at && (options.parts.is_chosen() || !options.reports.empty()))
-    throw UsageError("--at cannot be combined with --parts or --report");
   for (const std::filesystem::path& path : options.inputs) {
     const InputFile input{path, options.format};
     refuse_structure_options(app, input);

@@ -11,11 +11,11 @@
 
 #include "cli/command.hpp"
 #include "cli/complex_parts.hpp"
+#include "cli/measure_records.hpp"
 #include "eses/pockets.hpp"
 #include "eses/read_atoms.hpp"
 #include "eses/surface.hpp"
 #include "output/area_formats.hpp"
-#include "output/measure_tables.hpp"
 
 namespace eses::detail::cli {
 

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "cli/json.hpp"
+#include "cli/measure_records.hpp"
 #include "cli/messages.hpp"
 #include "cli/shared_report.hpp"
 #include "eses/radii.hpp"
@@ -155,39 +156,6 @@ Json array_of(const Items& items, const Make& make) {
   return array;
 }
 
-Json cavity_json(const MeasuredAtoms& atoms, const Cavity& cavity) {
-  Json item{{"void_volume", cavity.void_volume},
-            {"probe_center_volume", cavity.probe_center_volume},
-            {"ses_area", cavity.ses_area},
-            {"sas_area", cavity.sas_area},
-            {"euler_number", cavity.euler_number},
-            {"centroid", cavity.centroid},
-            {"low", cavity.low},
-            {"high", cavity.high},
-            {"largest_probe", cavity.largest_probe},
-            {"largest_probe_center", cavity.largest_probe_center},
-            {"walls", cavity.wall_count},
-            {"piece", cavity.piece + 1}};
-  item["inner_pieces"] =
-      array_of(cavity.inner, [](std::size_t piece) -> Json { return piece + 1; });
-  item["overlaps"] = overlaps_of(cavity);
-  item["atoms"] = serial_numbers(atoms, cavity.atoms);
-  if (!atoms.labels.empty()) item["residues"] = residues_of(atoms, cavity.atoms);
-  return item;
-}
-
-Json piece_json(const MeasuredAtoms& atoms, const Piece& piece) {
-  return {{"ses_area", piece.ses_area},
-          {"ses_volume", piece.ses_volume},
-          {"sas_area", piece.sas_area},
-          {"sas_volume", piece.sas_volume},
-          {"euler_number", piece.euler_number},
-          {"cavities", piece.cavity_count},
-          {"cavity", piece.cavity ? *piece.cavity + 1 : 0},
-          {"atoms", piece.atoms.size()},
-          {"first_atom", serial_number(atoms, piece.atoms.front())}};
-}
-
 void add_cavities(Json& object, const MeasuredFile& file) {
   const MeasuredAtoms atoms = file.table();
   object["cavities"] =
@@ -262,14 +230,6 @@ std::string pockets_text(const MeasureCommandOptions& options, const Pockets& po
                       pocket.atoms.size());
   }
   return text;
-}
-
-Json pocket_json(const MeasuredAtoms& atoms, const Pocket& pocket) {
-  Json item{{"volume", pocket.volume},         {"probe_center_volume", pocket.probe_center_volume},
-            {"mouth_area", pocket.mouth_area}, {"mouths", pocket.mouth_count},
-            {"centroid", pocket.centroid},     {"atoms", serial_numbers(atoms, pocket.atoms)}};
-  if (!atoms.labels.empty()) item["residues"] = residues_of(atoms, pocket.atoms);
-  return item;
 }
 
 /// Adds what concerns the place of --at.

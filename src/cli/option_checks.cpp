@@ -50,16 +50,13 @@ std::string map_name(std::string_view option, const std::filesystem::path& map,
 }
 
 // Checks the maps, and removes those that are not chosen.
-void choose_maps(const CLI::App& app, const std::filesystem::path& directory, Outputs& outputs) {
+void choose_maps(const std::filesystem::path& directory, Outputs& outputs) {
   outputs.inside_map = map_name("--inside", outputs.inside_map, directory);
   std::string& prefix = outputs.dielectric->prefix;
   prefix = map_name("--dielectric", prefix, directory);
-  refuse_without(app, {"--solute-dielectric", "--solvent-dielectric"}, !prefix.empty(),
-                 "--dielectric");
   if (prefix.empty()) outputs.dielectric.reset();
   std::string& ion_access = outputs.ion_access->file;
   ion_access = map_name("--kappa", ion_access, directory);
-  refuse_without(app, {"--ion-radius"}, !ion_access.empty(), "--kappa");
   if (ion_access.empty()) outputs.ion_access.reset();
   try {
     require_valid_maps(outputs);
@@ -71,7 +68,6 @@ void choose_maps(const CLI::App& app, const std::filesystem::path& directory, Ou
 // The mesh of one component belongs to another surface than the other outputs.
 void choose_component(const CLI::App& app, Outputs& outputs) {
   if (!outputs.mesh->component) return;
-  refuse_without(app, {"--component"}, !outputs.mesh->file.empty(), "--mesh");
   if (app.count("--write") == 0) leave_out_text_files(outputs);
   std::vector<const char*> others{"--fill-cavities", "--exact", "--inside", "--dielectric",
                                   "--kappa"};
@@ -101,7 +97,6 @@ void choose_mesh(const CLI::App& app, const InputFile& input, Outputs& outputs) 
   refuse_without(app, {"--color"}, can_have_colors(format),
                  "--mesh with a .ply, .obj, .vtp or .glb file");
   refuse_without(app, {"--ply-ascii"}, format == MeshFormat::ply, "--mesh with a .ply file");
-  refuse_without(app, {"--mesh-quality"}, format.has_value(), "--mesh");
   if (mesh.color == MeshColor::chain) refuse_xyzr(input, "--color chain", "chains");
   if (mesh.file.empty()) outputs.mesh.reset();
 }
@@ -133,7 +128,7 @@ void choose_values(const CLI::App& app, const Lengths& lengths, Options& options
     options.request.output_directory = ".";
     leave_out_text_files(options.request.outputs);
   }
-  choose_maps(app, options.request.output_directory, options.request.outputs);
+  choose_maps(options.request.output_directory, options.request.outputs);
   choose_mesh(app, options.input(), options.request.outputs);
   if (!has_directory) refuse_files(options.request.outputs);
 }

@@ -85,25 +85,20 @@ Environment:
 
 void add_grid_choice(CLI::App& app, GridChoice& grid) {
   const Format<Vec3> position{position_in, "three finite numbers x,y,z, in angstrom"};
-  CLI::Option* const origin =
-      add_value(app, "--grid-origin", "X,Y,Z", "first point of a custom grid; needs --grid-points",
-                grid.origin, position);
-  CLI::Option* const center =
-      add_value(app, "--grid-center", "X,Y,Z", "centre of a custom grid; needs --grid-points",
-                grid.center, position)
-          ->excludes(origin);
-  CLI::Option* const points =
-      add_value(app, "--grid-points", "NX,NY,NZ", "number of points of a custom grid along x, y, z",
-                grid.points, Format{counts_in, "three whole numbers nx,ny,nz of at least 2"});
+  add_value(app, "--grid-origin", "X,Y,Z", "first point of a custom grid; needs --grid-points",
+            grid.origin, position);
+  add_value(app, "--grid-center", "X,Y,Z", "centre of a custom grid; needs --grid-points",
+            grid.center, position)
+      ->excludes("--grid-origin");
+  add_value(app, "--grid-points", "NX,NY,NZ", "number of points of a custom grid along x, y, z",
+            grid.points, Format{counts_in, "three whole numbers nx,ny,nz of at least 2"});
   add_value(app, "--grid-like", "FILE",
             "use the grid and spacing of a map (.dx or .vti) or of\n"
             "bounding_box.txt, plain or gzipped (.gz)",
             grid.like,
             text_if([](const std::string& name) { return grid_file_format(name).has_value(); },
                     "a file name with the suffix .dx, .vti or .txt, or one of these and .gz"))
-      ->excludes(origin)
-      ->excludes(center)
-      ->excludes(points);
+      ->excludes("--grid-origin", "--grid-center", "--grid-points");
 }
 
 void add_grid_options(CLI::App& app, Options& options, Lengths& lengths) {
@@ -132,20 +127,17 @@ void add_grid_options(CLI::App& app, Options& options, Lengths& lengths) {
              lengths.margin,
              number_between(0, max_finite, "a finite number of at least 0, in angstrom"));
   add_grid_choice(app, options.grid);
-  CLI::Option* const region =
-      add_value(app, "--region", "X0,Y0,Z0,X1,Y1,Z1",
-                "compute only the grid points in this box (angstrom)\n"
-                "and the edges that start there",
-                parameters.part,
-                Format{box_in,
-                       "six finite numbers x0,y0,z0,x1,y1,z1 in angstrom, x0 <= x1 and "
-                       "so on"});
+  add_value(app, "--region", "X0,Y0,Z0,X1,Y1,Z1",
+            "compute only the grid points in this box (angstrom)\n"
+            "and the edges that start there",
+            parameters.part,
+            Format{box_in, "six finite numbers x0,y0,z0,x1,y1,z1 in angstrom, x0 <= x1 and so on"});
   add_value(app, "--blocks", "I0:I1,J0:J1,K0:K1",
             "compute only these blocks of the whole grid; indices\n"
             "start at 0, ends are exclusive",
             parameters.part,
             Format{blocks_in, "i0:i1,j0:j1,k0:k1, whole numbers from 0, i0 < i1 and so on"})
-      ->excludes(region);
+      ->excludes("--region");
   add_flag(app, "--allow-far-atoms",
            "also compute a grid of more than 1e10 points if less\n"
            "than 1 % of them are near atoms",
@@ -171,10 +163,12 @@ void add_solver_maps(CLI::App& app, Outputs& outputs) {
             dielectric.prefix, text_if(is_prefix, "the first part of a file name"));
   add_value(app, "--solute-dielectric", "EPS",
             formatted("relative permittivity inside the surface [{}]", dielectric.solute),
-            dielectric.solute, permittivity);
+            dielectric.solute, permittivity)
+      ->needs("--dielectric");
   add_value(app, "--solvent-dielectric", "EPS",
             formatted("relative permittivity outside the surface [{}]", dielectric.solvent),
-            dielectric.solvent, permittivity);
+            dielectric.solvent, permittivity)
+      ->needs("--dielectric");
   add_value(app, "--kappa", "FILE",
             "write a map of ion accessibility (.dx or .dx.gz):\n"
             "1 where the centre of an ion may be, 0 elsewhere\n"
@@ -185,7 +179,8 @@ void add_solver_maps(CLI::App& app, Outputs& outputs) {
                       ion_access.ion_radius),
             ion_access.ion_radius,
             number_between(0, max_ion_radius,
-                           formatted("a number from 0 to {}, in angstrom", max_ion_radius)));
+                           formatted("a number from 0 to {}, in angstrom", max_ion_radius)))
+      ->needs("--kappa");
 }
 
 void add_mesh_options(CLI::App& app, MeshOptions& mesh) {
@@ -209,7 +204,8 @@ void add_mesh_options(CLI::App& app, MeshOptions& mesh) {
             "make the mesh of one component alone: cavity K of\n"
             "measure --cavities, or the outer surface (outside or 0);\n"
             "no other files are written",
-            mesh.component, Format{component_in, "outside, or a whole number of at least 0"});
+            mesh.component, Format{component_in, "outside, or a whole number of at least 0"})
+      ->needs("--mesh");
   add_value(app, "--potential", "FILE",
             "map of the potential in kT/e for --color potential:\n"
             ".dx or .dx.gz (OpenDX); is held in memory",
@@ -229,7 +225,8 @@ void add_mesh_options(CLI::App& app, MeshOptions& mesh) {
   add_flag(app, "--mesh-quality",
            "improve the triangles of the mesh: no small angles,\n"
            "and about 0.6 times as many triangles",
-           mesh.quality);
+           mesh.quality)
+      ->needs("--mesh");
   add_flag(app, "--ply-ascii",
            "write a .ply mesh as text, for programs that do not\n"
            "read binary PLY",
@@ -242,16 +239,15 @@ void add_sharing_options(CLI::App& app, Options& options) {
            "keep finished parts if the run is interrupted, and\n"
            "continue an interrupted run",
            options.request.resume);
-  CLI::Option* const part =
-      add_value(app, part_option, "K/N",
-                "compute only part K of N, and keep it in the output\n"
-                "directory; the last part of all writes the files",
-                options.request.part, Format{part_in, "K/N, two whole numbers, 1 <= K <= N"});
+  add_value(app, part_option, "K/N",
+            "compute only part K of N, and keep it in the output\n"
+            "directory; the last part of all writes the files",
+            options.request.part, Format{part_in, "K/N, two whole numbers, 1 <= K <= N"});
   add_flag(app, "--join",
            "compute nothing; write the files of parts that are\n"
            "complete",
            options.is_join)
-      ->excludes(part);
+      ->excludes(part_option);
   add_flag(app, independent_flag,
            "do not share the run with other processes of srun or\n"
            "mpirun; each needs its own --output-dir",

@@ -11,6 +11,7 @@
 
 #include "cli/messages.hpp"
 #include "input/text_fields.hpp"
+#include "output/area_table_writer.hpp"
 #include "system/formatted.hpp"
 
 namespace eses {
@@ -155,6 +156,21 @@ std::string other_assemblies_text(const StructureReport& report) {
                        : "one with --assembly ID");
 }
 
+bool is_vector(const Json& value) {
+  return value.is_array() && value.size() == 3 && value[0].is_number_float();
+}
+
+std::string field_text(const Json& value) {
+  if (value.is_number_float()) return formatted("{:.6f}", value.get<double>());
+  if (value.is_string()) return csv_field(value.get_ref<const std::string&>());
+  if (!value.is_array()) return value.dump();
+  if (is_vector(value))
+    return formatted("{},{},{}", field_text(value[0]), field_text(value[1]), field_text(value[2]));
+  if (!value.empty() && value[0].is_string())
+    return csv_field(formatted("{}", fmt::join(value.get<std::vector<std::string>>(), "; ")));
+  return formatted("{}", fmt::join(value.get<std::vector<std::uint64_t>>(), " "));
+}
+
 }  // namespace
 
 std::string structure_text(const StructureReport& report) {
@@ -185,6 +201,19 @@ std::string failure_json(const std::filesystem::path& path, const std::string& e
   if (model > 0) object["model"] = model;
   object["error"] = error;
   return text_of(object) + "\n";
+}
+
+std::string csv_heading(const Json& record) {
+  std::vector<std::string> names;
+  for (const auto& [name, value] : record.items())
+    names.push_back(is_vector(value) ? formatted("{0}_x,{0}_y,{0}_z", name) : name);
+  return formatted("{}", fmt::join(names, ","));
+}
+
+std::string csv_row(const Json& record) {
+  std::vector<std::string> fields;
+  for (const Json& value : record) fields.push_back(field_text(value));
+  return formatted("{}", fmt::join(fields, ","));
 }
 
 std::string filling_text(std::span<const FilledCavity> filled) {

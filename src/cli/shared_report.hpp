@@ -28,6 +28,14 @@ namespace eses::detail::cli {
 /// with `read:`, `left out:` and `radii:`.
 std::string structure_text(const StructureReport& report);
 
+/// Returns the names of the members of a JSON object as the columns of a CSV table (RFC 4180, but
+/// with LF as line end). Those of a vector end with `_x`, `_y` and `_z`.
+std::string csv_heading(const Json& record);
+
+/// Returns the members as the fields of a row. Numbers that are not whole have six decimals. A list
+/// is one field, with blanks between its numbers, or semicolons between its texts.
+std::string csv_row(const Json& record);
+
 /// Returns the number of atoms that were left out.
 std::uint64_t left_out_atoms(const StructureReport& report);
 

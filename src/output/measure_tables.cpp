@@ -77,23 +77,6 @@ std::string relative_sas(const MeasuredAtoms& atoms, const AtomLabel& label, dou
   return max ? formatted("{:.6f}", sas_area / *max) : "";
 }
 
-// Returns numbers from 1 for indices from 0.
-std::vector<std::size_t> numbers_of(const std::vector<std::size_t>& indices) {
-  std::vector<std::size_t> numbers = indices;
-  for (std::size_t& number : numbers) ++number;
-  return numbers;
-}
-
-// Returns the fields of the atoms around a cavity or pocket, and of their residues.
-std::string neighbor_fields(const MeasuredAtoms& atoms, std::span<const AtomIndex> of) {
-  return formatted("{},{}", fmt::join(serial_numbers(atoms, of), " "),
-                   csv_field(formatted("{}", fmt::join(residues_of(atoms, of), "; "))));
-}
-
-std::string xyz_fields(Vec3 point) {
-  return formatted("{:.6f},{:.6f},{:.6f}", point.x, point.y, point.z);
-}
-
 }  // namespace
 
 std::uint64_t serial_number(const MeasuredAtoms& atoms, AtomIndex i) {
@@ -108,7 +91,8 @@ std::vector<std::uint64_t> serial_numbers(const MeasuredAtoms& atoms,
 }
 
 std::vector<std::size_t> overlaps_of(const Cavity& cavity) {
-  std::vector<std::size_t> numbers = numbers_of(cavity.overlaps);
+  std::vector<std::size_t> numbers = cavity.overlaps;
+  for (std::size_t& number : numbers) ++number;
   if (cavity.overlaps_outside) numbers.insert(numbers.begin(), 0);
   return numbers;
 }
@@ -197,53 +181,6 @@ void append_derivatives(const MeasuredAtoms& atoms, BufferedText& text) {
       text.append(",{},{},{},{}", center.x, center.y, center.z, gradient->radii[i]);
     }
     text.append("\n");
-  }
-}
-
-void append_cavities(const MeasuredAtoms& atoms, BufferedText& text) {
-  text.append(
-      "cavity,void_volume,probe_center_volume,ses_area,sas_area,euler_number,centroid_x,centroid_y,"
-      "centroid_z,low_x,low_y,low_z,high_x,high_y,high_z,largest_probe,walls,piece,inner_pieces,"
-      "overlaps,atoms,residues\n");
-  for (std::size_t k = 0; k < atoms.cavities.size(); ++k) {
-    const Cavity& cavity = atoms.cavities[k];
-    text.append("{},{:.6f},{:.6f},{:.6f},{:.6f},{},{},{},{},{:.9f},{},{},{},{},{}\n", k + 1,
-                cavity.void_volume, cavity.probe_center_volume, cavity.ses_area, cavity.sas_area,
-                cavity.euler_number, xyz_fields(cavity.centroid), xyz_fields(cavity.low),
-                xyz_fields(cavity.high), cavity.largest_probe, cavity.wall_count, cavity.piece + 1,
-                fmt::join(numbers_of(cavity.inner), " "), fmt::join(overlaps_of(cavity), " "),
-                neighbor_fields(atoms, cavity.atoms));
-  }
-}
-
-void append_pieces(const MeasuredAtoms& atoms, BufferedText& text) {
-  text.append(
-      "piece,ses_area,ses_volume,sas_area,sas_volume,euler_number,cavities,cavity,atoms,"
-      "first_atom,chains\n");
-  for (std::size_t k = 0; k < atoms.pieces.size(); ++k) {
-    const Piece& piece = atoms.pieces[k];
-    std::vector<std::string> chains;
-    if (!atoms.labels.empty())
-      for (const AtomIndex i : piece.atoms)
-        if (std::find(chains.begin(), chains.end(), atoms.labels[i].chain) == chains.end())
-          chains.push_back(atoms.labels[i].chain);
-    text.append("{},{:.6f},{:.6f},{:.6f},{:.6f},{},{},{},{},{},{}\n", k + 1, piece.ses_area,
-                piece.ses_volume, piece.sas_area, piece.sas_volume, piece.euler_number,
-                piece.cavity_count, piece.cavity ? *piece.cavity + 1 : 0, piece.atoms.size(),
-                serial_number(atoms, piece.atoms.front()),
-                csv_field(formatted("{}", fmt::join(chains, " "))));
-  }
-}
-
-void append_pockets(const MeasuredAtoms& atoms, BufferedText& text) {
-  text.append(
-      "pocket,volume,probe_center_volume,mouth_area,mouths,centroid_x,centroid_y,centroid_z,atoms,"
-      "residues\n");
-  for (std::size_t k = 0; k < atoms.pockets.size(); ++k) {
-    const Pocket& pocket = atoms.pockets[k];
-    text.append("{},{:.6f},{:.6f},{:.6f},{},{},{}\n", k + 1, pocket.volume,
-                pocket.probe_center_volume, pocket.mouth_area, pocket.mouth_count,
-                xyz_fields(pocket.centroid), neighbor_fields(atoms, pocket.atoms));
   }
 }
 

@@ -1,6 +1,6 @@
 #pragma once
-/// Tables of measured areas by atom, residue and chain, of derivatives by atom, and of cavities,
-/// pieces and pockets, as CSV (RFC 4180, but with LF as line end).
+/// Tables of measured areas by atom, residue and chain, and of derivatives by atom, as CSV (RFC
+/// 4180, but with LF as line end).
 ///
 /// The tables of areas have the columns `sas_area,ses_area,convex_area,saddle_area,concave_area`.
 /// The last three are the parts of `ses_area`. If the SES was not measured, only `sas_area` and
@@ -20,9 +20,6 @@
 /// Derivatives: `serial`, and for each of SES area, SES volume, SAS area and SAS volume the
 /// derivatives by the coordinates and the radius of the atom, such as
 /// `ses_area_x,ses_area_y,ses_area_z,ses_area_radius`.
-///
-/// Cavities, pieces and pockets: a line for each, with the members of Cavity, Piece and Pocket.
-/// Indices are counted from 1. Lists have blanks between their items.
 
 #include <cstddef>
 #include <cstdint>
@@ -79,9 +76,6 @@ void append_measured_atoms(const MeasuredAtoms& atoms, BufferedText& text);
 void append_measured_residues(const MeasuredAtoms& atoms, BufferedText& text);
 void append_measured_chains(const MeasuredAtoms& atoms, BufferedText& text);
 void append_derivatives(const MeasuredAtoms& atoms, BufferedText& text);
-void append_cavities(const MeasuredAtoms& atoms, BufferedText& text);
-void append_pieces(const MeasuredAtoms& atoms, BufferedText& text);
-void append_pockets(const MeasuredAtoms& atoms, BufferedText& text);
 
 /// Returns the number of an atom in its file, from 1.
 std::uint64_t serial_number(const MeasuredAtoms& atoms, AtomIndex i);

@@ -221,7 +221,7 @@ TEST_CASE("interface: errors say what is wrong") {
   check_usage_error(box, {"interface", "a.pdb", "--groups", "A"},
                     "--groups needs two sides, such as --groups A+B C");
   check_usage_error(box, {"interface", "a.pdb", "--json", "--table", "atoms"},
-                    "--json cannot be combined with --table");
+                    "--table excludes --json; use only one of them");
 }
 
 }  // namespace eses::detail::test

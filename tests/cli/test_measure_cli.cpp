@@ -494,7 +494,7 @@ TEST_CASE("measure: bad requests are refused") {
                     "atoms,residues,chains,derivatives,cavities,pieces,pockets,rsa,"
                     "seq,res,pdb,cif");
   check_usage_error(box, {"measure", "dimer.pqr", "--table", "rsa", "--json"},
-                    "--table cannot be combined with --json");
+                    "--table excludes --json; use only one of them");
   check_usage_error(box, {"measure", "dimer.pqr", "two.xyzr", "--table", "atoms"},
                     "--table prints the table of a single file; use --write");
   check_usage_error(
