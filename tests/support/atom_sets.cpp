@@ -86,7 +86,8 @@ constexpr double chain_clearance = 2.2;
 Vec3 next_in_chain(const Atoms& atoms, Random& random) {
   Vec3 center;
   for (int trial = 0; trial < 50; ++trial) {
-    center = atoms.back().center + random.uniform(1.2, 1.6) * direction(random);
+    const Vec3 along = direction(random);  // of one order of calls with all compilers
+    center = atoms.back().center + random.uniform(1.2, 1.6) * along;
     const auto clear = [&](const Atom& atom) {
       return norm(atom.center - center) > chain_clearance;
     };
