@@ -12,7 +12,7 @@ from typing import Any, Optional
 import numpy as np
 import numpy.typing as npt
 
-from . import _core, adaptors
+from . import _core, _foreign, adaptors
 from ._files import label_chains
 
 _Texts = npt.NDArray[np.str_]
@@ -205,6 +205,8 @@ def _source_of(found: Any, radii: Any, unknown: Optional[float], waters: bool, h
         raise TypeError(f"unknown arguments: {', '.join(sorted(wrong))}")
     if _is_path(found):
         found = os.fsdecode(found)
+        if _foreign.is_foreign(found):
+            found, frame = _foreign.read(found, frame), 0
     if not is_file(found) and options:
         raise TypeError(f"{', '.join(sorted(options))}: only files have these arguments")
     if is_file(found):
@@ -335,7 +337,8 @@ def read_molecule(molecule: Any, radii: Any = None, *, waters: bool = False, hyd
     Parameters
     ----------
     molecule : object
-        A path (``str``, ``bytes`` or ``os.PathLike``), an open file, the bytes or the text of a file, ``(centers, radii)``, ``Atoms``,
+        A path (``str``, ``bytes`` or ``os.PathLike``), also of BinaryCIF files, which Biotite reads, and of SDF, MOL and
+        MOL2 files, which RDKit reads; an open file, the bytes or the text of a file, ``(centers, radii)``, ``Atoms``,
         ``Surface``, or an object of one of the libraries in ``adaptors.ADAPTORS``: gemmi Structure,
         Model, Chain; MDAnalysis Universe, AtomGroup; MDTraj Trajectory; Biopython Structure, Model,
         Chain, Residue; Biotite AtomArray, AtomArrayStack; RDKit Mol; ASE Atoms; ParmEd Structure;

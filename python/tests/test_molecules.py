@@ -6,6 +6,7 @@ import gzip
 import importlib.util
 import io
 import pickle
+import sys
 import warnings
 
 import numpy as np
@@ -248,6 +249,48 @@ def test_rdkit():
     with pytest.warns(UserWarning, match="lacks hydrogens"):
         peptide = eses.measure(chem.MolFromPDBBlock(text))
     assert peptide.residues["residue"].tolist() == ["ALA", "SER"]
+
+
+def test_files_of_small_molecules(tmp_path):
+    chem = pytest.importorskip("rdkit.Chem")
+    all_chem = pytest.importorskip("rdkit.Chem.AllChem")
+    molecules = [chem.AddHs(chem.MolFromSmiles(smiles)) for smiles in ("CCO", "c1ccccc1")]
+    path = tmp_path / "two.sdf"
+    with chem.SDWriter(str(path)) as writer:
+        for molecule in molecules:
+            all_chem.EmbedMolecule(molecule, randomSeed=7)
+            writer.write(molecule)
+    (tmp_path / "two.sdf.gz").write_bytes(gzip.compress(path.read_bytes()))
+    for frame, molecule in enumerate(molecules):
+        expected = eses.measure(molecule)
+        for file in (path, tmp_path / "two.sdf.gz"):
+            assert eses.measure(file, frame=frame).sas_area == pytest.approx(expected.sas_area, rel=1e-3)  # of four decimals
+    with pytest.raises(ValueError, match="no valid molecule 2"):
+        eses.measure(path, frame=2)
+    mol2 = tmp_path / "one.mol2"
+    mol2.write_text("@<TRIPOS>MOLECULE\nw\n3 2 0 0 0\nSMALL\nNO_CHARGES\n@<TRIPOS>ATOM\n"
+                    "1 O 0 0 0 O.3\n2 H1 0.76 0.59 0 H\n3 H2 -0.76 0.59 0 H\n@<TRIPOS>BOND\n1 1 2 1\n2 1 3 1\n")
+    expected = eses.Surface([(0, 0, 0), (0.76, 0.59, 0), (-0.76, 0.59, 0)], [1.52, 1.2, 1.2]).measure()
+    assert eses.measure(mol2).ses_area == pytest.approx(expected.ses_area)
+
+
+def test_binary_cif(pdb, expected, tmp_path):
+    pdbx = pytest.importorskip("biotite.structure.io.pdbx")
+    from biotite.structure.io.pdb import PDBFile
+    file = pdbx.BinaryCIFFile()
+    pdbx.set_structure(file, PDBFile.read(pdb).get_structure(model=1, altloc="occupancy"))
+    path = tmp_path / "two.bcif"
+    file.write(path)
+    check(eses.measure(path), expected, range(12), 13, atol=1e-3)
+
+
+def test_foreign_files_name_the_missing_library(tmp_path, monkeypatch):
+    for name, library in (("a.bcif", "biotite"), ("a.sdf.gz", "rdkit"), ("a.MOL2", "rdkit")):
+        for module in (library, "biotite.structure.io.pdbx", "rdkit.Chem"):
+            monkeypatch.setitem(sys.modules, module, None)
+        (tmp_path / name).write_bytes(b"")
+        with pytest.raises(ImportError, match=f"needs {library}"):
+            eses.measure(tmp_path / name)
 
 
 def test_ase():

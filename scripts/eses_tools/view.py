@@ -149,6 +149,16 @@ def measure(options, arguments, folder):
     return read_table(atoms), read_table(cavities)
 
 
+def list_atoms(options, path, folder):
+    """Returns the rows of the atoms of a structure. Their areas, for a probe of radius 0, take
+    the least time."""
+    folder.mkdir()
+    run_program([options.program, "measure", path, *options.arguments, "--probe-radius", "0", "--surface", "ses",
+                 "--quiet", "--write", "atoms", "-o", folder], folder)
+    table, = folder.glob("*.atoms.csv")
+    return read_table(table)
+
+
 def make_atoms(rows):
     """Returns the atoms of a table."""
     import numpy
@@ -178,12 +188,6 @@ def divide(rows):
             [row for row, is_ligand in zip(rows, ligands) if is_ligand])
 
 
-def ligands_of(options, path, folder):
-    """Returns the rows of ligands and metals of a structure."""
-    folder.mkdir()
-    return divide(measure(options, [path, *options.arguments], folder)[0])[1]
-
-
 def read_structure(options, path, folder, ligands=()):
     """Returns the surface and atoms of a structure, which eses-blocks computes in the folder.
 
@@ -191,19 +195,17 @@ def read_structure(options, path, folder, ligands=()):
     import numpy
     reading = [path, *options.arguments]
     show(f"areas of {path}")
+    more = []
+    if options.ligands == "sticks" and split_name(path.name)[1] != "xyzr":
+        rest, more = divide(list_atoms(options, path, folder / "atoms"))
+    if more:  # the surface is that of the others
+        reading = [folder / f"{path.name.partition('.')[0]}.xyzr"]
+        reading[0].write_text("".join(f"{row['x']} {row['y']} {row['z']} {row['radius']}\n"
+                                      for row in rest), encoding="ascii")
     rows, cavities = measure(options, reading, folder)
-    if options.ligands == "sticks":
-        rows, more = divide(rows)
+    if more:
+        rows = [{**row, "ses_area": result["ses_area"]} for row, result in zip(rest, rows)]
         ligands = [*ligands, *more]
-        if more:  # the surface is that of the others
-            reading = [folder / f"{path.name.partition('.')[0]}.xyzr"]
-            reading[0].write_text("".join(f"{row['x']} {row['y']} {row['z']} {row['radius']}\n"
-                                          for row in rows), encoding="ascii")
-            alone = folder / "without-ligands"
-            alone.mkdir()
-            measured, cavities = measure(options, reading, alone)
-            for row, result in zip(rows, measured):
-                row["ses_area"] = result["ses_area"]
     atoms = make_atoms([*rows, *ligands])
     if ligands:
         atoms.are_ligands = numpy.arange(len(atoms.serial)) >= len(rows)
@@ -273,7 +275,7 @@ def make_molecules(options):
             elif options.electrostatics:
                 atoms = prepare_pqr(path, folder)
                 potential = compute_potential(options, atoms, folder)
-                ligands = ligands_of(options, path, folder / "ligands") if atoms != path else ()
+                ligands = divide(list_atoms(options, path, folder / "ligands"))[1] if atoms != path else ()
                 molecule = read_structure(options, atoms, folder, ligands)
                 molecule.name = path.name
             else:

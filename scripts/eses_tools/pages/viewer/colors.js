@@ -70,22 +70,22 @@ const SCHEMES = {
     }),
   },
   atom: {
-    label: "atom", has: (one) => one.atom,
+    label: "atom", has: (one) => one.touched,
     paint: (one) => byAtom(one, (atom) => softColor(one.serial[atom] - 1)),
   },
   element: {
-    label: "element", has: (one) => one.atom && one.element && one.elements.some((name) => name),
+    label: "element", has: (one) => one.touched && one.element && one.elements.some((name) => name),
     paint: (one) => byAtom(one, (atom) => elementColor(elementOf(one, atom))),
     entries: (one) => one.elements.map((name) => [name || "unknown", elementColor(name)]),
   },
   residue: {
-    label: "residue", has: (one) => one.atom && one.residue,
+    label: "residue", has: (one) => one.touched && one.residue,
     paint: (one) => byAtom(one, (atom) => softColor(one.residue[atom])),
     entries: (one) => one.residues.map(([name, number, chain], i) =>
       [`${name} ${number} ${chain}`.trim(), softColor(i)]),
   },
   chain: {
-    label: "chain", has: (one) => one.atom && one.chain,
+    label: "chain", has: (one) => one.touched && one.chain,
     paint: (one) => byAtom(one, (atom) => softColor(one.chain[atom])),
     entries: (one) => Array.from(new Set(Array.from(one.atom, (atom) => one.chain[atom])))
       .sort((a, b) => a - b).map((i) =>
@@ -98,7 +98,7 @@ const SCHEMES = {
       .map((number) => [componentName(number), componentColor(number)]),
   },
   area: {
-    label: "area of the atom", has: (one) => one.atom && one.area,
+    label: "area of the atom", has: (one) => one.touched && one.area,
     paint: (one, { area }) => byAtom(one, (atom) =>
       gradientColor(SEQUENTIAL, one.area[atom] / 100 / area)),
     gradient: ({ area }) => ({

@@ -63,9 +63,17 @@ async function readMolecule(info, text) {
     molecule.centers = Float32Array.from(molecule.center, (value, i) =>
       value / 1000 + info.atom_origin[i % 3]);
     molecule.bonds = findBonds(molecule);
-    shareByPower(molecule);
   }
-  return molecule;
+  return withAtoms(molecule);
+}
+
+// Gives a molecule `touched`, the atoms of the vertices that its mesh names, and `atom`, the atoms of
+// least power, which are found when they are first needed.
+function withAtoms(molecule) {
+  const touched = molecule.touched = molecule.atom;
+  let shared = molecule.centers && touched ? null : touched;
+  return Object.defineProperty(molecule, "atom",
+    { enumerable: true, get: () => shared ??= shareByPower(molecule, touched.slice()) });
 }
 
 // Returns the power of a vertex with respect to the sphere of an atom, in square angstrom.
@@ -76,9 +84,10 @@ function power({ points, centers, radius }, vertex, atom) {
 }
 
 // A mesh names one of the atoms that touch a probe. Gives each vertex the one of least power
-// instead, as areas of atoms are shared: atoms spread along the edges of triangles.
-function shareByPower(molecule) {
-  const { triangle, atom } = molecule;
+// instead, as areas of atoms are shared: atoms spread along the edges of triangles. Changes and
+// returns the atoms of the vertices.
+function shareByPower(molecule, atom) {
+  const { triangle } = molecule;
   const powers = Float32Array.from(atom, (one, vertex) => power(molecule, vertex, one));
   for (let isChanged = true; isChanged;) {
     isChanged = false;
@@ -92,6 +101,7 @@ function shareByPower(molecule) {
       }
     }
   }
+  return atom;
 }
 
 // ------------------------------------------------------------------------------------- molecule

@@ -177,10 +177,8 @@ function makeBuffer(gl, values, kind = gl.ARRAY_BUFFER) {
   return buffer;
 }
 
-// Returns the vertex arrays of a molecule, with the buffers that change.
-function makeDrawing(gl, molecule) {
-  const surface = gl.createVertexArray(), colors = gl.createBuffer(), indices = gl.createBuffer();
-  const coarse = molecule.triangles > LARGE ? coarseSurface(molecule, true) : null;
+// Fills the vertices of a surface and of its coarse surface.
+function fillVertices(gl, { vertices, coarse }, molecule) {
   const count = molecule.vertices + (coarse?.models.length ?? 0);
   const rows = new Uint16Array(6 * count); // x, y, z, 0, normal: aligned to 4 bytes
   const put = ({ place, normal }, first, end) => {
@@ -191,8 +189,16 @@ function makeDrawing(gl, molecule) {
   };
   put(molecule, 0, molecule.vertices);
   if (coarse) put(coarse, molecule.vertices, count);
+  gl.bindBuffer(gl.ARRAY_BUFFER, vertices);
+  gl.bufferData(gl.ARRAY_BUFFER, rows, gl.STATIC_DRAW);
+}
+
+// Returns the vertex arrays of a molecule, with the buffers that change.
+function makeDrawing(gl, molecule) {
+  const surface = gl.createVertexArray();
+  const [vertices, colors, indices] = [0, 1, 2].map(() => gl.createBuffer());
+  fillVertices(gl, { vertices }, molecule);
   gl.bindVertexArray(surface);
-  const vertices = makeBuffer(gl, rows);
   attribute(gl, 0, vertices, 3, gl.UNSIGNED_SHORT, { stride: 12 });
   attribute(gl, 1, vertices, 2, gl.UNSIGNED_SHORT, { stride: 12, offset: 8 });
   for (let kind = 0; kind < CLASSES; kind++)
@@ -200,21 +206,31 @@ function makeDrawing(gl, molecule) {
       { stride: 4 * CLASSES, offset: 4 * kind, isColor: true });
   gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, indices);
   gl.bindVertexArray(null);
-  return { surface, colors, indices, coarse, atoms: makeAtomDrawing(gl), ligands: makeAtomDrawing(gl) };
+  return { surface, vertices, colors, indices, coarse: null, atoms: makeAtomDrawing(gl), ligands: makeAtomDrawing(gl) };
+}
+
+// Adds the coarse surface, if the surface is large and has none. Returns whether it has been added;
+// then triangles and colours have to be filled again.
+function addCoarse(gl, drawing, molecule) {
+  if (drawing.coarse || molecule.triangles <= LARGE) return false;
+  drawing.coarse = coarseSurface(molecule, true);
+  fillVertices(gl, drawing, molecule);
+  return true;
 }
 
 // Fills the list of triangles with those whose atoms are shown: the outer surface, the walls of
 // cavities, and the coarse surface.
 function fillSurface(gl, drawing, molecule) {
   const outer = [], walls = [], coarse = [], { triangle, component, vertices } = molecule;
+  const areAllShown = !molecule.isHidden.includes(1); // then atoms of vertices are not needed
   for (let i = 0; i < triangle.length; i += 3) {
     const [a, b, c] = [triangle[i], triangle[i + 1], triangle[i + 2]];
-    if ([a, b, c].every((vertex) => isVertexShown(molecule, vertex)))
+    if (areAllShown || [a, b, c].every((vertex) => isVertexShown(molecule, vertex)))
       (component?.[a] > 0 ? walls : outer).push(a, b, c);
   }
   const { corners = [], models } = drawing.coarse ?? {};
   for (let i = 0; i < corners.length; i += 3)
-    if ([0, 1, 2].every((k) => isVertexShown(molecule, models[corners[i + k]])))
+    if (areAllShown || [0, 1, 2].every((k) => isVertexShown(molecule, models[corners[i + k]])))
       coarse.push(...corners.slice(i, i + 3).map((corner) => vertices + corner));
   gl.bindVertexArray(null);
   gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, drawing.indices);

@@ -59,7 +59,7 @@ function addColumn(viewer, title, values, keyOfAtom) {
   const colorOf = (value) => value === undefined ? MISSING
     : gradientColor(stops, (value - low) / (high - low || 1));
   SCHEMES[name] = {
-    label: title, has: (one) => one.atom && (one.residue || one.serial),
+    label: title, has: (one) => one.touched && (one.residue || one.serial),
     isFound: viewer.molecules.some((one) => one.serial?.some((_, atom) => valueOf(one, atom) !== undefined)),
     paint: (one) => byAtom(one, (atom) => colorOf(valueOf(one, atom))),
     gradient: () => ({ stops, title,

@@ -8,7 +8,7 @@ const STYLES = { // of atoms: factor and addition of the radius of spheres, radi
 };
 const FILLED = 0.92; // part of the picture that the largest molecule fills
 const MAX_LABELS = 40; // of a molecule; more would not be legible
-const CAVITY_OPACITY = 35; // per cent, of the surface around cavities
+const OPACITIES = { style: 45, cavities: 35 }; // per cent, of the surface around atoms and cavities
 const STEPS = 1000; // of an angstrom and other numbers in the address of the page
 const SAMPLES = 4; // of a pixel, which smooth edges
 const SLOW_FRAME = 70; // milliseconds; slower machines draw less detail while the view changes
@@ -268,6 +268,7 @@ class Viewer {
   // Draws with less detail while the view changes on a slow machine.
   draw() {
     const isReduced = this.isReduced = this.isChanging && this.isSlow;
+    if (isReduced) this.addCoarseSurfaces();
     const ratio = isReduced ? 0.5 : Math.min(window.devicePixelRatio || 1, 2);
     const isShaded = this.look.shading && !isReduced;
     const { clientWidth, clientHeight } = canvas;
@@ -276,6 +277,13 @@ class Viewer {
       { isShaded, samples: isReduced || this.isWeak ? 0 : SAMPLES });
     this.showScale();
     this.showLabels();
+  }
+
+  addCoarseSurfaces() {
+    const added = this.drawings.filter((drawing, i) => addCoarse(this.gl, drawing, this.molecules[i]));
+    if (added.length === 0) return;
+    this.fillDrawings();
+    this.paint();
   }
 
   // Draws at the next opportunity. `isMoving` marks one of many changes.
@@ -425,12 +433,15 @@ class Viewer {
     if (name === "theme") this.setTheme();
     if (name === "color" || name === "cavities") this.paint();
     if (name === "cavities" || name === "names" || name === "ligands") this.makeLabels();
-    if (name === "style" && value !== "none" && this.look.opacity === 100) this.set("opacity", 45);
-    if (name === "style" && value === "none" && this.look.opacity === 45) this.set("opacity", 100);
-    if (name === "cavities" && value && this.look.opacity === 100) this.set("opacity", CAVITY_OPACITY);
-    if (name === "cavities" && !value && this.look.opacity === CAVITY_OPACITY) this.set("opacity", 100);
+    if (name in OPACITIES) this.lookThrough(OPACITIES[name], value && value !== "none");
     this.update();
     this.keepInAddress();
+  }
+
+  // Makes a surface without opacity of its own transparent for what is inside, or opaque again.
+  lookThrough(opacity, isInside) {
+    const [from, to] = isInside ? [100, opacity] : [opacity, 100];
+    if (this.look.opacity === from) this.set("opacity", to);
   }
 
   // ------------------------------------------------------------------------- view in the address
