@@ -11,7 +11,8 @@ import subprocess
 import sys
 import unittest
 
-from faults import NAMES, PROGRAM, SMALL, TINY, FaultTest, forget_signals, needs_library
+from faults import (NAMES, PROGRAM, SMALL, TINY, FaultTest, forget_signals, needs_gnu_openmp,
+                    needs_library)
 from support import DATA
 
 # The last two messages are from OpenMP's runtimes, which cannot start a thread.
@@ -27,6 +28,7 @@ sys.exit(os.waitstatus_to_exitcode(status))
 STRIDE = 7  # step between failing allocations; a prime, so that no pattern escapes
 
 
+@needs_gnu_openmp
 class Memory(FaultTest):
     has_begun = False
 
@@ -103,6 +105,7 @@ class Memory(FaultTest):
         self.assertEqual(self.all_files(), [])
 
 
+@needs_gnu_openmp
 @unittest.skipUnless(os.environ.get("ESES_FAULT_LIBRARY"), "sanitizers need memory themselves")
 class Limits(FaultTest):
     """The limit that a message names suffices, and the bound of the memory is one."""

@@ -9,7 +9,7 @@ import subprocess
 import unittest
 
 from faults import (NAMES, NO_SPACE, PROGRAM, SMALL, TINY, FaultTest, forget_signals, has_ended,
-                    let_work, message_of, needs_library, wait_for)
+                    let_work, message_of, needs_gnu_openmp, needs_library, wait_for)
 
 NOBODY = 65534
 
@@ -42,6 +42,7 @@ class FullDisk(FaultTest):
 
     @unittest.skipIf(os.environ.get("ESES_SANITIZE") == "thread",
                      "the sanitizer itself maps files that are larger")
+    @needs_gnu_openmp
     def test_limit_on_the_size_of_files_is_an_error(self):
         def limit():
             forget_signals()
