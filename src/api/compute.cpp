@@ -367,8 +367,8 @@ detail::ComponentOfVertex components_of(const Surface& surface, const CheckCallb
                                               false)
                             .map;
   return [=, atoms = molecule.atoms(), probe = surface.probe_radius()](const Crossing& crossing) {
-    return cavities->number_at(atoms, crossing.adjacent_atoms(),
-                               crossing.position + probe * crossing.normal);
+    return as_number(cavities->number_at(atoms, crossing.adjacent_atoms(),
+                                         crossing.position + probe * crossing.normal));
   };
 }
 

@@ -4,14 +4,13 @@
 #include <span>
 
 #include "eses/atoms.hpp"
+#include "system/strong_index.hpp"
 
 namespace eses::detail {
 
 /// Index of an atom in the input file, from 0. In contrast, AtomIndex is the index in the molecule
 /// that a process has.
 enum class FileIndex : AtomIndex {};
-
-constexpr AtomIndex as_number(FileIndex index) { return static_cast<AtomIndex>(index); }
 
 /// The indices in the file of the atoms of a slab: a view of a list, or none if all atoms have the
 /// same index in both.

@@ -52,7 +52,8 @@ class CavityLocator {
     const bool is_accessible = std::ranges::none_of(found_, [&](AtomIndex i) {
       return norm(atoms_[i].center - point) < atoms_[i].radius + probe_radius_;
     });
-    return is_accessible && cavities_.locate(point, found_).component == index + 1;
+    return is_accessible &&
+           cavities_.locate(point, found_).component == static_cast<ComponentNumber>(index + 1);
   }
 
   std::span<const Atom> atoms_;

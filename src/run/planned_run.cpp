@@ -328,13 +328,15 @@ bool searches_cavities(const Request& request) {
 FoundCavities find_cavities_of(const Molecule& molecule, const Request& request, int threads,
                                bool keeps_patches) {
   const std::optional<MeshOptions>& mesh = request.outputs.mesh;
+  std::optional<ComponentNumber> kept;
+  if (mesh && mesh->component) kept = ComponentNumber{*mesh->component};
   try {
     return find_cavities(molecule,
                          {.probe_radius = request.parameters.probe_radius,
                           .threads = chosen_threads(threads),
                           .check = request.check,
                           .max_filled_void = request.parameters.max_filled_void,
-                          .kept_component = mesh ? mesh->component : std::nullopt},
+                          .kept_component = kept},
                          keeps_patches);
   } catch (const Error& error) {
     const auto* const file = std::get_if<InputFile>(&request.atoms);

@@ -40,8 +40,8 @@ mesh::ComponentOfCrossing component_of_crossing(const PlannedRun& run, MeshColor
   if (color != MeshColor::component) return {};
   return [&cavities = *run.cavities, atoms = run.slab.molecule.atoms(),
           probe = run.plan.parameters.probe_radius](const BlockCrossing& crossing, Vec3 position) {
-    return cavities.number_at(atoms, std::span(crossing.atoms).first(crossing.atom_count),
-                              position + probe * crossing.normal);
+    return as_number(cavities.number_at(atoms, std::span(crossing.atoms).first(crossing.atom_count),
+                                        position + probe * crossing.normal));
   };
 }
 

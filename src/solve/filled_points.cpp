@@ -47,7 +47,7 @@ void find_filled_points(const SurfaceModel& surface, const BlockGrid& grid,
                         const BlockFeatures& features, FilledScratch& scratch, PointBits& filled) {
   const CavityMap& cavities = *features.cavities;
   PointBits& left = scratch.left;
-  const bool is_outside_filled = cavities.is_filled(ComponentNumber{0});
+  const bool is_outside_filled = cavities.is_filled(outside_component);
   scratch.boxes.clear();
   for (const Box& box : cavities.boxes_unlike_outside())
     if (overlap(box, grid.box)) scratch.boxes.push_back(intersection(box, grid.box));

@@ -11,11 +11,16 @@
 #include <vector>
 
 #include "surface/surface_model.hpp"
+#include "system/strong_index.hpp"
 
 namespace eses::detail {
 
 /// Index of a cluster, 0-based.
-using ClusterIndex = std::uint32_t;
+enum class ClusterIndex : std::uint32_t {};
+
+constexpr ClusterIndex& operator++(ClusterIndex& cluster) {
+  return cluster = ClusterIndex{as_number(cluster) + 1};
+}
 
 /// An interval along z (angstrom).
 struct HeightRange {
@@ -34,15 +39,17 @@ class AtomClusters {
   /// Number of atoms in each cluster but the last one.
   static constexpr std::uint32_t atoms_per_cluster = 128;
 
-  ClusterIndex count() const { return static_cast<ClusterIndex>(heights_.size()); }
+  std::uint32_t count() const { return static_cast<std::uint32_t>(heights_.size()); }
+  ClusterIndex end() const { return ClusterIndex{count()}; }
 
   /// The position of an atom: its cluster, and its 0-based index within the cluster.
   struct Position {
-    ClusterIndex cluster = 0;
+    ClusterIndex cluster{};
     std::uint32_t member = 0;
   };
   Position position_of(AtomIndex atom) const {
-    return {positions_[atom] / atoms_per_cluster, positions_[atom] % atoms_per_cluster};
+    return {ClusterIndex{positions_[atom] / atoms_per_cluster},
+            positions_[atom] % atoms_per_cluster};
   }
 
   /// The atoms of a cluster.
@@ -50,11 +57,10 @@ class AtomClusters {
 
   /// The interval along z that the SAS spheres of a cluster's atoms span. If two SAS spheres meet,
   /// the intervals of their clusters overlap.
-  const HeightRange& heights(ClusterIndex cluster) const { return heights_[cluster]; }
+  const HeightRange& heights(ClusterIndex cluster) const { return heights_[as_number(cluster)]; }
 
-  /// Returns the smallest n such that all clusters that begin at or below `z` are among the first
-  /// n.
-  ClusterIndex count_below(double z) const;
+  /// Returns the end of the clusters that begin at or below `z`: all later ones begin above it.
+  ClusterIndex end_below(double z) const;
 
  private:
   std::span<const AtomIndex> order_;      // atoms by cluster: the order of the cell list

@@ -44,8 +44,8 @@ void AtomFaces::find_caps(const PatchSchedule& schedule, int threads) {
   const Patches& patches = schedule.patches();
   for_each_index(has_caps_.size(), threads, [&](std::size_t index) {
     const auto cluster = static_cast<ClusterIndex>(index);
-    if (has_caps_[cluster] != 0 || !schedule.is_complete(cluster)) return;
-    has_caps_[cluster] = 1;
+    if (has_caps_[index] != 0 || !schedule.is_complete(cluster)) return;
+    has_caps_[index] = 1;
     const ClusterPatches& of_cluster = patches.of_cluster(cluster);
     const std::span<const AtomIndex> members = patches.clusters().members(cluster);
     for (std::uint32_t m = 0; m < members.size(); ++m)

@@ -86,33 +86,37 @@ class CavityLister {
     if (has_largest_probes) find_largest_probes(threads, cavities);
     for (const auto& [first, second] : components_.overlaps) {
       if (first == Components::outside) {
-        cavities[second - 1].overlaps_outside = true;
+        cavities[cavity_of(second)].overlaps_outside = true;
         continue;
       }
-      cavities[first - 1].overlaps.push_back(second - 1);
-      cavities[second - 1].overlaps.push_back(first - 1);
+      cavities[cavity_of(first)].overlaps.push_back(cavity_of(second));
+      cavities[cavity_of(second)].overlaps.push_back(cavity_of(first));
     }
     sort(cavities, pieces);
   }
 
  private:
-  // The cavity of component c is at c - 1 until cavities are sorted.
+  // Returns the index of the cavity of a component until cavities are sorted.
+  static std::size_t cavity_of(ComponentIndex component) {
+    return as_number(component) - std::size_t{1};
+  }
+
   void list_atoms(std::vector<Cavity>& cavities, std::vector<Piece>& pieces) {
     cavities.assign(components_.count - 1, {});
     pieces.clear();
     for (AtomIndex i = 0; i < surface_.atoms.size(); ++i) {
       if (components_.piece_of_atom[i] == pieces.size()) pieces.emplace_back();
       pieces[components_.piece_of_atom[i]].atoms.push_back(i);
-      components_.for_each_wall_of(i, [&](std::uint32_t wall) {
-        const std::uint32_t component = components_.walls[wall].component;
+      components_.for_each_wall_of(i, [&](WallIndex wall) {
+        const ComponentIndex component = components_[wall].component;
         if (component == Components::outside) return;
-        std::vector<AtomIndex>& atoms = cavities[component - 1].atoms;
+        std::vector<AtomIndex>& atoms = cavities[cavity_of(component)].atoms;
         if (atoms.empty() || atoms.back() != i) atoms.push_back(i);
       });
     }
     for (const Wall& wall : components_.walls)
       if (!wall.atom && wall.component != Components::outside)
-        cavities[wall.component - 1].atoms =
+        cavities[cavity_of(wall.component)].atoms =
             touched_atoms(surface_, 0.5 * (wall.box.low + wall.box.high));
   }
 
@@ -122,7 +126,7 @@ class CavityLister {
     for (const Wall& wall : components_.walls) {
       const bool is_outside = wall.component == Components::outside;
       if (is_outside && !wall.atom) continue;
-      const std::size_t c = wall.component - std::size_t{1};
+      const std::size_t c = cavity_of(wall.component);
       const std::size_t piece =
           components_.piece_of_atom[wall.atom ? *wall.atom : cavities[c].atoms.front()];
       by_piece[piece].add(wall);
@@ -171,7 +175,7 @@ class CavityLister {
     for_each_index(cavities.size(), threads, [&](std::size_t c) {
       const Box centers = grown({cavities[c].low, cavities[c].high}, -probe_radius_);
       const LargestProbe probe = find_largest_probe(
-          surface_, components_, static_cast<std::uint32_t>(c + 1), centers, cavities[c].atoms);
+          surface_, components_, static_cast<ComponentIndex>(c + 1), centers, cavities[c].atoms);
       cavities[c].largest_probe = std::max(probe.radius, probe_radius_);
       cavities[c].largest_probe_center = probe.center;
     });

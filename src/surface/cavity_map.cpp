@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numeric>
 
 #include "eses/error.hpp"
 #include "surface/patches.hpp"
@@ -37,7 +36,7 @@ ComponentNumber WallAtom::component_at(Vec3 direction) const {
   for (const Contact& contact : contacts)
     if (squared_norm(contact.direction - direction) <= same_direction * same_direction)
       return contact.component;
-  return arcs.empty() ? component : node_of_nearest_arc(arcs, direction);
+  return arcs.empty() ? component : ComponentNumber{node_of_nearest_arc(arcs, direction)};
 }
 
 CavityMap::CavityMap(const SurfaceModel& surface, const Components& components,
@@ -47,7 +46,7 @@ CavityMap::CavityMap(const SurfaceModel& surface, const Components& components,
       is_filled_(void_volumes_.size() + 1),
       numbers_(void_volumes_.size() + 1),
       boxes_(void_volumes_.size(), empty_box()) {
-  std::iota(numbers_.begin(), numbers_.end(), ComponentNumber{0});
+  for (std::uint32_t c = 0; c < numbers_.size(); ++c) numbers_[c] = ComponentNumber{c};
   add_atoms(surface, components, number_of);
   add_placements(surface, components, number_of);
   add_surroundings(surface, components);
@@ -57,25 +56,25 @@ CavityMap::CavityMap(const SurfaceModel& surface, const Components& components,
 // direction. The centres of the atoms therefore surround the cavity.
 void CavityMap::add_atoms(const SurfaceModel& surface, const Components& components,
                           std::span<const ComponentNumber> number_of) {
-  const auto number_of_wall = [&](std::uint32_t wall) {
-    return number_of[components.walls[wall].component];
+  const auto number_of_wall = [&](WallIndex wall) {
+    return number_of[as_number(components[wall].component)];
   };
   for (AtomIndex i = 0; i < surface.atoms.size(); ++i) {
     WallAtom atom;
     bool has_cavity = false, is_first = true, is_divided = false;
-    components.for_each_wall_of(i, [&](std::uint32_t wall) {
+    components.for_each_wall_of(i, [&](WallIndex wall) {
       const ComponentNumber component = number_of_wall(wall);
       is_divided = is_divided || (!is_first && component != atom.component);
       is_first = false;
       atom.component = component;
-      if (component == 0) return;
+      if (component == outside_component) return;
       has_cavity = true;
-      boxes_[component - 1].include(surface.atoms[i].center);
+      box_of(component).include(surface.atoms[i].center);
     });
     if (!has_cavity) continue;
     if (is_divided)
       for (SphereArc arc : components.arcs_of(i)) {
-        arc.node = number_of_wall(arc.node);
+        arc.node = as_number(number_of_wall(WallIndex{arc.node}));
         atom.arcs.push_back(arc);
       }
     index_.emplace_back(i, static_cast<std::uint32_t>(atoms_.size()));
@@ -89,18 +88,19 @@ void CavityMap::add_placements(const SurfaceModel& surface, const Components& co
                                std::span<const ComponentNumber> number_of) {
   std::vector<std::pair<AtomIndex, WallAtom::Contact>> contacts;
   for (const auto& [center, wall] : components.placements) {
-    const ComponentNumber component = number_of[components.walls[wall].component];
-    if (component == 0) continue;
+    const ComponentNumber component = number_of[as_number(components[wall].component)];
+    if (component == outside_component) continue;
     placements_.push_back({center, component});
-    boxes_[component - 1].include(center);
+    box_of(component).include(center);
     for (const AtomIndex i : touched_atoms(surface, center)) {
       const WallAtom* const atom = find(i);
       const bool has_face =
           atom != nullptr &&
           (atom->arcs.empty()
                ? atom->component == component
-               : std::any_of(atom->arcs.begin(), atom->arcs.end(),
-                             [&](const auto& arc) { return arc.node == component; }));
+               : std::any_of(atom->arcs.begin(), atom->arcs.end(), [&](const auto& arc) {
+                   return ComponentNumber{arc.node} == component;
+                 }));
       if (!has_face)
         contacts.push_back({i, {normalized(center - surface.atoms[i].center), component}});
     }
@@ -154,20 +154,21 @@ void CavityMap::add_surroundings(const SurfaceModel& surface, const Components& 
 }
 
 void CavityMap::fill(double max_void_volume) {
-  ComponentNumber kept = 0;
+  std::uint32_t kept = 0;
   for (std::size_t k = 0; k < void_volumes_.size(); ++k) {
     is_filled_[k + 1] = void_volumes_[k] <= max_void_volume ? 1 : 0;
-    numbers_[k + 1] = is_filled_[k + 1] != 0 ? 0 : ++kept;
+    numbers_[k + 1] = is_filled_[k + 1] != 0 ? outside_component : ComponentNumber{++kept};
   }
   choose_boxes();
 }
 
 void CavityMap::keep_only(ComponentNumber component) {
-  if (component >= is_filled_.size())
-    throw Error(formatted("there is no cavity {}; the molecule has {} {} for this probe", component,
-                          void_volumes_.size(), void_volumes_.size() == 1 ? "cavity" : "cavities"));
+  if (as_number(component) >= is_filled_.size())
+    throw Error(formatted("there is no cavity {}; the molecule has {} {} for this probe",
+                          as_number(component), void_volumes_.size(),
+                          void_volumes_.size() == 1 ? "cavity" : "cavities"));
   std::fill(is_filled_.begin(), is_filled_.end(), std::uint8_t{1});
-  is_filled_[component] = 0;
+  is_filled_[as_number(component)] = 0;
   choose_boxes();
 }
 
@@ -211,21 +212,21 @@ const WallAtom* CavityMap::find(AtomIndex atom) const {
 }
 
 bool CavityMap::is_filled(const WallAtom* atom) const {
-  if (atom == nullptr) return is_filled(ComponentNumber{0});
+  if (atom == nullptr) return is_filled(outside_component);
   if (atom->arcs.empty()) return is_filled(atom->component);
   return std::all_of(atom->arcs.begin(), atom->arcs.end(),
-                     [&](const SphereArc& arc) { return is_filled(arc.node); });
+                     [&](const SphereArc& arc) { return is_filled(ComponentNumber{arc.node}); });
 }
 
-// Returns the component of a probe centre that is accessible up to the tolerance: 0 if it is not
-// near the cavities.
+// Returns the component of a probe centre that is accessible up to the tolerance:
+// `outside_component` if it is not near the cavities.
 ComponentNumber CavityMap::component_near(Vec3 center) const {
   const Vec3 here = center - offset_;
   const bool is_near = std::any_of(boxes_.begin(), boxes_.end(), [&](const Box& box) {
     return overlap(grown(box, same), {here, here});
   });
   std::vector<AtomIndex> found;
-  return is_near ? locate(center, found).component : 0;
+  return is_near ? locate(center, found).component : outside_component;
 }
 
 ComponentNumber CavityMap::component_of(const SurfaceModel& surface, const Arc& arc) const {
@@ -237,7 +238,7 @@ ComponentNumber CavityMap::component_of(const SurfaceModel& surface, const Arc& 
   }
   const WallAtom* const first = find(arc.first);
   const WallAtom* const second = first != nullptr ? find(arc.second) : nullptr;
-  if (second == nullptr) return 0;
+  if (second == nullptr) return outside_component;
   if (first->arcs.empty()) return first->component;
   if (second->arcs.empty()) return second->component;
   const SasSphere sphere = surface.sas_sphere(arc.first);
@@ -252,21 +253,22 @@ ComponentNumber CavityMap::component_of_placement(Vec3 center) const {
                        [](const Placement& placement, double x) { return placement.center.x < x; });
   for (; near != placements_.end() && near->center.x <= center.x + same; ++near)
     if (squared_norm(near->center - center) <= same * same) return near->component;
-  return 0;
+  return outside_component;
 }
 
 // A placement in a window that a probe just fits need not be known by its centre.
 ComponentNumber CavityMap::component_of(std::span<const Atom> atoms,
                                         const ProbePlacement& placement) const {
-  if (const ComponentNumber component = component_of_placement(placement.center)) return component;
+  const ComponentNumber known = component_of_placement(placement.center);
+  if (known != outside_component) return known;
   if (!has_slack_) return component_near(placement.center);
   std::optional<ComponentNumber> common;
   for (const AtomIndex i : placement.atoms) {
     const WallAtom* const atom = find(i);
-    if (atom == nullptr) return 0;
+    if (atom == nullptr) return outside_component;
     const ComponentNumber component =
         atom->component_at(normalized(placement.center - atoms[i].center));
-    if (common && component != *common) return 0;
+    if (common && component != *common) return outside_component;
     common = component;
   }
   return *common;
@@ -276,13 +278,13 @@ ComponentNumber CavityMap::component_of(std::span<const Atom> atoms,
 // point of another component, but placements in cavities are known by their centres.
 ComponentNumber CavityMap::number_at(std::span<const Atom> atoms,
                                      std::span<const AtomIndex> touched, Vec3 center) const {
-  if (!has_slack_) return numbers_[component_near(center)];
-  if (touched.size() > 2) return numbers_[component_of_placement(center)];
+  if (!has_slack_) return numbers_[as_number(component_near(center))];
+  if (touched.size() > 2) return numbers_[as_number(component_of_placement(center))];
   const WallAtom* first = nullptr;
   for (const AtomIndex i : touched) {
     const WallAtom* const atom = find(i);
-    if (atom == nullptr) return 0;
-    if (atom->arcs.empty()) return numbers_[atom->component];
+    if (atom == nullptr) return outside_component;
+    if (atom->arcs.empty()) return numbers_[as_number(atom->component)];
     if (first == nullptr) first = atom;
   }
   const Vec3 direction = normalized(center - atoms[touched.front()].center);
@@ -295,11 +297,11 @@ bool CavityMap::meets_box_unlike_outside(const Box& box) const {
 }
 
 bool CavityMap::may_be_filled(const Box& box) const {
-  return is_filled(ComponentNumber{0}) || meets_box_unlike_outside(box);
+  return is_filled(outside_component) || meets_box_unlike_outside(box);
 }
 
 bool CavityMap::may_be_kept(const Box& box) const {
-  return !is_filled(ComponentNumber{0}) || meets_box_unlike_outside(box);
+  return !is_filled(outside_component) || meets_box_unlike_outside(box);
 }
 
 double CavityMap::find_nearest_balls(Vec3 center, std::vector<AtomIndex>& found) const {
@@ -317,7 +319,8 @@ double CavityMap::find_nearest_balls(Vec3 center, std::vector<AtomIndex>& found)
 }
 
 CavityMap::Location CavityMap::locate(Vec3 center, std::vector<AtomIndex>& found) const {
-  if (const ComponentNumber component = component_of_placement(center)) return {component, 0};
+  const ComponentNumber known = component_of_placement(center);
+  if (known != outside_component) return {known, 0};
   const std::span<const Atom> balls = balls_->balls;
   if (balls.empty()) return {};
   center = center - offset_;
@@ -327,9 +330,9 @@ CavityMap::Location CavityMap::locate(Vec3 center, std::vector<AtomIndex>& found
     center = deepest.center + deepest.radius * normalized(center - deepest.center);
     gap = find_nearest_balls(center, found);
   }
-  Location location{0, std::max(0.0, gap)};
+  Location location{outside_component, std::max(0.0, gap)};
   for (const AtomIndex i : found) {
-    if (atom_of_ball_[i] == none) return {0, location.clearance};
+    if (atom_of_ball_[i] == none) return {outside_component, location.clearance};
     const Vec3 offset = center - balls[i].center;
     const ComponentNumber component =
         atoms_[atom_of_ball_[i]].component_at(norm(offset) > 0 ? normalized(offset) : offset);

@@ -24,7 +24,8 @@ namespace eses::detail {
 
 /// The number of a component of the set of accessible probe centres: 0 is the outside, and the
 /// others are the numbers of the cavities, in descending order of their voids.
-using ComponentNumber = std::uint32_t;
+enum class ComponentNumber : std::uint32_t {};
+inline constexpr ComponentNumber outside_component{0};
 
 struct ProbePlacement;
 
@@ -33,11 +34,11 @@ struct WallAtom {
   /// The direction to a probe that touches the atom where it has no face.
   struct Contact {
     Vec3 direction;
-    ComponentNumber component = 0;
+    ComponentNumber component{};
   };
 
   /// The component of all faces of the atom, if it has no arcs here.
-  ComponentNumber component = 0;
+  ComponentNumber component{};
   /// The arcs of an atom with faces in several components. Their nodes are component numbers.
   std::vector<SphereArc> arcs;
   std::vector<Contact> contacts;
@@ -66,7 +67,7 @@ class CavityMap {
 
   /// Returns whether any component is filled.
   bool has_filled() const;
-  bool is_filled(ComponentNumber component) const { return is_filled_[component] != 0; }
+  bool is_filled(ComponentNumber component) const { return is_filled_[as_number(component)] != 0; }
   /// The filled cavities.
   std::vector<FilledCavity> filled() const;
 
@@ -88,7 +89,8 @@ class CavityMap {
   ComponentNumber component_of(const SurfaceModel& surface, const Arc& arc) const;
   /// Returns the component of a placement of a surface with the same probe.
   ComponentNumber component_of(std::span<const Atom> atoms, const ProbePlacement& placement) const;
-  /// Returns the component of a placement by its centre: 0 if no cavity has a placement there.
+  /// Returns the component of a placement by its centre: `outside_component` if no cavity has one
+  /// there.
   ComponentNumber component_of_placement(Vec3 center) const;
 
   /// Returns the component of a probe that touches a point of the surface, after `fill` by its
@@ -107,7 +109,7 @@ class CavityMap {
 
   /// The component of an accessible probe centre.
   struct Location {
-    ComponentNumber component = 0;
+    ComponentNumber component{};
     double clearance = 0;  ///< all points that are nearer to this one belong to it, too (angstrom)
   };
   /// Returns the component of a probe centre that is accessible up to rounding. `found` is scratch
@@ -119,7 +121,7 @@ class CavityMap {
 
   struct Placement {
     Vec3 center;
-    ComponentNumber component = 0;
+    ComponentNumber component{};
   };
 
   // SAS balls with a spatial index, which refers to them.
@@ -137,6 +139,7 @@ class CavityMap {
   void add_contacts(std::span<const std::pair<AtomIndex, WallAtom::Contact>> contacts);
   void add_surroundings(const SurfaceModel& surface, const Components& components);
   void choose_boxes();
+  Box& box_of(ComponentNumber cavity) { return boxes_[as_number(cavity) - std::size_t{1}]; }
   ComponentNumber component_near(Vec3 center) const;
   // Replaces `found` by the nearest balls. Returns the distance from them (angstrom).
   double find_nearest_balls(Vec3 center, std::vector<AtomIndex>& found) const;

@@ -67,7 +67,7 @@ class GapFinder {
       for (ClusterIndex cluster = layer.begin; cluster < layer.end; ++cluster) {
         const ClusterPatches& patches = sweep_.schedule().patches().of_cluster(cluster);
         for (const Arc& arc : patches.arcs) add_arc(arc);
-        const std::uint32_t first = layer.first_placement[cluster];
+        const std::uint32_t first = layer.first_placement[as_number(cluster)];
         for (std::uint32_t k = first; k < first + patches.placements.size(); ++k)
           if (surface().probe_radius > 0 && sweep_.placements().is_first(k)) compare(k);
       }
@@ -182,8 +182,8 @@ Closure closure_of(const Components& components, const SurfaceModel& surface) {
   std::vector<Sums> sums(components.count);
   for (const Wall& wall : components.walls) {
     if (wall.component == Components::outside && !wall.atom) continue;  // it bounds nothing
-    sums[wall.component].patches += wall.patches;
-    sums[wall.component].faces += wall.faces;
+    sums[as_number(wall.component)].patches += wall.patches;
+    sums[as_number(wall.component)].faces += wall.faces;
   }
   const double extent = extent_of(surface);
   Closure worst;

@@ -91,7 +91,7 @@ void ClusterMeasurement::measure(const Patches& all, ClusterIndex cluster, Clust
     terms.sums += sums;
     if (components_) sums_of(terms.roots, root).sums += sums;
   }
-  add_placements(patches, placements_.first_of_cluster()[cluster], scratch, terms);
+  add_placements(patches, placements_.first_of_cluster()[as_number(cluster)], scratch, terms);
 }
 
 // Placements that may cut others are looked up for the cluster, and then for a few placements near

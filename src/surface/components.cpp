@@ -63,7 +63,7 @@ void find_ends(const SurfaceModel& surface, const ClusterPatches& patches, const
 
 template <class Action>
 void for_each_complete(const SweepLayer& layer, Action&& action) {
-  for (ClusterIndex cluster = 0; cluster < layer.complete_end; ++cluster)
+  for (ClusterIndex cluster{}; cluster < layer.complete_end; ++cluster)
     if (layer.schedule.is_complete(cluster))
       action(cluster, layer.schedule.patches().of_cluster(cluster));
 }
@@ -125,18 +125,19 @@ std::vector<AtomIndex> touched_atoms(const SurfaceModel& surface, Vec3 center) {
   return found;
 }
 
-std::optional<std::uint32_t> Components::wall_at(AtomIndex atom, Vec3 direction) const {
+std::optional<WallIndex> Components::wall_at(AtomIndex atom, Vec3 direction) const {
   const std::uint32_t wall = wall_of_atom_[atom];
   if (wall == no_wall) return std::nullopt;
-  if (wall < split_begin_) return wall;
-  return node_of_face(divided_[wall - split_begin_].arcs, direction);
+  if (wall < split_begin_) return WallIndex{wall};
+  const auto node = node_of_face(divided_[wall - split_begin_].arcs, direction);
+  return node ? std::optional(WallIndex{*node}) : std::nullopt;
 }
 
-std::optional<std::uint32_t> Components::nearest_wall(AtomIndex atom, Vec3 direction) const {
+std::optional<WallIndex> Components::nearest_wall(AtomIndex atom, Vec3 direction) const {
   const std::uint32_t wall = wall_of_atom_[atom];
   if (wall == no_wall) return std::nullopt;
-  if (wall < split_begin_) return wall;
-  return node_of_nearest_arc(divided_[wall - split_begin_].arcs, direction);
+  if (wall < split_begin_) return WallIndex{wall};
+  return WallIndex{node_of_nearest_arc(divided_[wall - split_begin_].arcs, direction)};
 }
 
 ComponentFinder::ComponentFinder(const SurfaceModel& surface, Vec3 origin)
@@ -164,9 +165,10 @@ void ComponentFinder::add_nodes(const SweepLayer& layer) {
   for_each_complete(layer, [&](ClusterIndex cluster, const ClusterPatches& patches) {
     const auto arcs = static_cast<Node>(patches.arcs.size());
     const auto placements = static_cast<Node>(patches.placements.size());
-    if (first_node_[cluster] == no_node) first_node_[cluster] = sets_.add(arcs + placements);
+    Node& first = first_node_[as_number(cluster)];
+    if (first == no_node) first = sets_.add(arcs + placements);
     for (Node k = 0; k < placements; ++k)
-      placement_node_[layer.first_placement[cluster] + k] = first_node_[cluster] + arcs + k;
+      placement_node_[layer.first_placement[as_number(cluster)] + k] = first + arcs + k;
   });
 }
 
@@ -176,24 +178,24 @@ void ComponentFinder::connect_arcs(const SweepLayer& layer) {
   const AtomClusters& clusters = layer.schedule.patches().clusters();
   std::vector<ClusterIndex> chosen;
   for_each_complete(layer, [&](ClusterIndex cluster, const ClusterPatches&) {
-    if (are_connected_[cluster] == 0) chosen.push_back(cluster);
+    if (are_connected_[as_number(cluster)] == 0) chosen.push_back(cluster);
   });
   std::vector<std::vector<ArcMatch>> matches(chosen.size());
   for_each_index(chosen.size(), layer.threads, [&](std::size_t k) {
     const double high = clusters.heights(chosen[k]).high + look_up_slack;
-    const bool has_all_arcs = clusters.count_below(high) <= layer.complete_end;
+    const bool has_all_arcs = clusters.end_below(high) <= layer.complete_end;
     find_ends(surface_, layer.schedule.patches().of_cluster(chosen[k]), layer, has_all_arcs,
               matches[k]);
-    are_connected_[chosen[k]] = has_all_arcs ? 1 : 0;
+    are_connected_[as_number(chosen[k])] = has_all_arcs ? 1 : 0;
   });
   for (std::size_t k = 0; k < chosen.size(); ++k)
     for (const ArcMatch& match : matches[k])
-      sets_.unite(first_node_[chosen[k]] + match.arc, placement_node_[match.placement]);
+      sets_.unite(first_node_[as_number(chosen[k])] + match.arc, placement_node_[match.placement]);
   if (surface_.has_slack) return;
   for (std::uint32_t k = 0; k < layer.placements.size(); ++k) {
     for_each_arc_through(surface_, layer, *layer.placements[k],
                          [&](ClusterIndex of_arc, std::uint32_t arc) {
-                           sets_.unite(first_node_[of_arc] + arc, placement_node_[k]);
+                           sets_.unite(first_node_[as_number(of_arc)] + arc, placement_node_[k]);
                          });
     layer.tree.for_each_within(layer.centers[k], connected, [&](std::uint32_t other) {
       sets_.unite(placement_node_[k], placement_node_[other]);
@@ -269,7 +271,7 @@ void ComponentFinder::add(SharedCut cut) { cuts_.push_back(std::move(cut)); }
 
 void ComponentFinder::end_layer() {
   merge_sums();
-  std::erase_if(kept_, [&](const auto& kept) { return is_known_outside(sets_.root(kept.wall)); });
+  std::erase_if(kept_, [&](const auto& kept) { return is_known_outside(sets_.root(kept.node)); });
   std::erase_if(cuts_, [&](const SharedCut& cut) {
     const Node root = sets_.root(cut.node);
     return std::all_of(cut.cutters.begin(), cut.cutters.end(),
@@ -315,14 +317,15 @@ void ComponentFinder::add_face(Wall& wall, AtomIndex atom, const FaceIntegrals& 
 
 void ComponentFinder::add_divided_atom(AtomIndex atom, Components::DividedAtom& divided,
                                        std::vector<Wall>& walls) const {
-  for (const SphereArc& arc : divided.arcs) divided.walls.push_back(arc.node);
+  for (const SphereArc& arc : divided.arcs) divided.walls.push_back(WallIndex{arc.node});
   std::sort(divided.walls.begin(), divided.walls.end());
   divided.walls.erase(std::unique(divided.walls.begin(), divided.walls.end()), divided.walls.end());
   const Vec3 covered =
       std::min_element(divided.arcs.begin(), divided.arcs.end(), [](const auto& a, const auto& b) {
         return a.cap.cosine < b.cap.cosine;
       })->cap.axis;
-  for (const std::uint32_t wall : divided.walls) {
+  for (const WallIndex wall_index : divided.walls) {
+    const std::uint32_t wall = as_number(wall_index);
     SpherePart boundary;
     FaceIntegrals integrals;
     for (const SphereArc& arc : divided.arcs) {
@@ -377,10 +380,10 @@ void ComponentFinder::find_overlaps(const std::vector<Node>& labels, Components&
   SpherePartFinder finder;
   std::vector<SphericalCap> caps;
   for (const SharedCut& cut : cuts_) {
-    const std::uint32_t own = component_of(cut.node);
+    const ComponentIndex own = component_of(cut.node);
     caps.assign(cut.caps.begin(), cut.caps.begin() + cut.bound_count);
     for (std::size_t k = 0; k < cut.cutters.size(); ++k) {
-      const std::uint32_t other = component_of(cut.cutters[k]);
+      const ComponentIndex other = component_of(cut.cutters[k]);
       if (other == own)
         caps.push_back(cut.caps[cut.bound_count + k]);
       else
@@ -390,7 +393,7 @@ void ComponentFinder::find_overlaps(const std::vector<Node>& labels, Components&
     const SpherePart part = finder.find(caps);
     const double angle = part.solid_angle - cut.part.solid_angle;
     const Vec3 vector_area = p * p * (part.vector_area - cut.part.vector_area);
-    PatchSums& correction = components.corrections[own];
+    PatchSums& correction = components.corrections[as_number(own)];
     correction.concave += p * p * angle;
     correction.flux -= dot(cut.center, vector_area) + p * p * p * angle;
     correction.load += sphere_load(cut.center, -vector_area);
@@ -410,8 +413,8 @@ Components ComponentFinder::finish(const std::function<FaceIntegrals(AtomIndex)>
     wall.patches += sums.sums;
     wall.box = united(wall.box, sums.box);
   }
-  components.placements = std::move(kept_);
-  for (auto& placement : components.placements) placement.wall = labels[placement.wall];
+  for (const auto& [center, node] : kept_)
+    components.placements.push_back({center, WallIndex{labels[node]}});
   add_faces(labels, integrals_of, components);
   components.piece_of_atom = find_pieces(surface_);
   connect_walls(surface_, components);

@@ -20,6 +20,7 @@
 #include "surface/point_tree.hpp"
 #include "surface/sphere_faces.hpp"
 #include "system/disjoint_sets.hpp"
+#include "system/strong_index.hpp"
 
 namespace eses::detail {
 
@@ -32,6 +33,12 @@ Box united(const Box& a, const Box& b);
 /// Returns the atoms that a probe touches, ascending.
 std::vector<AtomIndex> touched_atoms(const SurfaceModel& surface, Vec3 center);
 
+/// Index of a wall in Components::walls.
+enum class WallIndex : std::uint32_t {};
+/// Index of a component of the set of accessible probe centres, see Components. In contrast,
+/// ComponentNumber follows the volumes of the voids.
+enum class ComponentIndex : std::uint32_t {};
+
 /// A wall of the set of accessible probe centres.
 struct Wall {
   PatchSums patches;
@@ -42,16 +49,16 @@ struct Wall {
   Box box = empty_box();            ///< box around the placements
   std::optional<AtomIndex> atom{};  ///< the first atom with a face on the wall
   bool encloses_atoms = false;      ///< whether the set of probe centres is outside of the wall
-  std::uint32_t component = 0;      ///< see Components
+  ComponentIndex component{};
 };
 
 /// The components of the set of accessible probe centres. Component 0 is the outside.
 class Components {
  public:
-  static constexpr std::uint32_t outside = 0;
+  static constexpr ComponentIndex outside{0};
 
   std::vector<Wall> walls;
-  std::uint32_t count = 1;
+  std::uint32_t count = 1;  ///< number of components
   /// By atom: the index of its piece of the molecule, see find_pieces.
   std::vector<std::uint32_t> piece_of_atom;
   /// By component: what to add to the sums of its walls, because only its own probes cut patches.
@@ -59,30 +66,32 @@ class Components {
   /// A placement on a wall.
   struct WallPlacement {
     Vec3 center;
-    std::uint32_t wall = 0;
+    WallIndex wall{};
   };
   /// The placements that ComponentFinder::keep has kept.
   std::vector<WallPlacement> placements;
   /// Pairs of components whose voids overlap, ascending. The first one of a pair is smaller.
-  std::vector<std::pair<std::uint32_t, std::uint32_t>> overlaps;
+  std::vector<std::pair<ComponentIndex, ComponentIndex>> overlaps;
 
-  /// Returns the index of the wall that has the face of an atom in this direction. Returns nothing
-  /// if the direction is in a cap, or if rounding decides.
-  std::optional<std::uint32_t> wall_at(AtomIndex atom, Vec3 direction) const;
+  const Wall& operator[](WallIndex wall) const { return walls[as_number(wall)]; }
 
-  /// Returns the index of the wall that has the arc of an atom nearest to a direction, which must
-  /// be accessible up to rounding. Returns nothing if the atom has no face.
-  std::optional<std::uint32_t> nearest_wall(AtomIndex atom, Vec3 direction) const;
+  /// Returns the wall that has the face of an atom in this direction. Returns nothing if the
+  /// direction is in a cap, or if rounding decides.
+  std::optional<WallIndex> wall_at(AtomIndex atom, Vec3 direction) const;
+
+  /// Returns the wall that has the arc of an atom nearest to a direction, which must be accessible
+  /// up to rounding. Returns nothing if the atom has no face.
+  std::optional<WallIndex> nearest_wall(AtomIndex atom, Vec3 direction) const;
 
   bool has_face(AtomIndex atom) const { return wall_of_atom_[atom] != no_wall; }
 
-  /// Calls `action(wall)` once for the index of each wall that has a face of the atom.
+  /// Calls `action(wall)` once for each wall that has a face of the atom.
   template <class Action>
   void for_each_wall_of(AtomIndex atom, Action&& action) const {
     const std::uint32_t wall = wall_of_atom_[atom];
     if (wall == no_wall) return;
-    if (wall < split_begin_) return action(wall);
-    for (const std::uint32_t each : divided_[wall - split_begin_].walls) action(each);
+    if (wall < split_begin_) return action(WallIndex{wall});
+    for (const WallIndex each : divided_[wall - split_begin_].walls) action(each);
   }
 
   /// The arcs of an atom with faces on several walls. Their nodes are indices of walls. Empty for
@@ -99,8 +108,8 @@ class Components {
 
   // An atom with faces on several walls.
   struct DividedAtom {
-    std::vector<SphereArc> arcs;       // SphereArc::node is the index of the wall
-    std::vector<std::uint32_t> walls;  // ascending
+    std::vector<SphereArc> arcs;   // SphereArc::node is the index of the wall
+    std::vector<WallIndex> walls;  // ascending
   };
 
   std::vector<std::uint32_t> wall_of_atom_;  // from split_begin_: an index into `divided_`
@@ -156,7 +165,7 @@ class ComponentFinder {
   /// The root of an arc, or of a placement, of a complete cluster in the current layer. Several
   /// threads may call them.
   Node root_of_arc(ClusterIndex cluster, std::size_t arc) const {
-    return sets_.root(first_node_[cluster] + static_cast<Node>(arc));
+    return sets_.root(first_node_[as_number(cluster)] + static_cast<Node>(arc));
   }
   Node root_of_placement(std::uint32_t number) const { return sets_.root(placement_node_[number]); }
   /// Returns whether this root of the current layer is already connected with the outside.
@@ -189,6 +198,11 @@ class ComponentFinder {
  private:
   static constexpr Node no_node = 0xffffffff;
 
+  struct KeptPlacement {
+    Vec3 center;
+    Node node;
+  };
+
   void add_nodes(const SweepLayer& layer);
   void connect_arcs(const SweepLayer& layer);
   void connect_faces_of_atoms(const SweepLayer& layer);
@@ -212,9 +226,9 @@ class ComponentFinder {
   std::vector<Node> placement_node_;  // by placement of the layer
   std::vector<RootSums> sums_;
   std::vector<SharedCut> cuts_;
-  std::vector<Components::WallPlacement> kept_;  // with nodes instead of walls
-  AtomIndex lowest_atom_ = 0;                    // it has a face outside
-  Node outside_root_ = no_node;                  // in the current layer, if known
+  std::vector<KeptPlacement> kept_;
+  AtomIndex lowest_atom_ = 0;    // it has a face outside
+  Node outside_root_ = no_node;  // in the current layer, if known
 };
 
 }  // namespace eses::detail

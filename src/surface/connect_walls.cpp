@@ -41,8 +41,8 @@ struct RankedAtom {
   Vec3 direction;  // from the centre of the atom to the point
 };
 
-std::optional<std::uint32_t> wall_of_first(const Components& components,
-                                           std::vector<RankedAtom>& ranked) {
+std::optional<WallIndex> wall_of_first(const Components& components,
+                                       std::vector<RankedAtom>& ranked) {
   std::sort(ranked.begin(), ranked.end(), [](const RankedAtom& a, const RankedAtom& b) {
     return std::pair(a.rank, a.atom) < std::pair(b.rank, b.atom);
   });
@@ -99,23 +99,28 @@ class WallConnector {
       const Vec3 center = 0.5 * (box.low + box.high);
       const std::vector<AtomIndex> touched = touched_atoms(surface_, center);
       if (is_trapped(touched, center)) continue;
-      std::optional<std::uint32_t> wall;
+      std::optional<WallIndex> wall;
       for (std::size_t k = 0; k < touched.size() && !wall; ++k)
         wall = components_.nearest_wall(touched[k],
                                         normalized(center - surface_.atoms[touched[k]].center));
-      sets_.unite(wall ? *wall + 1 : 0, w + 1);
+      sets_.unite(element_of(wall), w + 1);
     }
   }
 
   void set_components() {
     const std::vector<DisjointSets::Element> labels = sets_.labels();
     for (std::uint32_t w = 0; w < components_.walls.size(); ++w) {
-      components_.walls[w].component = labels[w + 1];
+      components_.walls[w].component = ComponentIndex{labels[w + 1]};
       components_.count = std::max(components_.count, labels[w + 1] + 1);
     }
   }
 
  private:
+  // Returns the element of a wall in `sets_`, or that of the outside.
+  static DisjointSets::Element element_of(std::optional<WallIndex> wall) {
+    return wall ? as_number(*wall) + 1 : 0;
+  }
+
   double height_of(AtomIndex i) const {
     return dot(surface_.atoms[i].center, along_) + surface_.atoms[i].radius + surface_.probe_radius;
   }
@@ -141,13 +146,13 @@ class WallConnector {
     bool is_hit = false;
     const auto next = next_wall(*extreme.atom, point, top_ - extreme.height, is_hit);
     if (is_hit && !next) return false;
-    components_.walls[*wall].encloses_atoms = true;
-    sets_.unite(*wall + 1, next ? *next + 1 : 0);
+    components_.walls[as_number(*wall)].encloses_atoms = true;
+    sets_.unite(element_of(wall), element_of(next));
     return true;
   }
 
   // If rounding hides the face of the extreme atom, the next one is nearly equal to it.
-  std::optional<std::uint32_t> wall_at_extreme(AtomIndex extreme, Vec3 point) {
+  std::optional<WallIndex> wall_at_extreme(AtomIndex extreme, Vec3 point) {
     if (const auto wall = components_.wall_at(extreme, along_)) return wall;
     surface_.tree().find_reaching(point, surface_.probe_radius + look_up_slack, found_);
     ranked_.clear();
@@ -162,7 +167,7 @@ class WallConnector {
 
   // Returns the wall of the first SAS ball of another piece on a ray from an extreme point. Sets
   // whether there is such a ball.
-  std::optional<std::uint32_t> next_wall(AtomIndex start, Vec3 from, double length, bool& is_hit) {
+  std::optional<WallIndex> next_wall(AtomIndex start, Vec3 from, double length, bool& is_hit) {
     for (double begin = 0; begin < length; begin += ray_step) {
       Box box{from + begin * along_, from + begin * along_};
       box.include(from + (begin + ray_step) * along_);

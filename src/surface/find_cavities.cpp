@@ -32,7 +32,7 @@ std::optional<Components> sweep_components(const std::shared_ptr<ScheduledSurfac
     if (!is_consistent) return true;
     finder.begin_layer(layer);
     for (ClusterIndex cluster = layer.begin; cluster < layer.end; ++cluster) {
-      const std::uint32_t first = layer.first_placement[cluster];
+      const std::uint32_t first = layer.first_placement[as_number(cluster)];
       const std::size_t count = patches.of_cluster(cluster).placements.size();
       roots.clear();
       for (std::uint32_t k = first; k < first + count; ++k) {

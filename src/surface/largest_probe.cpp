@@ -93,7 +93,7 @@ double depth_in_tetrahedron(const std::array<Vec3, 4>& corners) {
 
 class Search {
  public:
-  Search(const SurfaceModel& surface, const Components& components, std::uint32_t component,
+  Search(const SurfaceModel& surface, const Components& components, ComponentIndex component,
          const Box& centers, std::span<const AtomIndex> adjacent)
       : surface_(surface), components_(components), component_(component) {
     has_faces_ =
@@ -145,13 +145,13 @@ class Search {
 
   // Returns the component of a point outside of all SAS balls. The faces of a tiny component are
   // too small to be kept; then it is the one that is searched.
-  std::optional<std::uint32_t> component_at(const NearAtom& nearest, Vec3 point) const {
+  std::optional<ComponentIndex> component_at(const NearAtom& nearest, Vec3 point) const {
     const Vec3 offset = point - nearest.center;
     const double length = norm(offset);
     if (length == 0) return std::nullopt;
     if (!has_faces_) return component_;
     const auto wall = components_.nearest_wall(nearest.index, (1 / length) * offset);
-    return wall ? std::optional(components_.walls[*wall].component) : std::nullopt;
+    return wall ? std::optional(components_[*wall].component) : std::nullopt;
   }
 
   bool is_settled(Vec3 center, double size) const {
@@ -292,7 +292,7 @@ class Search {
 
   const SurfaceModel& surface_;
   const Components& components_;
-  std::uint32_t component_;
+  ComponentIndex component_;
   bool has_faces_ = true;
   std::vector<NearAtom> all_;
   std::vector<Cell> open_;    // a heap
@@ -306,7 +306,7 @@ class Search {
 }  // namespace
 
 LargestProbe find_largest_probe(const SurfaceModel& surface, const Components& components,
-                                std::uint32_t component, const Box& centers,
+                                ComponentIndex component, const Box& centers,
                                 std::span<const AtomIndex> atoms) {
   return Search(surface, components, component, centers, atoms).best();
 }

@@ -1,7 +1,6 @@
 #pragma once
 /// The largest sphere that fits into a cavity.
 
-#include <cstdint>
 #include <span>
 
 #include "geometry/box.hpp"
@@ -21,7 +20,7 @@ struct LargestProbe {
 /// evaluations. `centers` is a box around the component, and `atoms` are the atoms that its probes
 /// touch.
 LargestProbe find_largest_probe(const SurfaceModel& surface, const Components& components,
-                                std::uint32_t component, const Box& centers,
+                                ComponentIndex component, const Box& centers,
                                 std::span<const AtomIndex> atoms);
 
 }  // namespace eses::detail

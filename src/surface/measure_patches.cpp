@@ -131,24 +131,25 @@ class PatchMeasurement {
     if (finder_) finder_->begin_layer(layer);
     // A single thread adds the terms of each cluster at once, while they are in the cache. Several
     // threads measure all clusters first.
-    const ClusterIndex at_once = settings_.threads == 1 ? 1 : layer.end - layer.begin;
-    for (ClusterIndex next = layer.begin; next < layer.end; next += at_once)
-      if (!measure_clusters(next, std::min(next + at_once, layer.end))) return false;
+    const std::uint32_t end = as_number(layer.end);
+    const std::uint32_t at_once = settings_.threads == 1 ? 1 : end - as_number(layer.begin);
+    for (std::uint32_t next = as_number(layer.begin); next < end; next += at_once)
+      if (!measure_clusters(ClusterIndex{next}, std::min(at_once, end - next))) return false;
     if (finder_) finder_->end_layer();
     return true;
   }
 
   // Returns false if a decision depends on the slack.
-  bool measure_clusters(ClusterIndex begin, ClusterIndex end) {
+  bool measure_clusters(ClusterIndex begin, std::uint32_t count) {
     const Patches& patches = sweep_.schedule().patches();
     const ClusterMeasurement measurement(sweep_.placements(), sums_.faces(), settings_, origin_,
                                          finder_ ? &*finder_ : nullptr);
     std::atomic<bool> is_regular_so_far = true;
-    terms_.resize(std::max<std::size_t>(terms_.size(), end - begin));
-    parallel_for(end - begin, settings_.threads, [&](std::int64_t k, int thread) {
+    terms_.resize(std::max<std::size_t>(terms_.size(), count));
+    parallel_for(count, settings_.threads, [&](std::int64_t k, int thread) {
       // A layer can take long. The calling thread serves signals.
       if (thread == 0 && settings_.check) settings_.check();
-      const ClusterIndex cluster = begin + static_cast<ClusterIndex>(k);
+      const ClusterIndex cluster{as_number(begin) + static_cast<std::uint32_t>(k)};
       ClusterScratch& scratch = scratch_[static_cast<std::size_t>(thread)];
       if (surface_.has_slack && !is_regular(surface_, patches.of_cluster(cluster), scratch))
         is_regular_so_far = false;
@@ -157,9 +158,9 @@ class PatchMeasurement {
     });
     if (!is_regular_so_far) return false;
     // The order of the sums does not depend on the threads.
-    for (ClusterIndex cluster = begin; cluster < end; ++cluster) {
-      const ClusterTerms& terms = terms_[cluster - begin];
-      sums_.add(patches, cluster, terms);
+    for (std::uint32_t k = 0; k < count; ++k) {
+      const ClusterTerms& terms = terms_[k];
+      sums_.add(patches, ClusterIndex{as_number(begin) + k}, terms);
       if (!finder_) continue;
       for (const ComponentFinder::RootSums& sums : terms.roots) finder_->add(sums);
       for (const SharedCut& cut : terms.cuts) finder_->add(cut);

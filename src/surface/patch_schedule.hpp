@@ -13,7 +13,7 @@ namespace eses::detail {
 /// A step of building the patches of a cluster. See Patches.
 struct BuildStep {
   enum class Kind : std::uint8_t { find_arcs, complete } kind = Kind::find_arcs;
-  ClusterIndex cluster = 0;
+  ClusterIndex cluster{};
 };
 
 /// The schedule of the steps, in ascending order of heights. A step is returned when the steps on
@@ -40,8 +40,8 @@ class PatchSchedule {
   bool is_ready(double up_to) const;
   /// Returns whether the patches of a cluster are complete and not yet freed.
   bool is_complete(ClusterIndex cluster) const {
-    return stages_[cluster] == Stage::complete && patches_.is_open(cluster) &&
-           is_passed_[cluster] == 0;
+    return stages_[as_number(cluster)] == Stage::complete && patches_.is_open(cluster) &&
+           is_passed_[as_number(cluster)] == 0;
   }
 
   /// Frees patches that are not required at or above this height.
@@ -78,12 +78,12 @@ class PatchSchedule {
   std::vector<Stage> stages_;      // by cluster
   bool keeps_passed_ = false;
   std::vector<std::uint8_t> is_passed_;  // by cluster: whether the sweep has passed and kept it
-  ClusterIndex next_arcs_ = 0, next_complete_ = 0;  // the next clusters to be scheduled
-  ClusterIndex arcs_before_ = 0;      // all clusters before it that need arcs have them
-  ClusterIndex complete_before_ = 0;  // all clusters before it that must be complete are complete
-  ClusterIndex open_begin_ = 0, open_end_ = 0;  // all open clusters are in this range
-  ClusterIndex highest_before_ = 0;             // number of clusters that `highest_` includes
-  double highest_;                              // maximum height of the clusters to be completed
+  ClusterIndex next_arcs_{}, next_complete_{};  // the next clusters to be scheduled
+  ClusterIndex arcs_before_{};                  // all clusters before it that need arcs have them
+  ClusterIndex complete_before_{};  // all clusters before it that must be complete are complete
+  ClusterIndex open_begin_{}, open_end_{};  // all open clusters are in this range
+  ClusterIndex highest_before_{};           // `highest_` includes all clusters before it
+  double highest_;                          // maximum height of the clusters to be completed
 };
 
 /// A surface and the schedule of its patches.

@@ -14,7 +14,7 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 
 // Number of clusters in a layer. It bounds the memory, and is much larger than the number of
 // threads.
-constexpr ClusterIndex clusters_per_layer = 128;
+constexpr std::uint32_t clusters_per_layer = 128;
 
 }  // namespace
 
@@ -27,12 +27,11 @@ PatchSweep::PatchSweep(std::shared_ptr<ScheduledSurface> scheduled, const Placem
       scratch_(static_cast<std::size_t>(threads)) {}
 
 bool PatchSweep::run(const std::function<bool(const SweepLayer& layer)>& visit) {
-  const ClusterIndex count = scheduled_->schedule.patches().clusters().count();
-  for (ClusterIndex begin = 0; begin < count;) {
+  const std::uint32_t count = scheduled_->schedule.patches().clusters().count();
+  for (std::uint32_t begin = 0; begin < count; begin += clusters_per_layer) {
     if (check_) check_();
-    const ClusterIndex end = std::min(begin + clusters_per_layer, count);
-    if (!visit_layer(begin, end, visit)) return false;
-    begin = end;
+    const std::uint32_t end = std::min(begin + clusters_per_layer, count);
+    if (!visit_layer(ClusterIndex{begin}, ClusterIndex{end}, visit)) return false;
   }
   return true;
 }
@@ -48,11 +47,11 @@ bool PatchSweep::visit_layer(ClusterIndex begin, ClusterIndex end,
     high = std::max(high, clusters.heights(cluster).high);
   if (!build_patches(high + reach)) return false;
   placements_.reset(schedule());
-  if (!visit({schedule(), begin, end, clusters.count_below(high + 2 * reach),
+  if (!visit({schedule(), begin, end, clusters.end_below(high + 2 * reach),
               placements_.placements(), placements_.centers(), placements_.tree(),
               placements_.first_of_cluster(), placements_.first_of_node(), threads_}))
     return false;
-  for (ClusterIndex cluster = end; cluster < clusters.count(); ++cluster)
+  for (ClusterIndex cluster = end; cluster < clusters.end(); ++cluster)
     low = std::min(low, clusters.heights(cluster).low);
   scheduled_->schedule.pass(low - reach);
   return true;

@@ -197,19 +197,19 @@ Patches::Patches(const SurfaceModel& surface, bool has_bounds)
       clusters_patches_(clusters_.count()) {}
 
 void Patches::open(ClusterIndex cluster) {
-  auto& patches = clusters_patches_[cluster];
+  auto& patches = clusters_patches_[as_number(cluster)];
   const std::size_t count = clusters_.members(cluster).size();
   patches = std::make_unique<ClusterPatches>();
   patches->face_directions.resize(count);
   patches->found.has_arc.resize(count);
 }
 
-void Patches::close(ClusterIndex cluster) { clusters_patches_[cluster].reset(); }
+void Patches::close(ClusterIndex cluster) { clusters_patches_[as_number(cluster)].reset(); }
 
 void Patches::find_arcs(ClusterIndex cluster, Scratch& scratch) {
   BuiltPatches& built = scratch.built;
   build_atom_patches(surface_, clusters_.members(cluster), burial_, scratch.atoms, built);
-  ClusterPatches& patches = *clusters_patches_[cluster];
+  ClusterPatches& patches = patches_of(cluster);
   patches.exposure = built.exposure;
   patches.face_begin = begins_of(built.face_count);
   patches.face_neighbours = built.face_neighbours;
@@ -240,14 +240,13 @@ void Patches::record_arc(const Arc& arc) {
 void Patches::extend_face(AtomIndex atom, const Box& directions) {
   const auto [cluster, member] = clusters_.position_of(atom);
   if (!is_open(cluster)) return;
-  clusters_patches_[cluster]->face_directions[member].include(directions);
+  patches_of(cluster).face_directions[member].include(directions);
 }
 
 void Patches::mark_exposed(AtomIndex atom) {
   const auto [cluster, member] = clusters_.position_of(atom);
   if (!is_open(cluster)) return;
-  std::atomic_ref(clusters_patches_[cluster]->found.has_arc[member])
-      .store(1, std::memory_order_relaxed);
+  std::atomic_ref(patches_of(cluster).found.has_arc[member]).store(1, std::memory_order_relaxed);
 }
 
 void Patches::record_placements(std::span<const PlacementKey> keys) {
@@ -260,14 +259,14 @@ void Patches::record_placements(std::span<const PlacementKey> keys) {
     end = std::find_if(begin, keys.end(),
                        [&](const PlacementKey& key) { return cluster_of(key) != cluster; });
     if (!is_open(cluster)) continue;
-    ClusterPatches::Found& found = clusters_patches_[cluster]->found;
+    ClusterPatches::Found& found = patches_of(cluster).found;
     const std::lock_guard lock(found.mutex);
     found.placements.insert(found.placements.end(), begin, end);
   }
 }
 
 void Patches::complete(ClusterIndex cluster) {
-  ClusterPatches& patches = *clusters_patches_[cluster];
+  ClusterPatches& patches = patches_of(cluster);
   const std::span<const AtomIndex> members = clusters_.members(cluster);
   for (std::size_t m = 0; m < members.size(); ++m) {
     AtomExposure& exposure = patches.exposure[m];
@@ -282,7 +281,7 @@ void Patches::complete(ClusterIndex cluster) {
 }
 
 void Patches::drop_filled(ClusterIndex cluster) {
-  ClusterPatches& patches = *clusters_patches_[cluster];
+  ClusterPatches& patches = patches_of(cluster);
   drop_filled_patches(clusters_.members(cluster), patches);
   if (has_bounds_) patches.crowded = list_crowded_patches(surface_, patches);
 }
@@ -302,7 +301,7 @@ void Patches::extend_face_to_poles(AtomIndex atom) {
     if (is_hidden[pole]) continue;
     Vec3 direction;
     direction[pole / 2] = pole % 2 == 0 ? -1 : 1;
-    clusters_patches_[cluster]->face_directions[member].include({direction, direction});
+    patches_of(cluster).face_directions[member].include({direction, direction});
   }
 }
 

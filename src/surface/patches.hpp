@@ -123,19 +123,24 @@ class Patches {
   /// Frees a cluster. All needed clusters whose heights overlap its own must be complete.
   void close(ClusterIndex cluster);
 
-  bool is_open(ClusterIndex cluster) const { return clusters_patches_[cluster] != nullptr; }
+  bool is_open(ClusterIndex cluster) const {
+    return clusters_patches_[as_number(cluster)] != nullptr;
+  }
 
   /// Returns the patches of a complete cluster.
   const ClusterPatches& of_cluster(ClusterIndex cluster) const {
-    return *clusters_patches_[cluster];
+    return *clusters_patches_[as_number(cluster)];
   }
   /// Returns the patches of an atom whose cluster is complete.
   AtomPatches of(AtomIndex atom) const {
     const auto [cluster, member] = clusters_.position_of(atom);
-    return {clusters_patches_[cluster].get(), member};
+    return {clusters_patches_[as_number(cluster)].get(), member};
   }
 
  private:
+  ClusterPatches& patches_of(ClusterIndex cluster) {
+    return *clusters_patches_[as_number(cluster)];
+  }
   void record_arc(const Arc& arc);
   void mark_exposed(AtomIndex atom);
   void extend_face(AtomIndex atom, const Box& directions);

@@ -13,8 +13,8 @@ void PlacementIndex::reset(const PatchSchedule& schedule) {
   centers_.clear();
   center_list_.clear();
   first_of_cluster_.resize(patches.clusters().count());
-  for (ClusterIndex cluster = 0; cluster < patches.clusters().count(); ++cluster) {
-    first_of_cluster_[cluster] = static_cast<std::uint32_t>(placements_.size());
+  for (ClusterIndex cluster{}; cluster < patches.clusters().end(); ++cluster) {
+    first_of_cluster_[as_number(cluster)] = static_cast<std::uint32_t>(placements_.size());
     if (!schedule.is_complete(cluster)) continue;
     for (const ProbePlacement& placement : patches.of_cluster(cluster).placements) {
       placements_.push_back(&placement);

@@ -23,16 +23,15 @@ struct ComponentShape {
 
 std::vector<ComponentShape> shapes_of(const SurfaceModel& surface, const Components& components) {
   std::vector<ComponentShape> shapes(components.count);
-  const auto add = [&](std::uint32_t component, AtomIndex i) {
-    std::vector<AtomIndex>& atoms = shapes[component].atoms;
+  const auto add = [&](ComponentIndex component, AtomIndex i) {
+    std::vector<AtomIndex>& atoms = shapes[as_number(component)].atoms;
     if (component != Components::outside && (atoms.empty() || atoms.back() != i))
       atoms.push_back(i);
   };
   for (AtomIndex i = 0; i < surface.atoms.size(); ++i)
-    components.for_each_wall_of(
-        i, [&](std::uint32_t wall) { add(components.walls[wall].component, i); });
+    components.for_each_wall_of(i, [&](WallIndex wall) { add(components[wall].component, i); });
   for (const Wall& wall : components.walls) {
-    ComponentShape& shape = shapes[wall.component];
+    ComponentShape& shape = shapes[as_number(wall.component)];
     if (wall.component == Components::outside) continue;
     shape.box = united(shape.box, wall.box);
     if (!wall.atom) shape.atoms = touched_atoms(surface, 0.5 * (wall.box.low + wall.box.high));

@@ -11,8 +11,8 @@ namespace eses::detail::test {
 
 /// Builds the patches of all atoms.
 inline void build_all_patches(Patches& patches, int threads) {
-  const ClusterIndex count = patches.clusters().count();
-  for (ClusterIndex cluster = 0; cluster < count; ++cluster) patches.open(cluster);
+  const std::uint32_t count = patches.clusters().count();
+  for (std::uint32_t cluster = 0; cluster < count; ++cluster) patches.open(ClusterIndex{cluster});
   std::vector<Patches::Scratch> scratch(static_cast<std::size_t>(threads));
   parallel_for(count, threads, [&](std::int64_t cluster, int thread) {
     patches.find_arcs(static_cast<ClusterIndex>(cluster),

@@ -141,11 +141,11 @@ AtomIndex nearest_atom(const std::vector<Atom>& atoms, Vec3 point) {
 }
 
 /// The component of a free point, or nothing if rounding decides.
-std::optional<std::uint32_t> component_at(const Components& components,
-                                          const std::vector<Atom>& atoms, Vec3 point) {
+std::optional<ComponentIndex> component_at(const Components& components,
+                                           const std::vector<Atom>& atoms, Vec3 point) {
   const AtomIndex nearest = nearest_atom(atoms, point);
   const auto wall = components.wall_at(nearest, normalized(point - atoms[nearest].center));
-  return wall ? std::optional(components.walls[*wall].component) : std::nullopt;
+  return wall ? std::optional(components[*wall].component) : std::nullopt;
 }
 
 void check_against_flood_fill(const std::vector<Atom>& atoms, double probe, double spacing) {
@@ -158,7 +158,7 @@ void check_against_flood_fill(const std::vector<Atom>& atoms, double probe, doub
   CHECK(components.count == measures.cavities.size() + 1);
   // The points of each component of the grid are in the same component.
   for (std::size_t k = 0; k < fill.component_count(); ++k) {
-    std::set<std::uint32_t> found;
+    std::set<ComponentIndex> found;
     for (const Vec3 point : fill.points(k))
       if (const auto component = component_at(components, atoms, point)) found.insert(*component);
     CHECK(found.size() == 1);

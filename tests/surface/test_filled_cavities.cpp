@@ -99,15 +99,14 @@ class Oracle {
     const auto wall = components_.wall_at(static_cast<AtomIndex>(nearest - atoms_.begin()),
                                           normalized(point - nearest->center));
     if (!wall) return false;
-    const std::uint32_t component = components_.walls[*wall].component;
+    const ComponentIndex component = components_[*wall].component;
     if (component == Components::outside) return false;
     // The cavity with the atoms of the component around the point.
     std::vector<AtomIndex> atoms;
     for (AtomIndex i = 0; i < atoms_.size(); ++i) {
       bool has_face = false;
-      components_.for_each_wall_of(i, [&](std::uint32_t w) {
-        has_face = has_face || components_.walls[w].component == component;
-      });
+      components_.for_each_wall_of(
+          i, [&](WallIndex w) { has_face = has_face || components_[w].component == component; });
       if (has_face) atoms.push_back(i);
     }
     return std::any_of(filled_.begin(), filled_.end(),

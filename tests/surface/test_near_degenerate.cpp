@@ -213,8 +213,9 @@ void check_components(const NearDegenerateSet& set) {
   CHECK_NOTHROW(find_pockets(bare, {.large_probe_radius = 1.7 * set.probe_radius + 0.3,
                                     .spacing = std::min(0.5, 0.8 * set.probe_radius),
                                     .threads = 1}));
-  CHECK_NOTHROW(find_cavities(Molecule(set.atoms),
-                              {.probe_radius = set.probe_radius, .kept_component = 0}, false));
+  CHECK_NOTHROW(find_cavities(
+      Molecule(set.atoms), {.probe_radius = set.probe_radius, .kept_component = outside_component},
+      false));
 }
 
 }  // namespace

@@ -231,7 +231,7 @@ TEST_CASE("each placement belongs to its lowest atom, once") {
 // were open at once.
 std::size_t max_window(PatchSchedule& schedule, double low, double high, double step,
                        const std::function<void(const Patches&, double top)>& look) {
-  const ClusterIndex count = schedule.patches().clusters().count();
+  const ClusterIndex end = schedule.patches().clusters().end();
   Patches::Scratch scratch;
   std::size_t largest = 0;
   for (double top = low + step; top <= high; top += step) {
@@ -246,7 +246,7 @@ std::size_t max_window(PatchSchedule& schedule, double low, double high, double 
       schedule.finish(*next);
     }
     std::size_t open = 0;
-    for (ClusterIndex cluster = 0; cluster < count; ++cluster)
+    for (ClusterIndex cluster{}; cluster < end; ++cluster)
       open += schedule.patches().is_open(cluster) ? 1 : 0;
     largest = std::max(largest, open);
     look(schedule.patches(), top);
