@@ -82,7 +82,7 @@ std::size_t atoms_that_lose(const NamedInterface& interface) {
 std::string side_text(std::string_view name, const std::vector<BuriedResidue>& residues) {
   constexpr std::size_t max_columns = 96;
   std::string text,
-      line = formatted("  {}: {}", one_line(name), counted(residues.size(), "residue"));
+      line = formatted("  {}: {}", shown_name(name), counted(residues.size(), "residue"));
   std::string_view separator = ": ";
   for (const BuriedResidue& residue : residues) {
     const std::string item =
@@ -107,8 +107,8 @@ std::string lost_text(double lost, double alone) {
 /// Returns the line about what both parts lose.
 std::string lost_line(const char* surface, const BuriedArea& area,
                       const NamedInterface& interface) {
-  return formatted("  {} lost by {}: {}; by {}: {}\n", surface, one_line(interface.first),
-                   lost_text(area.first, area.first_alone), one_line(interface.second),
+  return formatted("  {} lost by {}: {}; by {}: {}\n", surface, shown_name(interface.first),
+                   lost_text(area.first, area.first_alone), shown_name(interface.second),
                    lost_text(area.second, area.second_alone));
 }
 
@@ -135,10 +135,10 @@ std::string interface_report(const InterfaceOptions& options, const InterfaceFil
   }
   for (const NamedInterface& interface : file.interfaces) {
     const Interface& areas = interface.areas;
-    text +=
-        formatted("{} and {}: SAS interface area {:.4f} ({:.4f} polar, {:.4f} apolar)\n",
-                  one_line(interface.first), one_line(interface.second), areas.sas.interface_area(),
-                  area_of(file, interface, true), area_of(file, interface, false));
+    text += formatted("{} and {}: SAS interface area {:.4f} ({:.4f} polar, {:.4f} apolar)\n",
+                      shown_name(interface.first), shown_name(interface.second),
+                      areas.sas.interface_area(), area_of(file, interface, true),
+                      area_of(file, interface, false));
     text += lost_line("SAS", areas.sas, interface) + lost_line("SES", areas.ses, interface);
     const std::vector<BuriedResidue> residues = residues_of(options, file, interface);
     text += side_text(interface.first, residues_of_part(residues, areas.first)) +

@@ -71,7 +71,8 @@ std::string chains_text(const SurfaceChoice& surfaces, const MeasuredFile& file)
   std::size_t shown = 0;
   for (const auto& [name, chain] : chains) {
     if (shown++ == max_chains) break;
-    text += formatted("chain {}: {}", one_line(name), counted(chain.atoms, "atom"));
+    text += formatted("{}{}: {}", name.empty() ? "" : "chain ", shown_name(name),
+                      counted(chain.atoms, "atom"));
     if (surfaces.has_ses()) text += formatted(", SES area {:.4f}", chain.ses);
     text += formatted(", SAS area {:.4f}\n", chain.sas);
   }

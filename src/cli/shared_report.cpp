@@ -184,6 +184,8 @@ std::string structure_text(const StructureReport& report) {
                    other_assemblies_text(report));
 }
 
+std::string shown_name(std::string_view name) { return name.empty() ? "no chain" : one_line(name); }
+
 std::uint64_t left_out_atoms(const StructureReport& report) {
   std::uint64_t atoms = 0;
   for (const Count& count : dropped_counts) atoms += report.*count.member;

@@ -36,6 +36,9 @@ std::string csv_heading(const Json& record);
 /// is one field, with blanks between its numbers, or semicolons between its texts.
 std::string csv_row(const Json& record);
 
+/// Returns the name of a chain or part for reports. Chains may have no name.
+std::string shown_name(std::string_view name);
+
 /// Returns the number of atoms that were left out.
 std::uint64_t left_out_atoms(const StructureReport& report);
 

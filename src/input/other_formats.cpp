@@ -62,7 +62,9 @@ constexpr std::array other_formats{
     OtherFormat{"mmJSON", ".json", "convert it with `gemmi convert FILE FILE.cif`"},
     OtherFormat{"MMTF", ".mmtf",
                 "convert it with `pymol -cq FILE -d 'save FILE.cif'`, or get the entry as .cif"},
-    OtherFormat{"BinaryCIF", ".bcif", "get the entry as .cif or .cif.gz, which are read directly"},
+    OtherFormat{"BinaryCIF", ".bcif",
+                "get the entry as .cif or .cif.gz, which are read directly, or use "
+                "`eses.measure` in Python"},
     OtherFormat{"AutoDock PDBQT", ".pdbqt", open_babel_pdbqt},
     OtherFormat{"PyMOL session", ".pse", pymol},
     OtherFormat{"ChimeraX session", ".cxs",

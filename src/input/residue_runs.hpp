@@ -18,7 +18,8 @@ inline bool is_same_residue(const AtomLabel& a, const AtomLabel& b) {
 
 /// Returns the name of a residue with its chain and number, such as A:LYS 12.
 inline std::string residue_name(const AtomLabel& label) {
-  return formatted("{}:{} {}", label.chain, label.residue, label.residue_number);
+  return formatted("{}{}{} {}", label.chain, label.chain.empty() ? "" : ":", label.residue,
+                   label.residue_number);
 }
 
 /// Runs of consecutive atoms with the same chain, residue number and residue name.

@@ -174,6 +174,17 @@ TEST_CASE("interface: all pairs of chains that touch, as text, JSON and tables")
   CHECK(contains(atoms.out, fmt::format("\nA,B,1,N,ALA,1,A,N,1,{:.6f},", lost_sas())));
 }
 
+TEST_CASE("interface: chains without a name are named so") {
+  const Sandbox box;
+  write_file(box.directory() / "blank.pqr",
+             atom_line(1, " N", "ALA", 'A', 0) + atom_line(2, " C1", "HEM", ' ', distance));
+  const Outcome outcome = box.run({"interface", "blank.pqr"});
+  CHECK(contains(outcome.out, "A and no chain: SAS interface area"));
+  CHECK(contains(outcome.out, "; by no chain: "));
+  CHECK(contains(outcome.out, fmt::format("  no chain: 1 residue: HEM 2 {:.1f}\n", lost_sas())));
+  CHECK(contains(box.run({"measure", "blank.pqr"}).out, "\nno chain: 1 atom, SES area "));
+}
+
 TEST_CASE("interface: groups, ligands and cutoffs choose what is measured") {
   const Complex box;
   const Outcome groups = box.run({"interface", "dimer.pqr", "--groups", "A+C", "ligand:HEM"});

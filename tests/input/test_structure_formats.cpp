@@ -170,6 +170,7 @@ TEST_CASE("formats that are not read are refused with a command that converts th
         "-x 1.mol2: Tripos MOL2 files are not read; convert it with `obabel './-x 1.mol2' -O './-x "
         "1.pdb'`");
   CHECK(contains(by_suffix("a.SDF.gz"), "obabel"));
+  CHECK(contains(by_suffix("a.bcif"), "or use `eses.measure` in Python"));
   CHECK(contains(by_suffix("a.gro"), "gmx editconf"));
   CHECK(contains(by_suffix("a.xtc"), "gmx trjconv"));
   CHECK(contains(by_suffix("a.prmtop"), "ambpdb"));
