@@ -160,6 +160,10 @@ Format<double> number_between(double min, double max, std::string expected) {
   return {read, std::move(expected)};
 }
 
+Format<double> length_between(double min, double max) {
+  return number_between(min, max, formatted("a number from {} to {}, in angstrom", min, max));
+}
+
 Format<std::int64_t> whole_number_between(std::int64_t min, std::int64_t max) {
   const auto read = [min, max](const std::string& text) {
     const std::optional<std::int64_t> value = whole_text<std::int64_t>(text);

@@ -31,6 +31,9 @@ Format(std::optional<Value> (*)(const std::string&), const char*) -> Format<Valu
 /// Accepts numbers in [min, max].
 Format<double> number_between(double min, double max, std::string expected);
 
+/// Accepts lengths in [min, max] (angstrom).
+Format<double> length_between(double min, double max);
+
 /// Accepts whole numbers in [min, max].
 Format<std::int64_t> whole_number_between(std::int64_t min, std::int64_t max);
 

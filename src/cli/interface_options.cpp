@@ -65,12 +65,9 @@ void add_interface_options(CLI::App& app, InterfaceOptions& options, InputChoice
   add_value(app, "--ligand", "NAME",
             "each residue of this name against all other atoms of the\nfile", options.ligand,
             any_text("the name of a residue, such as HEM"));
-  add_value(
-      app, "--probe-radius", "ANGSTROM",
-      formatted("radius of the solvent probe [{}]", options.probe_radius), options.probe_radius,
-      number_between(
-          min_probe_radius, max_probe_radius,
-          formatted("a number from {} to {}, in angstrom", min_probe_radius, max_probe_radius)));
+  add_value(app, "--probe-radius", "ANGSTROM",
+            formatted("radius of the solvent probe [{}]", options.probe_radius),
+            options.probe_radius, length_between(min_probe_radius, max_probe_radius));
   const auto area = number_between(0, std::numeric_limits<double>::max(),
                                    "a number of at least 0, in square angstrom");
   add_value(app, "--area-cutoff", "AREA",

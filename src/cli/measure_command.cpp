@@ -163,7 +163,7 @@ class Reporter {
 void append_table(const Table& table, const MeasuredFile& file,
                   const std::function<void(std::string_view)>& append) {
   BufferedText text(append);
-  if (table.has_areas && !file.reports.empty())
+  if (table.has(has_areas) && !file.reports.empty())
     table.append(ReportedTable(file).table(), text);
   else
     table.append(file.table(), text);

@@ -140,8 +140,7 @@ void add_pocket_options(CLI::App& app, MeasureCommandOptions& options) {
   begin_group(app, "Pockets (on a grid)");
   add_flag(app, "--pockets", "report what the probe reaches and a large one does not",
            options.pockets);
-  const auto length = number_between(
-      0, max_probe_radius, formatted("a number from 0 to {}, in angstrom", max_probe_radius));
+  const auto length = length_between(0, max_probe_radius);
   add_value(app, "--at", "PLACE",
             "only pockets and cavities at a place: ligand:STI (which is\n"
             "left out of the surface), A+B or a selection such as\n"
@@ -263,7 +262,7 @@ void check_surfaces(const MeasureCommandOptions& options) {
     refuse_if(options.cavities, "--cavities", "ses");
     refuse_if(options.pockets, "--pockets", "ses");
     for (const Table& table : tables)
-      refuse_if(table.needs_ses && options.needs(table), options.option_of(table), "ses");
+      refuse_if(table.has(needs_ses) && options.needs(table), options.option_of(table), "ses");
   }
   if (surfaces.has_ses() || surfaces.has_sas()) return;
   for (const Table& table : tables)
@@ -288,7 +287,7 @@ void check(const CLI::App& app, const MeasureCommandOptions& options) {
       throw UsageError(
           formatted("--model all needs PDB or mmCIF files; {} is read as PQR", path.string()));
     for (const Table& table : tables)
-      if (table.needs_names && options.needs(table))
+      if (table.has(needs_names) && options.needs(table))
         refuse_xyzr(input, options.option_of(table), "names");
     if (options.parts.is_chosen()) refuse_xyzr(input, "--parts", "chains");
     if (!options.reports.empty()) refuse_xyzr(input, "--report", "names");

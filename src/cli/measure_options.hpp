@@ -19,6 +19,13 @@
 
 namespace eses::detail::cli {
 
+/// What tables need, and what they have.
+enum TableTraits : unsigned {
+  needs_names = 1,  ///< the atoms must have names
+  needs_ses = 2,    ///< the SES must be measured
+  has_areas = 4,    ///< the table has areas of atoms, of which --report chooses some
+};
+
 /// A table of `--write` or `--table`. The table of the file NAME.pdb has the name NAME and
 /// `ending`.
 struct Table {
@@ -26,78 +33,26 @@ struct Table {
   std::string_view ending;
   bool TableChoice::*is_chosen;
   void (*append)(const MeasuredAtoms& atoms, BufferedText& text);
-  bool needs_names = false;  ///< whether the atoms must have names
-  bool needs_ses = false;    ///< whether the SES must be measured
-  bool has_areas = false;    ///< whether it has areas of atoms, of which --report chooses some
+  unsigned traits;
+
+  bool has(TableTraits trait) const { return (traits & trait) != 0; }
 };
 inline constexpr std::array tables{
-    Table{.name = "atoms",
-          .ending = ".atoms.csv",
-          .is_chosen = &TableChoice::atoms,
-          .append = append_measured_atoms,
-          .has_areas = true},
-    Table{.name = "residues",
-          .ending = ".residues.csv",
-          .is_chosen = &TableChoice::residues,
-          .append = append_measured_residues,
-          .needs_names = true,
-          .has_areas = true},
-    Table{.name = "chains",
-          .ending = ".chains.csv",
-          .is_chosen = &TableChoice::chains,
-          .append = append_measured_chains,
-          .needs_names = true,
-          .has_areas = true},
-    Table{.name = "derivatives",
-          .ending = ".derivatives.csv",
-          .is_chosen = &TableChoice::derivatives,
-          .append = append_derivatives,
-          .needs_ses = true},
-    Table{.name = "cavities",
-          .ending = ".cavities.csv",
-          .is_chosen = &TableChoice::cavities,
-          .append = append_cavities,
-          .needs_ses = true},
-    Table{.name = "pieces",
-          .ending = ".pieces.csv",
-          .is_chosen = &TableChoice::pieces,
-          .append = append_pieces,
-          .needs_ses = true},
-    Table{.name = "pockets",
-          .ending = ".pockets.csv",
-          .is_chosen = &TableChoice::pockets,
-          .append = append_pockets,
-          .needs_ses = true},
-    Table{.name = "rsa",
-          .ending = ".rsa",
-          .is_chosen = &TableChoice::rsa,
-          .append = append_rsa,
-          .needs_names = true,
-          .has_areas = true},
-    Table{.name = "seq",
-          .ending = ".seq",
-          .is_chosen = &TableChoice::seq,
-          .append = append_seq,
-          .needs_names = true,
-          .has_areas = true},
-    Table{.name = "res",
-          .ending = ".res",
-          .is_chosen = &TableChoice::res,
-          .append = append_res,
-          .needs_names = true,
-          .has_areas = true},
-    Table{.name = "pdb",
-          .ending = ".areas.pdb",
-          .is_chosen = &TableChoice::pdb,
-          .append = append_pdb,
-          .needs_names = true,
-          .has_areas = true},
-    Table{.name = "cif",
-          .ending = ".areas.cif",
-          .is_chosen = &TableChoice::cif,
-          .append = append_cif,
-          .needs_names = true,
-          .has_areas = true},
+    Table{"atoms", ".atoms.csv", &TableChoice::atoms, append_measured_atoms, has_areas},
+    Table{"residues", ".residues.csv", &TableChoice::residues, append_measured_residues,
+          needs_names | has_areas},
+    Table{"chains", ".chains.csv", &TableChoice::chains, append_measured_chains,
+          needs_names | has_areas},
+    Table{"derivatives", ".derivatives.csv", &TableChoice::derivatives, append_derivatives,
+          needs_ses},
+    Table{"cavities", ".cavities.csv", &TableChoice::cavities, append_cavities, needs_ses},
+    Table{"pieces", ".pieces.csv", &TableChoice::pieces, append_pieces, needs_ses},
+    Table{"pockets", ".pockets.csv", &TableChoice::pockets, append_pockets, needs_ses},
+    Table{"rsa", ".rsa", &TableChoice::rsa, append_rsa, needs_names | has_areas},
+    Table{"seq", ".seq", &TableChoice::seq, append_seq, needs_names | has_areas},
+    Table{"res", ".res", &TableChoice::res, append_res, needs_names | has_areas},
+    Table{"pdb", ".areas.pdb", &TableChoice::pdb, append_pdb, needs_names | has_areas},
+    Table{"cif", ".areas.cif", &TableChoice::cif, append_cif, needs_names | has_areas},
 };
 
 /// The surfaces to measure.

@@ -104,8 +104,7 @@ void read_density(Values& values, MsmsOptions& options) {
 }
 
 void read_probe_radius(Values& values, MsmsOptions& options) {
-  options.probe_radius = values.read(number_between(min_probe_radius, max_probe_radius,
-                                                    "a number from 0.01 to 1000, in angstrom"));
+  options.probe_radius = values.read(length_between(min_probe_radius, max_probe_radius));
 }
 
 void read_surface(Values& values, MsmsOptions& options) {

@@ -117,9 +117,7 @@ void add_grid_options(CLI::App& app, Options& options, Lengths& lengths) {
   };
   add_length("PROBE", "--probe-radius", "radius of the solvent probe, 0.01 to 1000",
              parameters.probe_radius, lengths.probe_radius,
-             number_between(min_probe_radius, max_probe_radius,
-                            formatted("a number from {} to {}, in angstrom", min_probe_radius,
-                                      max_probe_radius)));
+             length_between(min_probe_radius, max_probe_radius));
   add_length(
       "SPACING", "--spacing", "distance between grid points, > 0", grid.spacing, lengths.spacing,
       number_between(min_positive, max_finite, "a finite number greater than 0, in angstrom"));
@@ -177,9 +175,7 @@ void add_solver_maps(CLI::App& app, Outputs& outputs) {
   add_value(app, "--ion-radius", "ANGSTROM",
             formatted("radius of the ions for --kappa, 0 to {} [{}]", max_ion_radius,
                       ion_access.ion_radius),
-            ion_access.ion_radius,
-            number_between(0, max_ion_radius,
-                           formatted("a number from 0 to {}, in angstrom", max_ion_radius)))
+            ion_access.ion_radius, length_between(0, max_ion_radius))
       ->needs("--kappa");
 }
 

@@ -119,12 +119,10 @@ void add_structure_options(CLI::App& app, StructureOptions& structure, bool* all
             "atomic radii: protor (Tsai et al. 1999), bondi, msms, or\n"
             "a file in FreeSASA's configuration format [protor]",
             structure.radii, any_text("protor, bondi, msms, or a file"));
-  add_value(
-      app, "--unknown-radius", "R",
-      "radius of atoms that are not in the set of radii, in\n"
-      "angstrom [such atoms are an error]",
-      structure.unknown_radius,
-      number_between(0, eses::detail::max_set_radius, "a number from 0 to 1000, in angstrom"));
+  add_value(app, "--unknown-radius", "R",
+            "radius of atoms that are not in the set of radii, in\n"
+            "angstrom [such atoms are an error]",
+            structure.unknown_radius, length_between(0, max_set_radius));
   add_model(app, structure.model, all_models);
   add_value(app, "--altloc", "X", "alternate location [highest occupancy, by residue]",
             structure.altloc, text_if(is_altloc, "one character, such as A"));

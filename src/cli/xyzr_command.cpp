@@ -54,8 +54,7 @@ InputFile parse_xyzr_arguments(bool has_names, const Arguments& arguments) {
                                 {"pqr", AtomFormat::pqr}}));
   add_value(app, "--unknown-radius", "R",
             "radius of atoms without a known radius, in angstrom\n[such atoms are an error]",
-            input.structure.unknown_radius,
-            number_between(0, max_set_radius, "a number from 0 to 1000, in angstrom"));
+            input.structure.unknown_radius, length_between(0, max_set_radius));
   add_notices(app);
   parse(app, arguments, "FILE");
   if (format_of(input.path, input.format) == AtomFormat::xyzr) input.format = AtomFormat::pdb;
