@@ -159,9 +159,17 @@ void refuse_other_suffix(std::string_view name, std::string_view suffix) {
   for (const OtherFormat& format : other_formats) {
     std::string_view suffixes = format.suffixes;
     while (!suffixes.empty())
-      if (take_first(suffixes) == suffix)
+      if (take_first(suffixes) == suffix) {
+        // Open Babel needs the format of a file whose suffix is another one.
+        const bool is_misnamed = format.advice == open_babel && !name.starts_with('<') &&
+                                 input_suffix(std::string(name)) != suffix;
+        const std::string advice =
+            is_misnamed ? formatted("convert it with `obabel -i{} FILE -O FILE.converted.pdb`",
+                                    suffix.substr(1))
+                        : std::string(format.advice);
         throw Error(formatted("{}: {} files are not read; {}", name, format.name,
-                              advice_for(name, format.advice)));
+                              advice_for(name, advice)));
+      }
   }
 }
 

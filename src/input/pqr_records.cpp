@@ -239,6 +239,18 @@ std::string_view take_element(std::string_view& line) {
   return field;
 }
 
+/// Returns the text behind the radius of a record; empty if the record is not valid without it.
+std::string_view text_after_radius(std::string_view line) {
+  std::string_view rest = line;
+  for (;;) {
+    double value = 0;
+    const std::string_view field = take_last(rest);
+    if (field.empty() || parse_number(field, value) == std::errc{}) return {};
+    Record record;
+    if (!parse_pqr_fields(rest, record)) return trimmed(line.substr(rest.size()));
+  }
+}
+
 // ------------------------------------------------------------------ names of records and columns
 
 // https://www.wwpdb.org/documentation/file-format-content/format33/sect1.html, and records of older
@@ -350,7 +362,7 @@ bool is_pqr_record(std::string_view line) {
 }
 
 Problem parse_pqr(std::string_view line, Record& record) {
-  const std::string_view element = take_element(line);
+  const std::string_view whole = line, element = take_element(line);
   const bool has_columns = has_coordinate_columns(line);
   Problem problem = parse_pqr_fields(line, record);
   if (problem && has_columns) problem = parse_pqr_columns(line, record);
@@ -364,10 +376,7 @@ Problem parse_pqr(std::string_view line, Record& record) {
     }
   }
   if (problem) {
-    std::string_view rest = line;
-    const std::string_view text = take_last(rest);
-    double value = 0;
-    if (parse_number(text, value) != std::errc{} && !parse_pqr_fields(rest, record))
+    if (const std::string_view text = text_after_radius(whole); !text.empty())
       return {trailing_text, {}, text};
   }
   record.label.element = element;

@@ -128,6 +128,11 @@ class ConfigurationReader {
 
 std::optional<FoundRadius> RadiiSet::find(const AtomIdentity& atom) const {
   if (const auto radius = find_named(atom)) return FoundRadius{*radius, false};
+  const std::string residue = upper_case(std::string(atom.residue)),
+                    atom_name = upper_case(std::string(atom.atom));
+  if (residue != atom.residue || atom_name != atom.atom)
+    if (const auto radius = find_named({residue, atom_name, atom.element, atom.is_hydrogen}))
+      return FoundRadius{*radius, false};
   if (const auto radius = find_by_element(atom.element)) return FoundRadius{*radius, true};
   return std::nullopt;
 }

@@ -352,6 +352,41 @@ TEST_CASE("PQR: text behind the radius is called text", "[structure][pqr]") {
                   "PROA\n") ==
         "t.pqr:1: text \"PROA\" after the radius, expected x y z charge radius at the end; remove "
         "the text");
+  const std::string record = "ATOM 1 N MET 1 27.340 24.430 2.614 -0.3000 1.8500  ";
+  for (const std::string text : {"N PROA", "N C", "N1+ water", "x", "PROA N  "})
+    CHECK(contains(pqr_error(record + text + "\n"),
+                   "t.pqr:1: text \"" + text.substr(0, text.find("  ")) + "\" after the radius"));
+  CHECK(contains(pqr_error("ATOM 1 N MET 1 27.340 24.430 2.614 -0.3000 x PROA\n"), "a number"));
+}
+
+TEST_CASE("PDB: why fields are not in their columns", "[structure]") {
+  const std::string record = "ATOM      1  N   MET A   1      27.340  24.430   2.614  1.00  9.67\n";
+  std::string wide = record;
+  wide.replace(6, 5, "100000");
+  CHECK(contains(pdb_error(wide),
+                 "found \"0  24.43\"; the serial number is too wide and shifts the columns; "
+                 "renumber the atoms"));
+  for (const std::string text : {"ATOM 1 N MET A 1 27.340 24.430 2.614 1.00 9.67\n",
+                                 "ATOM 1 N MET A 1 27.34012345 24.43012345 2.61412345 1.00 9.67\n"})
+    CHECK(contains(pdb_error(text),
+                   "; its fields are separated by blanks, but PDB records have fixed columns"));
+  CHECK(contains(pdb_error(record.substr(0, 50) + "\n"),
+                 "the record ends before its coordinates; the file seems to be damaged"));
+}
+
+TEST_CASE("UNK is also the name of ligands", "[structure]") {
+  for (const std::string record : {"ATOM", "HETATM"}) {
+    const AtomFile file = read_bondi(records_of({" C1  UNK     1 ", " CL2 UNK     1 "}, record));
+    CHECK(file.diagnostics.empty());
+    CHECK(elements_of(file) == Names{"C", "Cl"});
+  }
+}
+
+TEST_CASE("names in small letters have radii by name", "[structure]") {
+  const AtomFile file = read_pdb(records_of({" ca  ala A   1 ", " n   ala A   1 "}));
+  REQUIRE(file.structure);
+  CHECK(file.structure->by_element.empty());
+  CHECK(file.atoms[0].radius == read_pdb(records_of({" CA  ALA A   1 "})).atoms[0].radius);
 }
 
 TEST_CASE("records of unknown names with coordinates give a warning", "[structure][pqr][cli]") {

@@ -192,6 +192,10 @@ TEST_CASE("formats that are not read are refused with a command that converts th
   for (const std::string name : {"a", "a.xyzr", "a.pqr", "a.pdb", "a.cif", "a.txt", "-"})
     CHECK(by_suffix(name).empty());
 
+  // Files of another suffix are not overwritten, and Open Babel needs their format.
+  CHECK(error_of([] { parse_atoms("@<TRIPOS>MOLECULE\nx\n", AtomFormat::xyzr, "a.pdb"); }) ==
+        "a.pdb: Tripos MOL2 files are not read; convert it with `obabel -imol2 a.pdb -O "
+        "a.converted.pdb`");
   const auto by_content = [](std::string_view text) {
     return error_of([&] { parse_atoms(text, AtomFormat::xyzr, "t"); });
   };

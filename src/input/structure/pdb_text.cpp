@@ -142,6 +142,25 @@ std::string_view segment_of(std::string_view record) {
                                                                        : segment;
 }
 
+/// Returns why the fields of a record may not be in their columns; empty if it is unknown.
+std::string_view reason_for_columns(std::string_view record) {
+  const auto is_digit_at = [&](std::size_t i) { return i < record.size() && is_digit(record[i]); };
+  if (is_digit_at(serial_columns.first + 4) && is_digit_at(serial_columns.first + 5))
+    return "; the serial number is too wide and shifts the columns; renumber the atoms";
+  // Record, serial number, name, residue, perhaps chain, number, and the coordinates.
+  constexpr std::size_t min_fields = 8;
+  if (count_fields(record) < min_fields) return {};
+  std::size_t numbers = 0;
+  for (std::string_view rest = record; !rest.empty();) {
+    double value = 0;
+    const std::string_view field = take_first(rest);
+    const bool is_decimal = field.find('.') != field.npos;
+    numbers += static_cast<std::size_t>(is_decimal && parse_number(field, value) == std::errc{});
+  }
+  return numbers < 3 ? ""
+                     : "; its fields are separated by blanks, but PDB records have fixed columns";
+}
+
 /// Returns whether two records belong to the same residue.
 bool is_same_residue(std::string_view a, std::string_view b) {
   constexpr Columns names{17, 10};
@@ -298,8 +317,9 @@ class PdbRecords {
     double value = 0;
     if (is_decimal_fraction(field)) return;
     if (parse_number(field, value) != std::errc{} || !std::isfinite(value))
-      lines_.fail(formatted("expected a number for {} in columns {} to {}, found {}", what,
-                            columns.first + 1, columns.first + columns.width, quoted(field)));
+      lines_.fail(formatted("expected a number for {} in columns {} to {}, found {}{}", what,
+                            columns.first + 1, columns.first + columns.width, quoted(field),
+                            reason_for_columns(line)));
   }
 
   void refuse_other_format(std::string_view line) const {
@@ -324,8 +344,11 @@ class PdbRecords {
 
   void add_atom(std::string_view line) {
     check_columns(line);
-    if (line.size() < occupancy_columns.first)
-      lines_.fail("the record ends before its coordinates; the file seems to be damaged");
+    if (line.size() < occupancy_columns.first) {
+      const std::string_view reason = reason_for_columns(line);
+      lines_.fail(formatted("the record ends before its coordinates{}",
+                            reason.empty() ? "; the file seems to be damaged" : reason));
+    }
     check_number(line, coordinate_columns[0], "x");
     check_number(line, coordinate_columns[1], "y");
     check_number(line, coordinate_columns[2], "z");

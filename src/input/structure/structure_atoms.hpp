@@ -46,10 +46,11 @@ inline std::uint64_t count_atoms(const gemmi::Model& model) {
 }
 
 /// Marks residues of several atoms none of which is of a backbone, before atoms are left out.
+/// UNK is also the name of any ligand, in files of Maestro for example.
 inline void mark_without_backbone(gemmi::Model& model) {
   for (gemmi::Chain& chain : model.chains)
     for (gemmi::Residue& residue : chain.residues)
-      if (residue.atoms.size() > 1 && is_polymer_residue(residue.name) &&
+      if (residue.atoms.size() > 1 && residue.name != "UNK" && is_polymer_residue(residue.name) &&
           std::none_of(residue.atoms.begin(), residue.atoms.end(),
                        [](const gemmi::Atom& atom) { return is_backbone_atom(atom.name); }))
         residue.flag = 'S';
