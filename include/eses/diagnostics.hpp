@@ -5,6 +5,8 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <string>
+#include <string_view>
 #include <vector>
 
 #include "eses/atoms.hpp"
@@ -58,5 +60,15 @@ struct Diagnostic {
   std::uint64_t count = 0;                          ///< Number of atoms with this diagnostic.
   std::vector<Example> examples;  ///< The first of these atoms, ascending by `atom`.
 };
+
+#pragma GCC visibility push(default)
+
+/// Returns the name of a kind, such as `one_atom_residue`.
+std::string_view name_of(DiagnosticKind kind);
+
+/// Returns what is suspicious, such as "3 atoms have a radius above 4 angstrom".
+std::string describe(const Diagnostic& diagnostic);
+
+#pragma GCC visibility pop
 
 }  // namespace eses

@@ -16,6 +16,7 @@
 #include "eses/crossing.hpp"
 #include "eses/diagnostics.hpp"
 #include "eses/error.hpp"
+#include "eses/far_atoms.hpp"
 #include "eses/grid.hpp"
 #include "eses/interface.hpp"
 #include "eses/maps.hpp"

@@ -1,7 +1,6 @@
 #include "cli/command.hpp"
 
 #include <fcntl.h>
-#include <fmt/ranges.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -12,9 +11,7 @@
 #include <exception>
 #include <new>
 #include <optional>
-#include <string>
 #include <string_view>
-#include <vector>
 
 #include "cli/interruption.hpp"
 #include "cli/messages.hpp"
@@ -22,7 +19,6 @@
 #include "distributed/processes.hpp"
 #include "eses/error.hpp"
 #include "system/formatted.hpp"
-#include "system/hints.hpp"
 #include "system/resources.hpp"
 
 namespace eses::detail::cli {
@@ -49,20 +45,6 @@ void reserve_standard_streams() {
   } catch (...) {
   }
   std::abort();
-}
-
-/// Returns the message of an error, with its hints as options, such as ` (--max-memory 20M)`.
-std::string message_of(const std::exception& error) {
-  std::string message = error.what();
-  const auto* const hinted = dynamic_cast<const Hints*>(&error);
-  if (hinted == nullptr || hinted->hints().empty()) return message;
-  std::vector<std::string> options;
-  for (std::string option : hinted->hints()) {
-    const auto name_end = std::find(option.begin(), option.end(), ' ');
-    std::replace(option.begin(), name_end, '_', '-');
-    options.push_back("--" + option);
-  }
-  return formatted("{} ({})", message, fmt::join(options, ", "));
 }
 
 /// A command of the program.

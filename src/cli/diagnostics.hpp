@@ -28,7 +28,7 @@ struct DiagnosticText {
   std::string_view name;    ///< identifier in the JSON report
   bool is_usual = false;    ///< whether it is a note rather than a warning
   std::uint64_t count = 0;  ///< number of atoms
-  std::string short_text;   ///< text after the count in the summary of notes
+  std::string short_text;   ///< count and description
   std::string message;      ///< one line: file, count, description and first few line numbers
   std::vector<Example> examples;
 };

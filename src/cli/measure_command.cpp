@@ -104,18 +104,19 @@ struct Outcome {
   std::vector<std::string> warnings, errors;
 };
 
-/// Prints outcomes in the order of the files, and writes the table of `--csv`.
+/// Prints outcomes in the order of the files, and writes or prints the table of `--csv`.
 class Reporter {
  public:
   /// Keeps a pointer to the file of `--csv`, which is null if there is none.
   Reporter(const MeasureCommandOptions& options, OutputFile* csv)
       : csv_(csv),
+        prints_csv_(options.prints_csv),
         files_(static_cast<std::int64_t>(options.inputs.size())),
         // Lines of several files on a terminal show the progress themselves.
         progress_(!options.quiet && (files_ == 1 || isatty(STDOUT_FILENO) == 0)) {
     if (files_ > 1) progress_.show_files(0, files_);
     append_csv(measure_csv_heading(options));
-    if (options.inputs.size() > 1 && !options.quiet && !options.json)
+    if (options.inputs.size() > 1 && !options.quiet && !options.json && !prints_csv_)
       print(measure_heading(options));
   }
 
@@ -138,19 +139,23 @@ class Reporter {
 
  private:
   void append_csv(const std::string& text) {
-    if (csv_ != nullptr && !text.empty()) csv_->append(text);
+    if (prints_csv_)
+      print(text);
+    else if (csv_ != nullptr && !text.empty())
+      csv_->append(text);
   }
 
   void report(const Outcome& outcome) {
     if (files_ == 1 || !outcome.warnings.empty() || !outcome.errors.empty()) progress_.clear();
     for (const std::string& warning : outcome.warnings) print_message("warning", warning);
     for (const std::string& error : outcome.errors) print_message("error", error);
-    if (!outcome.text.empty()) print(outcome.text);
+    if (!outcome.text.empty() && !prints_csv_) print(outcome.text);
     append_csv(outcome.csv);
     has_errors_ = has_errors_ || !outcome.errors.empty();
   }
 
   OutputFile* csv_;
+  bool prints_csv_;
   std::int64_t files_;
   ProgressBar progress_;
   std::mutex mutex_;

@@ -160,6 +160,9 @@ void add_pocket_options(CLI::App& app, MeasureCommandOptions& options) {
             formatted("distance between grid points, at most the radius of\nthe probe [{}]",
                       pockets.spacing),
             pockets.spacing, length);
+  add_flag(app, "--allow-far-atoms",
+           "also search a grid of more than 1e10 points if less than\n1 % of them are near atoms",
+           options.allow_far_atoms);
   add_value(
       app, "--min-pocket-volume", "VOLUME",
       "leave out pockets with less volume, in cubic angstrom\n[twice the volume of the probe]",
@@ -170,8 +173,8 @@ void add_pocket_options(CLI::App& app, MeasureCommandOptions& options) {
 
 /// Throws UsageError if options of pockets are not needed, or out of their range.
 void check_pocket_options(const CLI::App& app, const MeasureCommandOptions& options) {
-  refuse_without(app, {"--large-probe", "--spacing", "--min-pocket-volume"}, options.need_pockets(),
-                 "--pockets or --write pockets");
+  refuse_without(app, {"--large-probe", "--spacing", "--min-pocket-volume", "--allow-far-atoms"},
+                 options.need_pockets(), "--pockets or --write pockets");
   refuse_without(app, {"--at"}, options.need_pockets() || options.cavities,
                  "--pockets or --cavities");
   if (!options.need_pockets()) return;
@@ -247,8 +250,9 @@ void add_measure_options(CLI::App& app, MeasureCommandOptions& options, InputCho
   add_value(app, "-o,--output-dir", "DIR", "directory of the tables, created if missing [.]",
             options.output_directory, any_text("a directory"))
       ->needs("--write");
-  add_value(app, "--csv", "FILE", "write the results of all files as a table", options.csv,
-            any_text("a file"));
+  add_value(app, "--csv", "FILE",
+            "write the results of all files as a table; - prints it in\nplace of the report",
+            options.csv, any_text("a file"));
   add_last_options(app, options, &options.all_models);
 }
 
@@ -274,6 +278,11 @@ void check_surfaces(const MeasureCommandOptions& options) {
 /// Throws UsageError if an option cannot be used with these files.
 void check(const CLI::App& app, const MeasureCommandOptions& options) {
   refuse_repeated_chains(options.parts, "--parts");
+  if (options.output_directory == "-")
+    throw UsageError("--output-dir is '-', but tables need a directory; print one with --table");
+  if (options.prints_csv && (options.json || options.printed_table != nullptr))
+    throw UsageError(
+        formatted("--csv - cannot be combined with {}", options.json ? "--json" : "--table"));
   const bool has_many = options.inputs.size() > 1 || options.all_models;
   if (options.printed_table != nullptr && has_many)
     throw UsageError("--table prints the table of a single file; use --write");
@@ -306,6 +315,8 @@ MeasureCommandOptions parse_measure_arguments(const Arguments& arguments) {
   parse(app, arguments, "FILE...");
   options.inputs = inputs.files();
   options.list = inputs.list;
+  options.prints_csv = options.csv == "-";
+  if (options.prints_csv) options.csv.clear();
   options.pocket_options.probe_radius = options.probe_radius;
   check_pocket_options(app, options);
   check_surfaces(options);

@@ -88,14 +88,16 @@ struct MeasureCommandOptions {
   std::optional<double> max_filled_void;  ///< see SurfaceOptions
   bool cavities = false;                  ///< whether cavities and pieces are reported
   bool pockets = false;                   ///< whether pockets are reported
+  bool allow_far_atoms = false;           ///< see Parameters::allow_far_atoms
   PocketOptions pocket_options;           ///< of the search for pockets
   std::optional<PlaceChoice> at;          ///< only pockets and cavities at this place are reported
   TableChoice tables;
   const Table* printed_table = nullptr;  ///< printed in place of the report; null if none is
   AreaReference reference = AreaReference::tien;  ///< of relative areas
   std::filesystem::path output_directory = ".";   ///< of the tables
-  std::filesystem::path csv;                      ///< empty if it is not given
-  int threads = 0;                                ///< 0 means all available processors
+  std::filesystem::path csv;                      ///< file of --csv; empty if there is none
+  bool prints_csv = false;  ///< whether the table of --csv is printed in place of the report
+  int threads = 0;          ///< 0 means all available processors
   bool json = false;
   bool quiet = false;
   bool strict = false;  ///< whether warnings are errors
@@ -120,7 +122,9 @@ struct MeasureCommandOptions {
   }
 
   /// Whether the results are printed as the report on a single file, with its chains.
-  bool has_report() const { return inputs.size() == 1 && !json && printed_table == nullptr; }
+  bool has_report() const {
+    return inputs.size() == 1 && !json && !prints_csv && printed_table == nullptr;
+  }
 };
 
 /// Parses the arguments of the command. Throws UsageError and Notice.

@@ -6,11 +6,14 @@
 #include <utility>
 
 #include "cli/complex_parts.hpp"
+#include "cli/messages.hpp"
 #include "eses/error.hpp"
 #include "eses/radii.hpp"
 #include "input/residue_runs.hpp"
 #include "input/text_fields.hpp"
 #include "input/text_source.hpp"
+#include "run/far_atoms.hpp"
+#include "run/pocket_sweep.hpp"
 #include "system/formatted.hpp"
 
 namespace eses::detail::cli {
@@ -76,6 +79,25 @@ void take_place(const PlaceChoice& choice, double probe_radius, const DividedFil
     throw Error(formatted("{}: there are no atoms besides {}, which --at names",
                           input_name(divided.path), printable(choice.text)));
   keep_only(std::move(others), indexing, file);
+}
+
+/// Refuses or names atoms that make the grid of the pockets large and empty.
+void take_far_atoms(const MeasureCommandOptions& options, std::span<const std::uint64_t> lines,
+                    MeasuredFile& file) {
+  const std::span<const Atom> atoms = file.surface.atoms();
+  std::vector<std::uint64_t> lines_of_atoms;
+  for (std::size_t i = 0; i < atoms.size(); ++i)
+    lines_of_atoms.push_back(lines[file.file_indices.empty() ? i : file.file_indices[i]]);
+  const GridOptions grid = pocket_grid(options.pocket_options.spacing);
+  std::string text =
+      require_dense_grid(atoms, options.pocket_options.large_probe_radius, grid,
+                         input_name(file.path), lines_of_atoms, options.allow_far_atoms);
+  if (text.empty()) return;
+  // The search takes long, so the user should know before it.
+  if (options.inputs.size() == 1 && !options.strict && !options.quiet)
+    print_message("warning", text);
+  else
+    file.diagnostics.push_back({.name = "far_atoms", .message = std::move(text)});
 }
 
 /// Finds the pockets, at a place if there is one.
@@ -210,6 +232,7 @@ MeasuredFile measure_file(const MeasureCommandOptions& options, std::size_t inpu
   if (options.at)
     take_place(*options.at, options.probe_radius,
                {path, reading, result.surface.labels(), file.lines}, indexing, result);
+  if (options.need_pockets()) take_far_atoms(options, file.lines, result);
   const SurfaceChoice& surfaces = options.surfaces;
   const bool only_vdw = !surfaces.has_ses() && !surfaces.has_sas();
   const bool has_chains =

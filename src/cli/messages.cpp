@@ -1,6 +1,7 @@
 #include "cli/messages.hpp"
 
 #include <fcntl.h>
+#include <fmt/ranges.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -8,8 +9,10 @@
 #include <cstdio>
 #include <cstdlib>
 #include <system_error>
+#include <vector>
 
 #include "system/formatted.hpp"
+#include "system/hints.hpp"
 
 namespace eses::detail::cli {
 namespace {
@@ -53,6 +56,19 @@ void print_message(std::string_view kind, std::string_view message) {
 }
 
 void print_out_of_memory() { std::fputs("eses-blocks: error: out of memory\n", stderr); }
+
+std::string message_of(const std::exception& error) {
+  std::string message = error.what();
+  const auto* const hinted = dynamic_cast<const Hints*>(&error);
+  if (hinted == nullptr || hinted->hints().empty()) return message;
+  std::vector<std::string> options;
+  for (std::string option : hinted->hints()) {
+    const auto name_end = std::find(option.begin(), option.end(), ' ');
+    std::replace(option.begin(), name_end, '_', '-');
+    options.push_back("--" + option);
+  }
+  return formatted("{} ({})", message, fmt::join(options, ", "));
+}
 
 std::string one_line(std::string_view text) {
   std::string line(text);

@@ -2,6 +2,7 @@
 /// Messages of the program on standard output and standard error, and parts of their texts.
 
 #include <concepts>
+#include <exception>
 #include <string>
 #include <string_view>
 
@@ -26,6 +27,9 @@ void require_standard_output();
 void print_message(std::string_view kind, std::string_view message);
 /// Prints the message about insufficient memory without allocating any.
 void print_out_of_memory();
+
+/// Returns the message of an error, with its hints as options, such as ` (--max-memory 20M)`.
+std::string message_of(const std::exception& error);
 
 /// Returns `text` as a single line, in which `?` replaces control characters.
 std::string one_line(std::string_view text);

@@ -22,12 +22,14 @@
 #include "eses/error.hpp"
 #include "eses/version.hpp"
 #include "input/read_spheres.hpp"
+#include "input/text_source.hpp"
 #include "output/buffered_text.hpp"
 #include "output/file_path.hpp"
 #include "output/msms_text.hpp"
 #include "output/output_directory.hpp"
 #include "output/output_file.hpp"
 #include "output/text_buffer.hpp"
+#include "run/far_atoms.hpp"
 #include "system/formatted.hpp"
 
 namespace eses::detail::cli {
@@ -69,6 +71,17 @@ Input read_input(const MsmsOptions& options) {
                           options.input.string(), input.file.spheres.size(), input.empty_count,
                           input.hydrogen_count, hydrogen_radius));
   return input;
+}
+
+/// Names spheres that make the grid large and empty, or refuses them.
+void warn_about_far_spheres(const MsmsOptions& options, const Input& input) {
+  std::vector<std::uint64_t> lines;
+  for (const AtomIndex i : input.file_indices) lines.push_back(input.file.lines[i]);
+  if (const std::string text = require_dense_grid(
+          input.used, options.probe_radius, msms_grid(options), input_name(options.input), lines,
+          options.allow_far_atoms, "use a lower -density, ");
+      !text.empty())
+    print_message("warning", text);
 }
 
 /// Returns the indices of used spheres that the file numbers so.
@@ -405,6 +418,7 @@ int perform_msms(const Arguments& arguments, const Processes& /*processes*/) {
   Files files(options);
   const Input input = read_input(options);
   print(input_text(options, input));
+  warn_about_far_spheres(options, input);
   const MsmsSurface surface = make_msms_surface(input.used, options, [&] { files.check(); });
   const std::vector<std::uint32_t> components = chosen_components(options, input, surface);
   files.create(components.size());

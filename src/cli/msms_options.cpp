@@ -49,6 +49,8 @@ Options:
   -all_components           all components of the surface: the first one in NAME.vert, component
                             N in NAME_N.vert
   -one_cavity COUNT ATOM... only the component that touches these atoms, one to three, from 0
+  --allow-far-atoms         also compute a grid of more than 1e10 points if less than 1 % of them
+                            are near atoms
   -h, --help, --help-all    print this help
   --version                 print version and build information
 
@@ -98,6 +100,13 @@ void read_path(Values& values, MsmsOptions& options) {
   options.*member = values.read(any_text("a file"));
 }
 
+bool is_output_name(const std::string& text) { return !text.empty() && text != "-"; }
+
+template <std::filesystem::path MsmsOptions::*member>
+void read_output(Values& values, MsmsOptions& options) {
+  options.*member = values.read(text_if(is_output_name, "the name of a file, not standard output"));
+}
+
 template <double MsmsOptions::*member>
 void read_density(Values& values, MsmsOptions& options) {
   options.*member = values.read(number_between(1e-6, 1e6, "a number from 1e-6 to 1e6"));
@@ -141,12 +150,13 @@ constexpr Option known_options[] = {
     {"-no_rest_on_pbr", ignore},
     {"-no_rest", ignore},
     {"-if", read_path<&MsmsOptions::input>},
-    {"-of", read_path<&MsmsOptions::surface>},
-    {"-af", read_path<&MsmsOptions::areas>},
+    {"-of", read_output<&MsmsOptions::surface>},
+    {"-af", read_output<&MsmsOptions::areas>},
     {"-no_header", set<&MsmsOptions::has_header, false>},
     {"-free_vertices", ignore},
     {"-all_components", set<&MsmsOptions::has_all_components, true>},
     {"-one_cavity", read_cavity_atoms},
+    {"--allow-far-atoms", set<&MsmsOptions::allow_far_atoms, true>},
 };
 
 /// Returns the option of this name or, without one, the first option that begins with it.

@@ -21,6 +21,7 @@ struct MsmsOptions {
   bool has_areas = true;            ///< whether analytical areas are printed and written
   bool has_header = true;           ///< whether the files of the triangles have a header
   bool has_hydrogens = true;        ///< whether spheres with the radius of hydrogen are used
+  bool allow_far_atoms = false;     ///< see Parameters::allow_far_atoms
   bool has_all_components = false;  ///< whether all components are written, or only the first one
   /// Atoms that the chosen component touches, from 0 in the order of the file; empty if the
   /// component is not chosen by atoms.

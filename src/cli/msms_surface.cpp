@@ -107,11 +107,10 @@ struct ComputedMesh {
 ComputedMesh make_mesh(const Surface& surface, const MsmsOptions& options,
                        const CheckCallback& check) {
   constexpr std::int64_t max_points = 1 << 24;  // of a finer grid
-  double spacing = std::sqrt(mesh::quality_vertices_per_area / options.density);
+  double spacing = msms_grid(options).spacing;
   RunOptions running;
   if (check) running.progress = [&](std::int64_t, std::int64_t) { check(); };
   for (;; spacing /= 2) {
-    // The grid may lack up to one spacing of its upper margin.
     const Grid grid = make_grid(surface, {.spacing = spacing, .margin = 2 * spacing});
     Result computed =
         compute(surface, grid, ResultParts{.inside = true, .crossings = true}, running);
@@ -145,6 +144,12 @@ std::uint32_t MsmsSurface::component_at(std::span<const AtomIndex> atoms) const 
   }
   if (best.second == 0) throw Error("no component of the surface touches the atoms of -one_cavity");
   return found;
+}
+
+GridOptions msms_grid(const MsmsOptions& options) {
+  const double spacing = std::sqrt(mesh::quality_vertices_per_area / options.density);
+  // The grid may lack up to one spacing of its upper margin.
+  return {.spacing = spacing, .margin = 2 * spacing};
 }
 
 MsmsSurface make_msms_surface(std::vector<Atom> spheres, const MsmsOptions& options,

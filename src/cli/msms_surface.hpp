@@ -9,6 +9,7 @@
 
 #include "cli/msms_options.hpp"
 #include "eses/atoms.hpp"
+#include "eses/grid.hpp"
 #include "eses/measure.hpp"
 #include "mesh/shells.hpp"
 #include "mesh/vertex.hpp"
@@ -36,6 +37,9 @@ struct MsmsSurface {
   /// there is none.
   std::uint32_t component_at(std::span<const AtomIndex> atoms) const;
 };
+
+/// Returns the grid on which the surface is computed first.
+GridOptions msms_grid(const MsmsOptions& options);
 
 /// Computes the surface of spheres on a grid for which the triangles of quality have about the
 /// chosen density of vertices, or a higher one if the spheres are too small for any triangle. Calls

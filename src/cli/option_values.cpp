@@ -108,7 +108,7 @@ bool is_dx_grid(const std::string& text) { return grid_file_format(text) == Grid
 
 bool is_prefix(const std::string& text) {
   const std::string name = std::filesystem::path(text).filename();
-  return !name.empty() && !name.starts_with('.');
+  return !name.empty() && name != "-" && !name.starts_with('.');
 }
 
 std::optional<Share> part_in(const std::string& text) {

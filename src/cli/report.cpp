@@ -209,7 +209,7 @@ std::string files_text(const FileSizes& sizes, const Outputs& outputs) {
 std::string usual_text(const std::vector<DiagnosticText>& diagnostics) {
   std::string text;
   for (const DiagnosticText& diagnostic : diagnostics)
-    if (diagnostic.is_usual) text += formatted("; {} {}", diagnostic.count, diagnostic.short_text);
+    if (diagnostic.is_usual) text += "; " + diagnostic.short_text;
   return text;
 }
 

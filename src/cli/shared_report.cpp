@@ -193,7 +193,7 @@ std::uint64_t left_out_atoms(const StructureReport& report) {
 }
 
 std::string message_with_file(const std::exception& error, const std::filesystem::path& path) {
-  const std::string message = error.what(), name = path.string();
+  const std::string message = message_of(error), name = path.string();
   const bool has_name = path == "-" || message.find(name) != std::string::npos;
   return has_name ? message : formatted("{}: {}", name, message);
 }

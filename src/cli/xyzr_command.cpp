@@ -2,10 +2,12 @@
 #include <cstddef>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "cli/arguments.hpp"
 #include "cli/command.hpp"
 #include "cli/messages.hpp"
+#include "cli/shared_options.hpp"
 #include "eses/read_atoms.hpp"
 #include "input/other_formats.hpp"
 #include "input/radii_set.hpp"
@@ -31,8 +33,8 @@ Exit codes:
   1  input, output or resource error
   2  error in the command line)";
 
-/// Returns the input file with the options of the radii of MSMS.
-InputFile parse_xyzr_arguments(bool has_names, const Arguments& arguments) {
+/// Returns the input file with the options of the radii of MSMS, and whether charges are printed.
+std::pair<InputFile, bool> parse_xyzr_arguments(bool has_names, const Arguments& arguments) {
   const std::string name = has_names ? "pdb_to_xyzrn" : "pdb_to_xyzr";
   InputFile input{.path = "-"};
   input.structure.radii = "msms";
@@ -46,19 +48,28 @@ InputFile parse_xyzr_arguments(bool has_names, const Arguments& arguments) {
                .details = xyzr_details});
   add_value(app, "FILE", "", "PDB, mmCIF or PQR file; - for standard input [-]", input.path,
             any_text("a file"));
-  add_value(app, "--format", "NAME", "auto (by suffix, otherwise pdb), pdb, mmcif or pqr [auto]",
-            input.format,
+  add_value(app, "--format", "NAME",
+            "auto (by suffix, otherwise pdb), pdb, mmcif, pqr or\nxyzr [auto]", input.format,
             one_of<AtomFormat>({{"auto", AtomFormat::automatic},
                                 {"pdb", AtomFormat::pdb},
                                 {"mmcif", AtomFormat::mmcif},
-                                {"pqr", AtomFormat::pqr}}));
+                                {"pqr", AtomFormat::pqr},
+                                {"xyzr", AtomFormat::xyzr}}));
+  bool has_charges = false;
+  if (!has_names)
+    add_flag(app, "--charges",
+             "print x y z radius charge with all digits; charges are\nthose of PQR files, else 0",
+             has_charges);
   add_value(app, "--unknown-radius", "R",
             "radius of atoms without a known radius, in angstrom\n[such atoms are an error]",
             input.structure.unknown_radius, length_between(0, max_set_radius));
   add_notices(app);
   parse(app, arguments, "FILE");
-  if (format_of(input.path, input.format) == AtomFormat::xyzr) input.format = AtomFormat::pdb;
-  return input;
+  const bool is_unknown = input.format == AtomFormat::automatic &&
+                          format_of(input.path, input.format) == AtomFormat::xyzr;
+  if (is_unknown) input.format = AtomFormat::pdb;
+  if (has_names) refuse_xyzr(input, "pdb_to_xyzrn", "names");
+  return {input, has_charges};
 }
 
 /// Returns a radius with at least two decimals.
@@ -67,23 +78,25 @@ std::string radius_text(double radius) {
   return shortest.size() > fixed.size() ? shortest : fixed;
 }
 
-/// Prints the spheres of a PDB, mmCIF or PQR file.
+/// Prints the spheres of a file.
 int print_spheres(bool has_names, const Arguments& arguments) {
-  const InputFile input = parse_xyzr_arguments(has_names, arguments);
+  const auto [input, has_charges] = parse_xyzr_arguments(has_names, arguments);
   require_standard_output();
   const AtomFile file =
       read_atoms(input.path, {.format = input.format, .structure = input.structure});
   BufferedText text([](std::string_view part) { print(part); });
   for (std::size_t i = 0; i < file.atoms.size(); ++i) {
-    const Atom& atom = file.atoms[i];
-    const Vec3 center = atom.center;
+    const auto& [center, radius] = file.atoms[i];
     if (has_names) {
       const AtomLabel& label = file.labels[i];
-      text.append("{:.6f} {:.6f} {:.6f} {:.6f} 1 {}_{}_{}\n", center.x, center.y, center.z,
-                  atom.radius, label.atom_name, label.residue, label.residue_number);
+      text.append("{:.6f} {:.6f} {:.6f} {:.6f} 1 {}_{}_{}\n", center.x, center.y, center.z, radius,
+                  label.atom_name, label.residue, label.residue_number);
+    } else if (has_charges) {
+      text.append("{} {} {} {} {}\n", center.x, center.y, center.z, radius,
+                  file.charges.empty() ? 0 : file.charges[i]);
     } else {
       text.append("{:8.3f} {:8.3f} {:8.3f} {}\n", center.x, center.y, center.z,
-                  radius_text(atom.radius));
+                  radius_text(radius));
     }
   }
   text.flush();

@@ -67,7 +67,7 @@ SphereFile read_spheres(const std::filesystem::path& path) {
   const ReadOptions options{.format = AtomFormat::xyzr};
   AtomFile atoms = read_all_atoms(text_in_memory(text), {options, source.name(), 1, true});
   std::vector<std::string> names = names_on(text, atoms.lines, source.name());
-  return {std::move(atoms.atoms), std::move(names)};
+  return {std::move(atoms.atoms), std::move(atoms.lines), std::move(names)};
 }
 
 }  // namespace eses::detail

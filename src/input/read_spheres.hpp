@@ -1,6 +1,7 @@
 #pragma once
 /// Reading of the input files of MSMS.
 
+#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -11,8 +12,9 @@ namespace eses::detail {
 
 /// The spheres of a file.
 struct SphereFile {
-  std::vector<Atom> spheres;       ///< in the order of the file
-  std::vector<std::string> names;  ///< by sphere; empty if the file has no names
+  std::vector<Atom> spheres;         ///< in the order of the file
+  std::vector<std::uint64_t> lines;  ///< of the file, from 1, by sphere
+  std::vector<std::string> names;    ///< by sphere; empty if the file has no names
 };
 
 /// Reads spheres with names: `x y z r 1 NAME` (xyzrn, from pdb_to_xyzrn), `x y z r NAME`, or

@@ -7,20 +7,19 @@
 #include <cstddef>
 #include <numbers>
 #include <numeric>
-#include <variant>
+#include <vector>
 
-#include "grid/make_grid.hpp"
+#include "geometry/box.hpp"
 #include "system/formatted.hpp"
 
 namespace eses::detail {
 namespace {
 
 constexpr double min_examined_points = 1e8;  // of a grid that is examined
-constexpr double max_points = 1e10;          // of a sparse grid without the consent of the user
 constexpr double min_near_part = 0.01;
 constexpr double min_gap = 20;        // angstrom, between the centres of far atoms and the others
 constexpr int max_groups = 100;       // of atoms that are far from each other
-constexpr std::size_t max_lines = 5;  // in a message
+constexpr std::size_t max_shown = 5;  // far atoms in a message
 
 // Returns an upper bound of the number of points near atoms: those of the balls that a probe
 // touches, one spacing larger.
@@ -85,9 +84,7 @@ bool drop_smaller_part(std::span<const Atom> atoms, std::vector<AtomIndex>& kept
 // Returns the atoms that are left if groups far from the others are removed until the grid is not
 // sparse any more.
 std::vector<AtomIndex> main_group(std::span<const Atom> atoms, double probe_radius,
-                                  const GridOptions& grid) {
-  std::vector<AtomIndex> kept(atoms.size());
-  std::iota(kept.begin(), kept.end(), AtomIndex{0});
+                                  const GridOptions& grid, std::vector<AtomIndex> kept) {
   const double near = near_points(atoms, probe_radius, grid.spacing);
   for (int i = 0; i < max_groups; ++i) {
     const double part = static_cast<double>(kept.size()) / static_cast<double>(atoms.size());
@@ -97,56 +94,78 @@ std::vector<AtomIndex> main_group(std::span<const Atom> atoms, double probe_radi
   return kept;
 }
 
+// Returns a sentence with the numbers of the first far atoms, by their lines or indices.
+std::string sentence(const FarAtoms& far, std::string_view kind,
+                     const std::vector<std::uint64_t>& numbers) {
+  const std::string points = formatted("{:.3g} points, of which at most {:.2g} % are near atoms",
+                                       far.points, 100 * far.near_points / far.points);
+  if (numbers.empty()) return formatted("the grid has {}", points);
+  const std::size_t count = numbers.size(), shown = std::min(count, max_shown);
+  const std::string without = far.points_without < 1e6 ? formatted("{:.0f}", far.points_without)
+                                                       : formatted("{:.3g}", far.points_without);
+  const std::string list = formatted("{}{}", fmt::join(std::span(numbers).first(shown), ", "),
+                                     count > shown ? formatted(" and {} more", count - shown) : "");
+  if (count == 1)
+    return formatted(
+        "1 atom is far from the others and stretches the grid to {}; without it, the grid has {} "
+        "points: {} {}",
+        points, without, kind, list);
+  return formatted(
+      "{} atoms are far from the others and stretch the grid to {}; without them, the grid has {} "
+      "points: {} {}",
+      count, points, without, kind == "line" ? "lines" : "indices", list);
+}
+
 }  // namespace
 
-std::optional<FarAtoms> find_far_atoms(std::span<const Atom> atoms, const Plan& plan) {
-  const auto* const grid = std::get_if<GridOptions>(&plan.parameters.grid);
+std::optional<FarAtoms> find_far_atoms(std::span<const Atom> atoms, double probe_radius,
+                                       const GridOptions& grid) {
+  if (atoms.empty() || !(grid.spacing > 0) || !(grid.margin >= 0)) return std::nullopt;
+  std::vector<AtomIndex> all(atoms.size());
+  std::iota(all.begin(), all.end(), AtomIndex{0});
   FarAtoms far;
-  far.points = static_cast<double>(plan.grid.point_count());
-  if (grid == nullptr || !std::holds_alternative<std::monostate>(plan.parameters.part) ||
-      far.points < min_examined_points)
-    return std::nullopt;
-  const double probe_radius = plan.parameters.probe_radius;
-  far.near_points = near_points(atoms, probe_radius, grid->spacing);
+  far.points = points_around(atoms, all, grid);
+  if (far.points < min_examined_points) return std::nullopt;
+  far.near_points = near_points(atoms, probe_radius, grid.spacing);
   if (far.near_points >= min_near_part * far.points) return std::nullopt;
-  const std::vector<AtomIndex> kept = main_group(atoms, probe_radius, *grid);
-  far.points_without = points_around(atoms, kept, *grid);
+  const std::vector<AtomIndex> kept = main_group(atoms, probe_radius, grid, std::move(all));
+  far.points_without = points_around(atoms, kept, grid);
   std::vector<bool> is_kept(atoms.size());
   for (const AtomIndex i : kept) is_kept[i] = true;
   if (2 * kept.size() >= atoms.size())
     for (AtomIndex i = 0; i < atoms.size(); ++i)
-      if (!is_kept[i]) far.atoms.push_back(FileIndex{i});
+      if (!is_kept[i]) far.atoms.push_back(i);
   return far;
 }
 
-std::string far_atoms_text(const FarAtoms& far, const std::filesystem::path& file,
+std::string far_atoms_text(const FarAtoms& far, std::string_view file,
                            std::span<const std::uint64_t> lines) {
-  const std::string input = file == "-" ? "standard input" : file.string();
-  const std::string points = formatted("{:.3g} points, of which at most {:.2g} % are near atoms",
-                                       far.points, 100 * far.near_points / far.points);
-  const std::size_t count = far.atoms.size();
-  if (count == 0) return formatted("{}: the grid has {}", input, points);
-  std::vector<std::uint64_t> shown;
-  for (const FileIndex i : far.atoms)
-    if (as_number(i) < lines.size() && shown.size() < max_lines)
-      shown.push_back(lines[as_number(i)]);
-  std::string text = formatted(
-      "{}: {} far from the others and stretch{} the grid to {}; without {}, the grid has {} points",
-      input, count == 1 ? "1 atom is" : formatted("{} atoms are", count), count == 1 ? "es" : "",
-      points, count == 1 ? "it" : "them",
-      far.points_without < 1e6 ? formatted("{:.0f}", far.points_without)
-                               : formatted("{:.3g}", far.points_without));
-  if (!shown.empty())
-    text += formatted(": {} {}{}", count == 1 ? "line" : "lines", fmt::join(shown, ", "),
-                      count > shown.size() ? formatted(" and {} more", count - shown.size()) : "");
-  return text;
+  std::vector<std::uint64_t> of_atoms;
+  for (const AtomIndex i : far.atoms) of_atoms.push_back(lines[i]);
+  return formatted("{}: {}", file, sentence(far, "line", of_atoms));
 }
 
-void refuse_sparse_grid(const FarAtoms& far, const std::string& text) {
-  if (far.points > max_points)
-    throw SparseGridError(text +
-                          "; remove atoms that do not belong to the molecule, choose a part "
-                          "of the grid, or allow far atoms");
+std::string require_dense_grid(std::span<const Atom> atoms, double probe_radius,
+                               const GridOptions& grid, std::string_view file,
+                               std::span<const std::uint64_t> lines, bool are_allowed,
+                               std::string_view other_way) {
+  const std::optional<FarAtoms> far = find_far_atoms(atoms, probe_radius, grid);
+  if (!far) return "";
+  std::string text = far_atoms_text(*far, file, lines);
+  if (!are_allowed && far->is_refused())
+    throw SparseGridError(
+        formatted("{}; remove atoms that do not belong to the molecule, {}or allow far atoms", text,
+                  other_way));
+  return far->atoms.empty() ? "" : text;
 }
 
 }  // namespace eses::detail
+
+namespace eses {
+
+std::string describe(const FarAtoms& far) {
+  return detail::sentence(far, "index",
+                          std::vector<std::uint64_t>(far.atoms.begin(), far.atoms.end()));
+}
+
+}  // namespace eses

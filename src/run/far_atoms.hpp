@@ -1,36 +1,28 @@
 #pragma once
-/// Atoms far from the others, which make a grid large and empty.
+/// Grids that atoms far from the others make large and empty; see eses/far_atoms.hpp.
 
 #include <cstdint>
-#include <filesystem>
 #include <optional>
 #include <span>
 #include <string>
-#include <vector>
+#include <string_view>
 
 #include "eses/atoms.hpp"
 #include "eses/error.hpp"
-#include "input/file_index.hpp"
-#include "run/plan.hpp"
+#include "eses/far_atoms.hpp"
+#include "eses/grid.hpp"
 #include "system/hints.hpp"
 
 namespace eses::detail {
 
-/// A grid with few points near atoms, and the atoms that are far from the others.
-struct FarAtoms {
-  std::vector<FileIndex> atoms;  ///< ascending; empty if no atoms are far from most of the others
-  double points = 0;             ///< of the grid
-  double points_without = 0;     ///< of a grid around the other atoms
-  double near_points = 0;        ///< upper bound of the points near atoms
-};
+/// Examines the grid around all atoms. A point is near an atom if a probe that touches the atom
+/// may cover it. Returns nothing if the grid has less than 1e8 points, if at least 1 % of them may
+/// be near atoms, or if an option is out of its range.
+std::optional<FarAtoms> find_far_atoms(std::span<const Atom> atoms, double probe_radius,
+                                       const GridOptions& grid);
 
-/// Examines the grid of a plan. Returns nothing if the user has chosen a grid or a part of it, if
-/// the grid has less than 1e8 points, or if at least 1 % of its points may be near atoms.
-std::optional<FarAtoms> find_far_atoms(std::span<const Atom> atoms, const Plan& plan);
-
-/// Returns a message about the far atoms. `lines` has the line of each atom in the file, or is
-/// empty.
-std::string far_atoms_text(const FarAtoms& far, const std::filesystem::path& file,
+/// Returns a message about the far atoms of a file. `lines` has the line of each atom.
+std::string far_atoms_text(const FarAtoms& far, std::string_view file,
                            std::span<const std::uint64_t> lines);
 
 /// The grid has more than 1e10 points, and few of them are near atoms.
@@ -40,7 +32,13 @@ class SparseGridError : public Error, public Hints {
       : Error(message), Hints({"allow_far_atoms"}) {}
 };
 
-/// Throws SparseGridError for a grid of more than 1e10 points.
-void refuse_sparse_grid(const FarAtoms& far, const std::string& text);
+/// Examines the grid around the atoms of a file. Returns the message about its far atoms, or
+/// nothing if there are none. Throws SparseGridError if the grid has more than 1e10 points and
+/// `are_allowed` is false. `other_way` completes the advice of the error, such as "choose a part of
+/// the grid, ".
+std::string require_dense_grid(std::span<const Atom> atoms, double probe_radius,
+                               const GridOptions& grid, std::string_view file,
+                               std::span<const std::uint64_t> lines, bool are_allowed,
+                               std::string_view other_way = "");
 
 }  // namespace eses::detail

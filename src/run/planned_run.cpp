@@ -434,12 +434,13 @@ void take_diagnostics(const AtomFile& file, const Molecule& molecule, bool has_n
 }
 
 // Describes atoms that make a large and empty grid. Throws SparseGridError if it is too large.
-void take_far_atoms(const AtomFile& atoms, const InputFile& file, PlannedRun& run) {
-  const std::optional<FarAtoms> far = find_far_atoms(atoms.atoms, run.plan);
-  if (!far) return;
-  run.far_atoms = far_atoms_text(*far, file.path, atoms.lines);
-  if (!run.plan.parameters.allow_far_atoms) refuse_sparse_grid(*far, run.far_atoms);
-  if (far->atoms.empty()) run.far_atoms.clear();
+void take_far_atoms(const AtomFile& atoms, const InputFile& file, const Parameters& parameters,
+                    PlannedRun& run) {
+  const auto* const grid = std::get_if<GridOptions>(&parameters.grid);
+  if (grid == nullptr || !std::holds_alternative<std::monostate>(parameters.part)) return;
+  run.far_atoms =
+      require_dense_grid(atoms.atoms, parameters.probe_radius, *grid, input_name(file.path),
+                         atoms.lines, parameters.allow_far_atoms, "choose a part of the grid, ");
 }
 
 // Keeps the names that the first process writes.
@@ -500,8 +501,8 @@ LabelTotals take_file(const InputFile& file, const Request& request,
   // Names take much memory. They are dropped as soon as they are not needed any more.
   if (!request.outputs.residues && !request.outputs.atoms && !has_names) run.names = {};
   processes.all_or_throw([&] {
+    take_far_atoms(atoms, file, request.parameters, run);
     run.plan = plan_grid(sphere_bounds(atoms.atoms), request.parameters);
-    take_far_atoms(atoms, file, run);
   });
   open_checkpoint(request, atoms.atoms, groups, processes, run);
   processes.all_or_throw([&] {

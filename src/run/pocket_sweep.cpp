@@ -163,7 +163,8 @@ class PocketSink final : public Sink {
 template <class Finish>
 auto sweep_planes(const Molecule& molecule, double probe_radius, const Place* place,
                   const PocketOptions& options, Finish&& finish) {
-  const Grid grid = make_grid(molecule.atoms(), options.spacing, margin_spacings * options.spacing);
+  const auto [spacing, margin] = pocket_grid(options.spacing);
+  const Grid grid = make_grid(molecule.atoms(), spacing, margin);
   // Each sweep expects half of the memory of the finder.
   const CallerMemory caller{.per_point = PocketFinder::memory_bytes(grid, probe_radius) / 2 /
                                          static_cast<double>(grid.point_count())};
@@ -217,6 +218,10 @@ void require_valid(const PocketOptions& options, double probe_radius) {
       formatted("the minimum volume of a pocket must be a number of at least 0, and is {}",
                 options.min_volume.value_or(0)));
   require_threads(options.threads);
+}
+
+GridOptions pocket_grid(double spacing) {
+  return {.spacing = spacing, .margin = margin_spacings * spacing};
 }
 
 Pockets sweep_pockets(const Molecule& molecule, double probe_radius, const PocketOptions& options) {

@@ -1,6 +1,7 @@
 #pragma once
 /// The search for pockets: sweeps over the surfaces of two probes on the same grid, layer by layer.
 
+#include "eses/grid.hpp"
 #include "eses/place.hpp"
 #include "eses/pockets.hpp"
 #include "surface/molecule.hpp"
@@ -10,6 +11,9 @@ namespace eses::detail {
 /// Throws std::invalid_argument if an option is out of its range. `probe_radius` is that of the
 /// small probe.
 void require_valid(const PocketOptions& options, double probe_radius);
+
+/// Returns the grid of a search for pockets.
+GridOptions pocket_grid(double spacing);
 
 /// Finds the pockets of a molecule for valid options.
 Pockets sweep_pockets(const Molecule& molecule, double probe_radius, const PocketOptions& options);
