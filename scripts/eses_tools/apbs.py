@@ -279,7 +279,7 @@ def run(options, folder):
     settings = pb.Settings(options.probe_radius, options.solute_dielectric,
                            options.solvent_dielectric, options.ions, options.ion_radius,
                            options.temperature, options.bcfl, options.chgm, options.equation)
-    molecules = [pb.read_molecule(path) for path in options.molecules]
+    molecules = [pb.read_molecule(path, options.program) for path in options.molecules]
     if len(molecules) > 1:
         pb.require_parts(molecules[0], molecules[1:])
     surfaces = [pb.ESES, *((pb.MOL, pb.SMOL) if options.compare else ())]

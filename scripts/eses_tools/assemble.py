@@ -14,15 +14,16 @@ from eses_tools import quiet_interrupt  # before the modules that take time to l
 import argparse
 import collections
 import math
+import pathlib
 
 from eses_tools.atoms import read_atoms
-from eses_tools.common import (NAME, Parser, complete_file, end_with, positive, require_output)
+from eses_tools.common import (NAME, PROGRAM, Parser, complete_file, end_with, positive, require_output)
 
 # Each coordinate is rounded to three decimals. The rounding of two points can shorten their
 # distance by 2 sqrt(3) * 0.0005 = 0.0018. The written numbers must keep the gap.
 ROUNDING = 0.002
 
-# x, y, z: lists of numbers. radius: texts, which are copied from the file unchanged.
+# x, y, z: lists of numbers. radius: texts.
 Structure = collections.namedtuple("Structure", "x y z radius")
 
 # centre: subtracted from the structure before it is moved and turned. radius: distance of the
@@ -33,12 +34,12 @@ Layout = collections.namedtuple("Layout", "copies_per_ring rings centre radius l
 # ------------------------------------------------------------------------------------- reading
 
 
-def read_structure(name, layout):
+def read_structure(name, layout, program):
     structure = Structure([], [], [], [])
-    for x, y, z, radius in read_atoms(name, layout):
-        structure.x.append(x)
-        structure.y.append(y)
-        structure.z.append(z)
+    for x, y, z, radius, _ in read_atoms(name, layout, program):
+        structure.x.append(float(x))
+        structure.y.append(float(y))
+        structure.z.append(float(z))
         # Radii have only a few different values, so equal texts share one string.
         structure.radius.append(sys.intern(radius))
     return structure
@@ -70,7 +71,7 @@ def fit_slice(x, y, radii, half_angle, distance):
 
 def lay_out(structure, copies_per_ring, rings, gap):
     gap += ROUNDING
-    radii = [float(text.lower().replace("d", "e")) for text in structure.radius]
+    radii = [float(text) for text in structure.radius]
     ranges = [extent(places, radii) for places in structure[:3]]
     middle = [(low + high) / 2 for low, high in ranges]
     low, high = ranges[2]
@@ -124,8 +125,7 @@ def parse_options():
                               ("1crn.xyzr --copies 7 --rings 1 -o ring.xyzr", "one ring"),
                               ("1crn.pqr --gap 5 -o large.xyzr.gz", "5 angstrom apart")))
     parser.add_argument("structure", metavar="FILE",
-                        help="xyzr file, or PQR file separated by blanks, also .gz; - is standard "
-                             "input")
+                        help="xyzr or PQR file, also .gz; - is standard input")
     parser.add_argument("--copies", type=positive, default=42, metavar="N",
                         help="copies, the same number on every ring (default: 42)")
     parser.add_argument("--rings", type=positive, default=6, metavar="N",
@@ -138,7 +138,11 @@ def parse_options():
                              "output)")
     parser.add_argument("--format", choices=("auto", "xyzr", "pqr"), default="auto",
                         help="format of the input; auto (the default) decides by the suffix")
+    parser.add_argument("--program", type=pathlib.Path, default=PROGRAM, metavar="FILE",
+                        help="path of eses-blocks, which reads the input (default: the one beside this "
+                             "script, or build/eses-blocks)")
     options = parser.parse_args()
+    options.program = options.program.absolute()
     if options.copies % options.rings:
         parser.error(f"{options.copies} copies cannot stand evenly on {options.rings} rings")
     return options
@@ -153,7 +157,7 @@ def summary(structure, layout):
 def main():
     options = parse_options()
     require_output(options.output, [options.structure])
-    structure = read_structure(options.structure, options.format)
+    structure = read_structure(options.structure, options.format, options.program)
     layout = lay_out(structure, options.copies // options.rings, options.rings, options.gap)
     is_gzip = options.output.lower().endswith(".gz")
     with complete_file(options.output, compressed=is_gzip, encoding="ascii") as target:

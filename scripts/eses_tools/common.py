@@ -292,6 +292,12 @@ def require_output(path, inputs=()):
             raise Failed(f"{what} is {which}, and would be overwritten; choose another name")
 
 
+def file_argument(path):
+    """Returns the path of a file as an argument of another program, which no option begins like."""
+    text = os.fspath(path)
+    return f"./{text}" if text.startswith("-") and text != "-" else text
+
+
 def files_among(arguments):
     """Returns the files that arguments of eses-blocks name, such as that of --radii."""
     values = (value for argument in map(str, arguments) for value in (argument, argument.partition("=")[2]))

@@ -12,7 +12,7 @@ import sys
 import tempfile
 import time
 
-from eses_tools.common import Failed, command_of, complete_file, machine
+from eses_tools.common import Failed, command_of, complete_file, file_argument, machine
 
 
 GRACE = 5  # seconds
@@ -37,6 +37,11 @@ def delayed_signals():
             signal.raise_signal(number)
 
 
+def argument_of(item):
+    """Returns an item of a command as text. Paths are files, and never options."""
+    return file_argument(item) if isinstance(item, os.PathLike) else str(item)
+
+
 def run(command, stdout, stderr, **how):
     """Runs a command and returns exit code, wall seconds and resource usage, including children.
 
@@ -50,7 +55,7 @@ def run(command, stdout, stderr, **how):
     process = None
     try:
         with delayed_signals():
-            process = subprocess.Popen(["/bin/sh", "-c", '"$@"; exit $?', "sh", *map(str, command)],
+            process = subprocess.Popen(["/bin/sh", "-c", '"$@"; exit $?', "sh", *map(argument_of, command)],
                                        stdin=subprocess.DEVNULL, stdout=stdout, stderr=stderr,
                                        start_new_session=True, **how)
         _, status, usage = os.wait4(process.pid, 0)
@@ -127,10 +132,10 @@ def rings_for(copies):
     return max(n for n in range(1, copies + 1) if copies % n == 0 and n * n <= copies)
 
 
-def assemble(source, copies, target):
+def assemble(program, source, copies, target):
     """Writes a complex of copies of the structure with eses-assemble."""
-    command = [*command_of("assemble"), source, "--copies", str(copies),
-               "--rings", str(rings_for(copies)), "--output", target]
+    command = [*command_of("assemble"), file_argument(source), "--copies", str(copies),
+               "--rings", str(rings_for(copies)), "--output", target, "--program", program]
     done = subprocess.run(command, stdin=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True,
                           check=False)
     if done.returncode != 0:

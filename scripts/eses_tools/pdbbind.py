@@ -32,7 +32,7 @@ import threading
 import time
 
 from eses_tools.common import (NAME, PROGRAM, Failed, Parser, complete_file, describe_build,
-                               end_with, positive, printable, require_writable,
+                               end_with, file_argument, positive, printable, require_writable,
                                require_output, show, unpacked)
 from eses_tools import pdb_to_pqr, report_page
 from eses_tools.structures import KINDS, find_structures
@@ -252,7 +252,7 @@ def prepare(job, structure, request, before, folder, scratch):
 
 def command_for(job, structure, atoms, threads):
     """Returns the command of eses-blocks for a structure, without its outputs."""
-    command = [job.program, str(atoms), *job.options, "--threads", str(threads),
+    command = [job.program, file_argument(atoms), *job.options, "--threads", str(threads),
                "--independent",  # srun may start several tasks, each with its share
                "--format", "pqr" if is_prepared(job, structure) else structure.layout]
     return command + (["--radii", job.radii] if is_read_directly(job, structure) else [])

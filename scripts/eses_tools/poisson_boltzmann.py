@@ -16,7 +16,7 @@ import shutil
 import tempfile
 
 from eses_tools.atoms import read_charged_atoms
-from eses_tools.common import FOLDER, Failed, unpacked
+from eses_tools.common import FOLDER, PROGRAM, Failed, unpacked
 from eses_tools import measuring
 
 # Dielectric boundaries: maps of eses-blocks, and APBS's own `srfm mol` and `srfm smol`.
@@ -59,8 +59,8 @@ Result = collections.namedtuple("Result", "energies seconds peak_bytes")
 # --------------------------------------------------------------------------- molecules and grid
 
 
-def read_molecule(path):
-    return Molecule(path, [Atom(*fields) for fields in read_charged_atoms(str(path))])
+def read_molecule(path, program=PROGRAM):
+    return Molecule(path, [Atom(*numbers) for numbers in read_charged_atoms(path, program)])
 
 
 def identity(atom):

@@ -23,14 +23,15 @@ Number_thread = 1
 """
 
 
-def make_mesh(program, atoms, probe_radius, spacing, directory):
-    """Makes a mesh with one thread. Returns its path in `directory`, and the resource usage.
+def make_mesh(program, reader, atoms, probe_radius, spacing, directory):
+    """Makes a mesh with one thread. Returns its path in `directory`, and the resource usage. `reader` is the path of
+    eses-blocks, which reads the atoms.
 
     Throws Failed if there is no mesh.
     """
     (directory / "atoms.xyzr").write_text(
-        "".join(f"{x} {y} {z} {radius}\n" for x, y, z, radius in read_atoms(str(atoms))
-                if float(radius) > 0), encoding="ascii")
+        "".join(f"{atom.x} {atom.y} {atom.z} {atom.radius}\n" for atom in read_atoms(atoms, program=reader)
+                if float(atom.radius) > 0), encoding="ascii")
     (directory / "surface.prm").write_text(
         SETTINGS.format(probe_radius=probe_radius, grid_scale=1 / spacing), encoding="ascii")
     log, mesh = directory / "log", directory / "triangulatedSurf.off"

@@ -31,8 +31,9 @@ awk '/^elec name/ { value = value ? 2 * value : 2; print; printf "    calc\\n"
   printf "        totEnergy %.12E kJ/mol\\n", value; print "    end\\nend" }' "$argument" >"$energies"
 """
 
-# Replaces eses-blocks. It writes its arguments to a file, one call per line.
-ESES = f"""case $1 in --version) exec '{PROGRAM}' --version ;; esac
+# Replaces eses-blocks, except that it reads atoms. It writes its arguments to a file, one call per
+# line.
+ESES = f"""case $1 in --version|pdb_to_xyzr) exec '{PROGRAM}' "$@" ;; esac
 echo "$*" >>"$0.calls"
 echo {{}}
 """
@@ -102,8 +103,8 @@ class ApbsTest(TestCase):
         return {**os.environ, "TMPDIR": str(self.temporary),
                 "PATH": os.pathsep.join(map(str, folders or (self.programs, os.defpath)))}
 
-    def apbs(self, *arguments, code=0, path=()):
-        done = run("apbs", *arguments, "--program", self.program, env=self.environment(*path))
+    def apbs(self, *arguments, code=0, path=(), **how):
+        done = run("apbs", "--program", self.program, *arguments, env=self.environment(*path), **how)
         self.assertDone(done, code)
         self.assertEqual(list(self.temporary.iterdir()), [])
         if code:
@@ -295,6 +296,33 @@ class InputFile(ApbsTest):
                          "ATOM 1 X MOL 1 -1.5 0.123456789 2.0 -0.25 1.7\n")
 
 
+    def test_charged_files_are_read_as_the_program_reads_them(self):
+        """They are files of several programs, and a name that begins with a hyphen."""
+        remarks = ("REMARK    The B-factors in this file hold atomic radii\n"
+                   "REMARK    The occupancy in this file hold atomic charges\n")
+        for name, text, charge, radius in (
+                ("born", "ATOM      1  I   ION     1       0.000   0.000   0.000  1.00  3.00\n", 1, 3),
+                ("joined", "ATOM      1  N    NALA   192     -51.730-160.850  81.990   0.141   1.550\n", 0.141, 1.55),
+                ("gromacs", remarks + "ATOM      1  NA  NA      1       0.000   0.000   0.000  1.00  1.36           NA\n",
+                 1, 1.36),
+                ("channel", "".join(f"ATOM      1  H   FIL T   1       1.{i}47   3.772   1.026  1.00  1.15\n"
+                                    for i in range(6)), 1, 1.15),
+                ("-crlf", "ATOM 1 N ALA 1 0 0 0 -0.25 1.5 N\r\nTER\r\n", -0.25, 1.5)):
+            with self.subTest(name=name):
+                atoms = pb.read_molecule(self.add(f"{name}.pqr", text), PROGRAM).atoms
+                self.assertEqual((atoms[0].charge, atoms[0].radius), (charge, radius))
+        self.apbs("--", "-crlf.pqr", cwd=self.folder)
+
+    def test_swapped_columns_and_further_text_are_refused(self):
+        record = "ATOM      1  N   ALA     1       1.000   2.000   3.000"
+        for name, text, message in (
+                ("swapped", "REMARK  atom radii in columns 55-62\nREMARK  atom charges in columns 63-70\n"
+                 f"{record}  1.5500  0.1410\n", "swapped.pqr:2: the remarks name the column of the radius before"),
+                ("segment", f"{record} -0.3000 1.8500      PROA\n", 'segment.pqr:1: text "PROA" after the radius')):
+            with self.subTest(name=name):
+                self.assertIn(message, self.apbs(self.add(f"{name}.pqr", text), code=1).stderr)
+
+
 class Errors(ApbsTest):
     def test_missing_apbs_is_an_error(self):
         (self.programs / "apbs").unlink()
@@ -328,7 +356,7 @@ class Errors(ApbsTest):
 
     def test_failure_of_the_program_is_an_error(self):
         self.program = write_program(self.folder / "failing", f"""case $1 in
-  --version) exec '{PROGRAM}' --version ;;
+  --version|pdb_to_xyzr) exec '{PROGRAM}' "$@" ;;
 esac
 echo "eses-blocks: error: $1:7: no good" >&2
 exit 1
@@ -382,13 +410,13 @@ exit 1
                 self.assertIn("make a PQR file of it with pdb2pqr", said)
         # A damaged PQR file is no PDB file.
         damaged = self.add("damaged.pqr", f"{start}  0.1000 1.5000\n" * 3 + f"{start}  0.1O00 1.5\n")
-        self.assertIn("damaged.pqr:4: expected a number", self.apbs(damaged, code=1).stderr)
+        self.assertIn("damaged.pqr:4: field 10 (charge): expected a number", self.apbs(damaged, code=1).stderr)
 
     def test_unusable_files_and_folders_are_refused(self):
         self.assertIn("missing.pqr", self.apbs(self.folder / "missing.pqr", code=1).stderr)
-        self.assertIn("no atoms", self.apbs(DATA / "c60.xyzr", code=1).stderr)
+        self.assertIn("no ATOM or HETATM records", self.apbs(DATA / "c60.xyzr", code=1).stderr)
         broken = self.add("broken.pqr", ION.replace("1.0000", "x"))
-        self.assertIn("broken.pqr:1: expected a number", self.apbs(broken, code=1).stderr)
+        self.assertIn("broken.pqr:1: field 9 (charge): expected a number", self.apbs(broken, code=1).stderr)
         taken = self.add("taken", "")
         self.assertIn("taken", self.apbs(self.ion, "--keep", taken, code=1).stderr)
 

@@ -39,7 +39,7 @@ def min_gap(one, other):
 
 class Assemble(TestCase):
     def assemble(self, *arguments, code=0):
-        done = run("assemble", *arguments)
+        done = run("assemble", *arguments, "--program", PROGRAM)
         self.assertDone(done, code)
         return done
 
@@ -125,7 +125,7 @@ class Assemble(TestCase):
             self.assertEqual(self.one_copy(path), plain)
         for word in ("NAG", "N1", "N+", "N12", "N1+-"):
             path = self.write_records("word.pqr", [f"{end}  {word}" for end in numbers])
-            self.assertIn(f"word.pqr:1: expected a number, found '{word}'",
+            self.assertIn(f'word.pqr:1: text "{word}" after the radius',
                           self.refused_like_the_program(path))
         short = self.folder / "short.pqr"
         short.write_text("ATOM 1 N MET 1 27.340 24.430 2.614 1.8500 N\n")
@@ -180,15 +180,14 @@ class Assemble(TestCase):
     def test_wrong_input_is_refused(self):
         target = self.folder / "out.xyzr"
         for name, content, message in (
-                ("short.xyzr", b"0 0 0 1\n1 2 3\n", "short.xyzr:2: expected x y z radius"),
-                ("word.xyzr", b"0 0 0 1\n\n1 2 x 1\n", "word.xyzr:3: expected a number, found 'x'"),
-                ("negative.xyzr", b"0 0 0 -1\n", "negative.xyzr:1: negative radius"),
+                ("short.xyzr", b"0 0 0 1\n1 2 3\n", "short.xyzr:2: field 4 (radius): missing"),
+                ("word.xyzr", b"0 0 0 1\n\n1 2 x 1\n", 'word.xyzr:3: field 3 (z): expected a number, found "x"'),
+                ("negative.xyzr", b"0 0 0 -1\n", "negative.xyzr:1: field 4 (radius): must not be negative"),
                 ("nan.xyzr", b"0 nan 0 1\n", "nan.xyzr:1"),
-                ("empty.xyzr", b"# nothing\n", "empty.xyzr: no atoms"),
+                ("empty.xyzr", b"# nothing\n", "empty.xyzr: no atoms found"),
                 ("short.pqr", b"REMARK\nATOM 1 N MET 1 2 3\n", "short.pqr:2"),
                 ("word.xyzr.gz", gzip.compress(b"1 2 x 1\n"), "word.xyzr.gz:1"),
-                ("cut.xyzr.gz", gzip.compress(b"0 0 0 1\n" * 99)[:-12], "cut.xyzr.gz: "),
-                ("plain.xyzr.gz", b"0 0 0 1\n", "plain.xyzr.gz: ")):
+                ("cut.xyzr.gz", gzip.compress(b"0 0 0 1\n" * 99)[:-12], "cut.xyzr.gz: ")):
             path = self.folder / name
             path.write_bytes(content)
             self.assertIn(message, self.refused(path, "-o", target))

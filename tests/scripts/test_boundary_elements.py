@@ -54,7 +54,7 @@ class ExactEnergies(TestCase):
 class Energies(TestCase):
     def test_curved_triangles_give_the_energy_of_a_sphere(self):
         script = load_script()
-        atoms, charges = script.read_case("sphere", self.folder)
+        atoms, charges = script.read_case("sphere", PROGRAM, self.folder)
         exact = script.exact_energy("sphere")
         for name, max_error in (("curved", 1e-3), ("plain", 1e-3), ("flat", 0.04)):
             with self.subTest(series=name):

@@ -1,11 +1,14 @@
 """Tests of the one rule for outputs of all tools: nothing that is read is written, links are kept,
 devices stay, an old file stays if the new one cannot be written, and signals leave nothing behind."""
 
+import contextlib
+import ctypes
 import gzip
 import os
 import pathlib
 import shutil
 import signal
+import struct
 import subprocess
 import time
 import unittest
@@ -31,7 +34,7 @@ class Outputs(TestCase):
 
     def writers(self):
         """Yields tool, arguments, the option of the output, and an input, which exists."""
-        yield "assemble", ["--copies", 1, "--rings", 1, self.atoms], "-o", self.atoms
+        yield "assemble", ["--copies", 1, "--rings", 1, self.atoms, "--program", PROGRAM], "-o", self.atoms
         yield "report", [self.table], "-o", self.table
         if shutil.which("apbs"):
             yield ("apbs", [self.charged, "--program", PROGRAM, "--spacing", 1], "--write-potential",
@@ -174,6 +177,45 @@ class Program(TestCase):
         self.assertDone(done, code)
         return done
 
+    def reads_of_folder(self, folder, action):
+        """Returns how often the entries of a folder are read, as inotify(7) counts it. Skips the test if the system does
+        not count."""
+        libc, access, is_folder = ctypes.CDLL(None), 0x1, 0x40000000
+        descriptor = libc.inotify_init1(os.O_NONBLOCK)
+        if descriptor < 0 or libc.inotify_add_watch(descriptor, os.fsencode(folder), access | 0x20 | 0x100) < 0:
+            self.skipTest("inotify is missing")
+        try:
+            action()
+            events = b""
+            with contextlib.suppress(BlockingIOError):
+                while True:
+                    events += os.read(descriptor, 1 << 16)
+        finally:
+            os.close(descriptor)
+        count = 0
+        while events:
+            _, mask, _, length = struct.unpack_from("iIII", events)
+            self.assertFalse(mask & 0x4000, "too many events")
+            count += mask & (access | is_folder) == (access | is_folder)
+            events = events[16 + length:]
+        return count
+
+    def test_tables_of_many_files_do_not_read_the_folder_for_each(self):
+        """The work would otherwise grow with the square of the number of files."""
+        self.assertEqual(self.reads_of_folder(self.folder, lambda: os.listdir(self.folder)) > 0, True)
+        counts = []
+        for files in (40, 160):
+            source, target = self.folder / f"in{files}", self.folder / f"out{files}"
+            source.mkdir()
+            target.mkdir()
+            for k in range(files):
+                (source / f"{k}.xyzr").write_text("0 0 0 1.5\n")
+            counts.append(self.reads_of_folder(target, lambda source=source, target=target: self.call(
+                "measure", source, "-q", "--write", "atoms,cavities", "-o", target, "-t", "1")))
+            self.assertEqual(len(os.listdir(target)), 2 * files)
+        self.assertEqual(counts[0], counts[1])
+        self.assertLess(counts[0], 10)
+
     def test_msms_keeps_links(self):
         for name in ("x.vert", "x.face"):
             (self.folder / name).symlink_to(f"real.{name}")
@@ -230,6 +272,34 @@ class Program(TestCase):
         self.assertIn("1 atom is far from the others and stretches the grid to", done.stderr)
         self.assertIn("line 21", done.stderr)
         self.assertEqual(self.call(DATA / "1ubq.xyzr", "--write", "none", "--dry-run").stderr, "")
+
+    def test_far_atoms_of_pockets_and_msms_are_named_and_refused(self):
+        far = self.folder / "far.xyzr"
+        near = "".join(f"{i} 0 0 1.7\n" for i in range(20))
+        far.write_text(f"{near}900000 900000 900000 1.7\n")
+        self.assertIn("line 21", self.call(far, "--write", "none", "--dry-run", code=1).stderr)
+        for command in (["measure", far, "--pockets"], ["msms", "-if", far]):
+            with self.subTest(command=command):
+                done = self.call(*command, code=1)
+                self.assertIn(f"{far}: 1 atom is far from the others and stretches the grid to", done.stderr)
+                self.assertIn("line 21", done.stderr)
+                self.assertIn("or allow far atoms (--allow-far-atoms)", done.stderr)
+        far.write_text(near)
+        for command in (["measure", far, "--pockets"], ["msms", "-if", far]):
+            self.assertEqual(self.call(*command, "--allow-far-atoms").stderr, "")
+
+    def test_the_table_of_results_is_printed(self):
+        self.call("measure", DATA / "c60.xyzr", DATA / "1ubq.xyzr", "--csv", self.folder / "t.csv")
+        table = (self.folder / "t.csv").read_text()
+        for files in ([DATA / "c60.xyzr"], [DATA / "c60.xyzr", DATA / "1ubq.xyzr"]):
+            done = self.call("measure", *files, "--csv", "-")
+            self.assertEqual(done.stdout.splitlines(), table.splitlines()[:len(files) + 1])
+        self.assertEqual(os.listdir(self.folder), ["t.csv"])
+        for more in (["--json"], ["--table", "atoms"]):
+            self.assertIn("--csv - cannot be combined with", self.call("measure", DATA / "c60.xyzr", "--csv", "-", *more,
+                                                                        code=2).stderr)
+        done = self.call("measure", DATA / "c60.xyzr", "--write", "atoms", "-o", "-", code=2)
+        self.assertIn("print one with --table", done.stderr)
 
 
 @unittest.skipUnless(can_draw() and not os.environ.get("DISPLAY"), "needs python3-vtk9 and xvfb, no display")

@@ -26,10 +26,10 @@ TWO_ATOMS = (f"ATOM 1 CA ALA A 7 -6 0 0 0.5 {RADIUS}\n"
 PATCHES = {"convex": (86, 180, 233), "saddle": (240, 228, 66), "concave": (213, 94, 0)}
 
 
-def run_view(*arguments):
+def run_view(*arguments, **how):
     return subprocess.run([SCRIPT, "--program", PROGRAM, *map(str, arguments)],
                           stdin=subprocess.DEVNULL, capture_output=True, text=True, check=False,
-                          timeout=300)
+                          timeout=300, **how)
 
 
 def data_of(page):
@@ -148,6 +148,14 @@ class Files(TestCase):
         self.assertNotIn("a<script>", text)
 
     @unittest.skipUnless(shutil.which("pdb2pqr") or shutil.which("pdb2pqr30"), "needs pdb2pqr")
+    def test_names_may_begin_with_a_hyphen(self):
+        for name in ("-a.xyzr", "-b.pqr"):
+            record = "ATOM 1 C ALA 1 " if name.endswith("pqr") else ""
+            (self.folder / name).write_text(f"{record}0 0 0 {'0 ' if record else ''}1.5\n")
+            done = run_view(f"./{name}", "-o", "./-page.html", cwd=self.folder)
+            self.assertDone(done)
+            self.assertGreater((self.folder / "-page.html").stat().st_size, 1000)
+
     def test_ligands_without_charges_are_named(self):
         """The file has no atom of a protein, so that PDB2PQR is not started."""
         source = self.folder / "heme.pdb"
