@@ -4,14 +4,22 @@ from __future__ import annotations
 
 import os
 import re
-from typing import Any, Optional, Union
+from typing import Any, Iterable, Optional
 
 import numpy as np
 
 from ._references import NAMES, SYNONYMS
 
 POLYMER = frozenset([*NAMES, *SYNONYMS, *"A C G U I DA DC DG DT DI DU".split()])
-_Path = Union[str, os.PathLike[str]]
+
+
+def output_path(path: Any, read: Iterable[str] = ()) -> str:
+    """Returns the path of a file to write. Raises TypeError if it is no path, and ValueError if it is one of the
+    files that were read, under whatever name."""
+    name = os.fsdecode(path)
+    if any(os.path.exists(source) and os.path.exists(name) and os.path.samefile(source, name) for source in read):
+        raise ValueError(f"{name} was read, and would be overwritten; choose another name")
+    return name
 
 
 def _too_wide(what: str, value: Any, i: int) -> ValueError:
@@ -40,7 +48,7 @@ def _pdb_line(serial: int, i: int, molecule: Any, value: float) -> str:
             f"  1.00{column[9]}          {element.upper():>2}\n")
 
 
-def write_pdb(path: _Path, molecule: Any, values: Any) -> None:
+def write_pdb(path: str, molecule: Any, values: Any) -> None:
     """Writes the atoms whose value is a number. Raises ValueError, before it writes, if one does not
     fit into its columns."""
     lines = [_pdb_line(serial, i, molecule, float(values[i]))
@@ -58,7 +66,7 @@ def _cif(value: Any) -> str:
     return f'"{text}"' if '"' not in text else f"'{text}'"
 
 
-def write_cif(path: _Path, molecule: Any, values: Any) -> None:
+def write_cif(path: str, molecule: Any, values: Any) -> None:
     """Writes the atoms whose value is a number."""
     columns = ("group_PDB id type_symbol label_atom_id label_alt_id label_comp_id label_asym_id label_entity_id label_seq_id "
                "pdbx_PDB_ins_code Cartn_x Cartn_y Cartn_z occupancy B_iso_or_equiv auth_seq_id auth_comp_id auth_asym_id "
@@ -75,13 +83,13 @@ def write_cif(path: _Path, molecule: Any, values: Any) -> None:
         target.write("#\n")
 
 
-def write_structure(path: _Path, molecule: Any, values: Any) -> None:
+def write_structure(path: str, molecule: Any, values: Any) -> None:
     """Writes the atoms whose value is a number, as the suffix says. Raises ValueError for suffixes other
     than .pdb and .cif."""
     writers = {".pdb": write_pdb, ".cif": write_cif}
-    suffix = os.path.splitext(os.fspath(path))[1].lower()
+    suffix = os.path.splitext(path)[1].lower()
     if suffix not in writers:
-        raise ValueError(f"{os.fspath(path)}: the suffix must be .pdb, .cif or .csv")
+        raise ValueError(f"{path}: the suffix must be .pdb, .cif or .csv")
     writers[suffix](path, molecule, values)
 
 

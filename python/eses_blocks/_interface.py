@@ -9,8 +9,8 @@ from typing import Any, Iterator, Optional, Sequence, Union, overload
 import numpy as np
 
 from . import _core, _molecule
-from ._files import write_structure
-from ._measurement import Table, _mask_of, _polar_atoms, _starts_of
+from ._files import output_path, write_structure
+from ._measurement import _Path, Table, _mask_of, _polar_atoms, _starts_of
 
 
 class Interface:
@@ -67,7 +67,7 @@ class Interface:
         names = {name: getattr(molecule, name)[index] for name in
                  ("chain", "residue_number", "icode", "residue", "name", "element")}
         return Table({"index": index, "side": self._side, **names, "sas_lost": self._sas,
-                      "ses_lost": self._ses, "is_polar": self._polar})
+                      "ses_lost": self._ses, "is_polar": self._polar}, molecule.files)
 
     @functools.cached_property
     def residues(self) -> Table:
@@ -79,15 +79,15 @@ class Interface:
         columns = {key: atoms[key][starts] for key in keys}
         for column in ("sas_lost", "ses_lost"):
             columns[column] = np.add.reduceat(atoms[column], starts) if len(starts) else atoms[column]
-        return Table(columns)
+        return Table(columns, self._molecule.files)
 
-    def save(self, path: Union[str, os.PathLike[str]], column: str = "sas_lost") -> None:
+    def save(self, path: _Path, column: str = "sas_lost") -> None:
         """Write the kept atoms as ``.pdb`` or ``.cif`` with ``sas_lost`` or ``ses_lost`` in the column of
         the B-factor, or the table of atoms as ``.csv``. Raises ValueError as `Measurement.save`."""
         if column not in ("sas_lost", "ses_lost"):
             raise ValueError(f"column must be sas_lost or ses_lost, not {column!r}")
-        suffix = os.path.splitext(os.fspath(path))[1].lower()
-        if suffix == ".csv":
+        path = output_path(path, self._molecule.files)
+        if os.path.splitext(path)[1].lower() == ".csv":
             self.atoms.save(path)
             return
         values = np.full(len(self._molecule), np.nan)
@@ -106,8 +106,8 @@ class Interface:
 class Interfaces(Sequence[Interface]):
     """Interfaces, the largest first. ``table`` has a row for each."""
 
-    def __init__(self, interfaces: Sequence[Interface]) -> None:
-        self._interfaces = tuple(interfaces)
+    def __init__(self, interfaces: Sequence[Interface], files: tuple[str, ...] = ()) -> None:
+        self._interfaces, self._files = tuple(interfaces), files
 
     def __len__(self) -> int:
         return len(self._interfaces)
@@ -119,7 +119,7 @@ class Interfaces(Sequence[Interface]):
 
     def __getitem__(self, index: Any) -> Any:
         found = self._interfaces[index]
-        return Interfaces(found) if isinstance(index, slice) else found
+        return Interfaces(found, self._files) if isinstance(index, slice) else found
 
     def __iter__(self) -> Iterator[Interface]:
         return iter(self._interfaces)
@@ -133,7 +133,7 @@ class Interfaces(Sequence[Interface]):
                  *each.ses_lost, len(each.residues), len(each.atoms)) for each in self]
         names = ("first", "second", "sas_area", "sas_lost_first", "sas_lost_second", "polar", "apolar", "ses_area",
                  "ses_lost_first", "ses_lost_second", "residues", "atoms")
-        return Table({name: np.array([row[k] for row in rows]) for k, name in enumerate(names)})
+        return Table({name: np.array([row[k] for row in rows]) for k, name in enumerate(names)}, self._files)
 
     def to_pandas(self) -> Any:
         """Returns `table` as a pandas.DataFrame."""
@@ -250,4 +250,4 @@ def interfaces(molecule: Any, radii: Any = None, *, probe_radius: float = 1.4, w
     numbers = {name: k for k, name in enumerate(names)}
     parts = np.array([numbers[name] for name in found.chain.tolist()], np.int64)
     measured = _measure(found, parts, names, probe_radius, threads)
-    return Interfaces(sorted(measured, key=lambda each: -each.sas_area))
+    return Interfaces(sorted(measured, key=lambda each: -each.sas_area), found.files)

@@ -13,18 +13,20 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _core, _molecule
-from ._files import model_numbers, write_structure
+from ._files import model_numbers, output_path, write_structure
 from ._references import CLASSES, MAIN_CHAIN, REFERENCE_PROBE_RADIUS, REFERENCES, SYNONYMS
 
 _Doubles = npt.NDArray[np.float64]
 _Bools = npt.NDArray[np.bool_]
+_Path = Union[str, bytes, os.PathLike[str], os.PathLike[bytes]]
 
 
 class Table:
     """Read-only numpy columns of one length, by name: ``table["sas"]``. ``len(table)`` is the number of
     rows, ``dict(table)`` has all columns."""
 
-    def __init__(self, columns: dict[str, Any]) -> None:
+    def __init__(self, columns: dict[str, Any], files: Iterable[str] = ()) -> None:
+        self._files = tuple(files)  # which save does not overwrite
         self._columns = {name: np.array(column) for name, column in columns.items()}
         for column in self._columns.values():
             column.flags.writeable = False
@@ -52,7 +54,7 @@ class Table:
         return f"<eses_blocks.Table: {len(self)} rows; {', '.join(self._columns)}>"
 
     def __reduce__(self) -> Any:
-        return Table, (self._columns,)
+        return Table, (self._columns, self._files)
 
     def to_pandas(self) -> Any:
         """Returns a pandas.DataFrame with these columns. Raises ImportError without pandas."""
@@ -62,9 +64,10 @@ class Table:
             raise ImportError("to_pandas needs pandas; install it, for example with `pip install pandas`") from error
         return pandas.DataFrame({name: column.copy() for name, column in self._columns.items()})
 
-    def save(self, path: Union[str, os.PathLike[str]]) -> None:
-        """Writes a CSV file with a line of column names. Missing values are empty."""
-        with open(path, "w", encoding="utf-8", newline="") as target:
+    def save(self, path: _Path) -> None:
+        """Writes a CSV file with a line of column names. Missing values are empty. Raises ValueError
+        if the table is of this file, which would be overwritten."""
+        with open(output_path(path, self._files), "w", encoding="utf-8", newline="") as target:
             rows = csv.writer(target, lineterminator="\n")
             rows.writerow(self._columns)
             columns = [["" if value != value else value for value in column.tolist()]
@@ -242,7 +245,7 @@ class Measurement:
                       "residue_number": molecule.residue_number, "icode": molecule.icode, "residue": molecule.residue,
                       "name": molecule.name, "element": molecule.element,
                       "radius": radius, "ses": self._ses, "sas": self._sas, "is_polar": self._polar,
-                      "is_guessed": guessed})
+                      "is_guessed": guessed}, molecule.files)
 
     def _sums(self, starts: npt.NDArray[np.int64]) -> tuple[dict[str, Any], _Bools]:
         """Returns the columns of sums over runs of atoms, and the runs with a reported atom."""
@@ -279,7 +282,7 @@ class Measurement:
         columns = {"chain": molecule.chain[starts], **self._label_chain(starts),
                    "residue_number": molecule.residue_number[starts], "icode": molecule.icode[starts], "residue": names, **sums, "sas_main_chain": main,
                    "sas_side_chain": sums["sas"] - main, "relative_sas": sums["sas"] / maximum}
-        return Table({name: column[is_shown] for name, column in columns.items()})
+        return Table({name: column[is_shown] for name, column in columns.items()}, molecule.files)
 
     @functools.cached_property
     def chains(self) -> Table:
@@ -291,16 +294,16 @@ class Measurement:
         columns: dict[str, Any] = {"chain": np.array(names, str), "residues": [len(row) for row in rows]}
         for column in ("atoms", "ses", "sas", "sas_polar", "sas_apolar"):
             columns[column] = [residues[column][row].sum() for row in rows]
-        return Table(columns)
+        return Table(columns, self._molecule.files)
 
     # ------------------------------------------------------------------------------- output
 
-    def save(self, path: Union[str, os.PathLike[str]], column: str = "sas", level: str = "atom") -> None:
+    def save(self, path: _Path, column: str = "sas", level: str = "atom") -> None:
         """Write the atoms with areas in the column of the B-factor, or a table.
 
         Parameters
         ----------
-        path : str or os.PathLike
+        path : str, bytes or os.PathLike
             ``.pdb`` and ``.cif`` are structures, ``.csv`` is the table of atoms, residues or chains.
         column : str, optional
             The area of structures: ``sas``, ``ses`` or, by residue, ``relative_sas``.
@@ -310,13 +313,14 @@ class Measurement:
         Raises
         ------
         ValueError
-            If a number or a name is too wide for its column of a PDB file, or an argument is unknown.
+            If a number or a name is too wide for its column of a PDB file, if an argument is unknown,
+            or if the file is one that was read.
         """
+        path = output_path(path, self._molecule.files)
         tables = {"atom": self.atoms, "residue": self.residues, "chain": self.chains}
         if level not in tables:
             raise ValueError(f"level must be atom, residue or chain, not {level!r}")
-        suffix = os.path.splitext(os.fspath(path))[1].lower()
-        if suffix == ".csv":
+        if os.path.splitext(path)[1].lower() == ".csv":
             tables[level].save(path)
             return
         if column not in tables[level] or column in ("chain", "label_chain", "residue", "icode"):

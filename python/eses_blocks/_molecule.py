@@ -7,7 +7,8 @@ import gzip
 import importlib
 import os
 import re
-from typing import Any, Optional
+import weakref
+from typing import Any, Optional, Union
 
 import numpy as np
 import numpy.typing as npt
@@ -82,6 +83,8 @@ class Molecule:
     """Whether the atoms have names of residues."""
     label_chain: _Texts
     """The chain names label_asym_id of mmCIF files, where `chain` has auth_asym_id; empty for other sources."""
+    files: tuple[str, ...] = ()
+    """The paths of the files that were read, which `save` does not overwrite."""
 
     def __len__(self) -> int:
         return len(self.positions)
@@ -100,6 +103,7 @@ class _Source:
     set_name: str = ""
     left_out: dict[str, int] = dataclasses.field(default_factory=dict)  # by the library
     select: Any = None
+    files: tuple[str, ...] = ()  # paths of those that were read
 
 
 # ------------------------------------------------------------------------------------------ files
@@ -133,6 +137,21 @@ def _is_path(found: Any) -> bool:
     return isinstance(found, os.PathLike) or (isinstance(found, str) and "\n" not in found)
 
 
+def name_of(found: Any) -> str:
+    """Returns the name of a file for messages."""
+    name = found if _is_path(found) else getattr(found, "name", None)
+    return os.fsdecode(name) if isinstance(name, (str, bytes, os.PathLike)) else "text"
+
+
+# The paths of the files from which atoms were read.
+_files_of: weakref.WeakKeyDictionary[_core.Atoms, tuple[str, ...]] = weakref.WeakKeyDictionary()
+
+
+def remember_files(atoms: _core.Atoms, *paths: Union[str, bytes]) -> None:
+    """Remembers the files from which atoms were read, as far as the paths are those of files."""
+    _files_of[atoms] = tuple(os.path.abspath(os.fsdecode(path)) for path in paths if os.path.exists(path))
+
+
 def read_content(found: Any, layout: str) -> tuple[bytes, str, str]:
     """Returns the content, the name and the format of a path, or as `read_opened`."""
     if not _is_path(found):
@@ -143,10 +162,10 @@ def read_content(found: Any, layout: str) -> tuple[bytes, str, str]:
 
 def read_opened(found: Any, layout: str) -> tuple[bytes, str, str]:
     """Returns the content, the name and the format of an open file, or of the bytes or text of a file."""
-    name = str(getattr(found, "name", "")) if hasattr(found, "read") else ""
+    name = name_of(found)
     data = found.read() if hasattr(found, "read") else found
     data = _unpacked(data.encode() if isinstance(data, str) else bytes(data))
-    return data, name or "text", _format_of(data, name) if layout == "auto" else layout
+    return data, name, _format_of(data, name) if layout == "auto" else layout
 
 
 def _read_file(found: Any, radii: str, unknown: Optional[float], waters: bool, hydrogens: str,
@@ -159,8 +178,8 @@ def _read_file(found: Any, radii: str, unknown: Optional[float], waters: bool, h
         layout = _format_of(b"", os.fspath(found)) if given["format"] == "auto" else given["format"]
 
         def read(select: str) -> _core.Atoms:
-            choices: dict[str, Any] = given | {"select": select, "hydrogens": hydrogens}
-            return _core.read_atoms(found, radii=radii, unknown_radius=unknown, waters=waters, **choices)
+            return _core._read_atoms(found, given["format"], radii, unknown, given["model"], given["altloc"], waters,
+                                     given["hetatm"], hydrogens, list(given["chains"]), select, given["assembly"])
     else:
         data, name, layout = read_opened(found, given["format"])
 
@@ -169,7 +188,10 @@ def _read_file(found: Any, radii: str, unknown: Optional[float], waters: bool, h
                                       waters, given["hetatm"], hydrogens, list(given["chains"]), select,
                                       given["assembly"])
     atoms = read(given["select"])
+    _core._warn_about(atoms, name_of(found))
     source = _of_atoms(atoms)
+    remember_files(atoms, name_of(found), radii)
+    source.files = _files_of[atoms]
     if layout == "mmcif" and atoms.labels is not None:
         if data is None:
             with open(found, "rb") as opened:
@@ -219,7 +241,9 @@ def _source_of(found: Any, radii: Any, unknown: Optional[float], waters: bool, h
             source.set_name = os.fspath(radii or "protor")
         return source
     if isinstance(found, _core.Atoms):
-        return _of_atoms(found)
+        source = _of_atoms(found)
+        source.files = _files_of.get(found, ())
+        return source
     if isinstance(found, _core.Surface):
         return _Source(adaptors.Columns(centers=found.centers, radii=found.radii), are_read=True, set_name="given")
     if adaptors.find_adaptor(found):
@@ -488,16 +512,16 @@ def _read(found: Any, radii: Any, waters: bool, hydrogens: str, unknown: Optiona
         _use_bonds(named, choice)
     if not choice.keep.any():
         raise ValueError("no atoms are left" + "".join(f"; {number} {what}" for what, number in choice.left_out.items()))
-    return _molecule_of(named, choice, which, are_named), source.select
+    return _molecule_of(named, choice, which, are_named, source.files), source.select
 
 
-def _molecule_of(named: _Named, choice: _Choice, which: str, are_named: bool) -> Molecule:
+def _molecule_of(named: _Named, choice: _Choice, which: str, are_named: bool, files: tuple[str, ...]) -> Molecule:
     kept = np.flatnonzero(choice.keep)
     source_text = SOURCES.get(choice.set_name.lower(), f"the configuration file {which}")
     columns = {field.name: getattr(named, field.name) for field in dataclasses.fields(named)}
     molecule = Molecule(
         centers=named.positions[kept], radii=choice.radii[kept], kept=kept, left_out=choice.left_out,
-        set=Radii(choice.set_name, source_text, choice.guessed, choice.unknown), are_named=are_named, **columns)
+        set=Radii(choice.set_name, source_text, choice.guessed, choice.unknown), are_named=are_named, files=files, **columns)
     for column in (molecule.centers, molecule.radii, kept, choice.guessed, choice.unknown, *columns.values()):
         column.flags.writeable = False
     return molecule

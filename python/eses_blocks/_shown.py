@@ -9,6 +9,11 @@ import numpy as np
 from eses_tools import page as _page
 
 from . import _core
+from ._files import output_path
+
+# The endings of names that no page has.
+_OTHER_SUFFIXES = (".pdb", ".ent", ".cif", ".mmcif", ".mcif", ".pdbx", ".pqr", ".xyzr", ".gz", ".csv", ".dx",
+                   ".png", ".jpg", ".jpeg", ".gif", ".svg", ".tif", ".tiff", ".bmp", ".webp", ".pdf")
 
 
 def _require(name, caller):
@@ -33,7 +38,11 @@ class Page:
                 f'style="width: 100%; height: {self._height}px; border: 0"></iframe>')
 
     def save(self, path):
-        """Write the page to a file, which any browser can open."""
+        """Write the page to a file, which any browser can open. Raises ValueError for the suffix of a
+        structure, a table or a picture."""
+        path = output_path(path)
+        if path.lower().endswith(_OTHER_SUFFIXES):
+            raise ValueError(f"{path} would be a page; use a name that ends in .html")
         with open(path, "w", encoding="utf-8") as target:
             target.write(self._text)
 
@@ -47,8 +56,6 @@ def _page_atoms(centers, radii, areas, atoms):
     made = _page.Atoms(serial=np.arange(1, count + 1), centers=centers, radii=radii, areas=areas)
     if atoms is None:
         return made
-    if len(atoms) != count:
-        raise ValueError(f"the surface has {count} atoms, but {len(atoms)} are given")
     made.elements = atoms.element.tolist()
     if atoms.labels is not None:
         labels = atoms.labels
@@ -111,6 +118,8 @@ def _check_choices(color, style, backend):
 def _show(mesh, atoms, color, style, backend, title, height):
     if not isinstance(title, str):
         raise TypeError(f"title must be text, not {type(title).__name__}")
+    if isinstance(height, bool) or not isinstance(height, (int, float, np.integer, np.floating)):
+        raise TypeError(f"height must be a number, not {type(height).__name__}")
     if len(mesh.faces) == 0:
         raise ValueError("the mesh has no triangles")
     if color == "component" and mesh.component is None:
@@ -152,10 +161,12 @@ def surface_show(self, spacing=0.4, atoms=None, *, color=None, style="none", bac
         How atoms are drawn at first: ``none``, ``sticks``, ``balls`` or ``spheres``.
     {page}
     ValueError
-        If the number of atoms is not that of the surface, or an argument is unknown.
+        If the number of atoms or their order is not that of the surface, or an argument is unknown.
     """
     _check_choices(color, style, backend)
     result = self.compute(self.grid(spacing, 2 * spacing))  # does not cut the surface
+    if atoms is not None:
+        _core._require_order(result, atoms)
     shown = _page_atoms(self.centers, self.radii, result.atom_areas, atoms)
     return _show(result.mesh(component=True), shown, color, style, backend, title, height)
 
@@ -258,13 +269,12 @@ def result_residue_table(self, atoms):
     ImportError
         If pandas is not installed.
     ValueError
-        If the number of atoms is not that of the surface, or the atoms have no names.
+        If the number of atoms or their order is not that of the surface, or the atoms have no names.
     """
     if not isinstance(atoms, _core.Atoms):
         raise TypeError(f"atoms must be eses_blocks.Atoms, not {type(atoms).__name__}")
     areas = self.atom_areas
-    if len(atoms) != len(areas):
-        raise ValueError(f"the surface has {len(areas)} atoms, but {len(atoms)} are given")
+    _core._require_order(self, atoms)
     labels = atoms.labels
     if labels is None:
         raise ValueError("the atoms have no names of residues")

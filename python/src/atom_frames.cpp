@@ -55,7 +55,7 @@ Raises
 ImportError
     If pandas is not installed.
 ValueError
-    If the number of atoms is not that of the surface.)";
+    If the number of atoms or their order is not that of the surface.)";
 
 py::object frame_type(const char* caller) {
   try {
@@ -99,9 +99,12 @@ bool is_less(const Atom& a, const Atom& b) {
 
 bool has_same_center(const Atom& a, const Atom& b) { return a.center == b.center; }
 
-/// Raises ValueError if the atoms have the centres of the others in another order. Atoms with other
-/// centres, such as those of another frame, are accepted.
+/// Raises ValueError if the atoms differ from the others in their number, or have the same centres
+/// in another order. Atoms with other centres, such as those of another frame, are accepted.
 void require_order(std::span<const Atom> atoms, std::span<const Atom> others) {
+  if (atoms.size() != others.size())
+    throw py::value_error("the surface has " + std::to_string(others.size()) + " atoms, but " +
+                          std::to_string(atoms.size()) + " are given");
   if (std::ranges::equal(atoms, others, has_same_center)) return;
   std::vector<Atom> a(atoms.begin(), atoms.end()), b(others.begin(), others.end());
   std::ranges::sort(a, is_less);
@@ -112,9 +115,6 @@ void require_order(std::span<const Atom> atoms, std::span<const Atom> others) {
 
 py::object table_of(const std::shared_ptr<ComputedResult>& result, const AtomFile* atoms) {
   const std::span<const Atom> own = result->surface.atoms();
-  if (atoms != nullptr && atoms->atoms.size() != own.size())
-    throw py::value_error("the surface has " + std::to_string(own.size()) + " atoms, but " +
-                          std::to_string(atoms->atoms.size()) + " are given");
   if (atoms != nullptr) require_order(atoms->atoms, own);
   const py::object frame = frame_type("atom_table"), self = py::cast(result);
   const AtomFile unnamed;
@@ -130,8 +130,12 @@ void bind_atoms_frame(py::class_<AtomFile, std::shared_ptr<AtomFile>>& atoms) {
   atoms.def("to_dataframe", &frame_of, to_dataframe_text);
 }
 
-void bind_atom_table(py::class_<ComputedResult, std::shared_ptr<ComputedResult>>& result) {
+void bind_atom_table(py::module_& module,
+                     py::class_<ComputedResult, std::shared_ptr<ComputedResult>>& result) {
   result.def("atom_table", &table_of, atom_table_text, py::arg("atoms") = py::none());
+  module.def("_require_order", [](const ComputedResult& of, const AtomFile& atoms) {
+    require_order(atoms.atoms, of.surface.atoms());
+  });
 }
 
 }  // namespace eses::python

@@ -14,6 +14,7 @@ namespace eses::python {
 void bind_atoms_frame(pybind11::class_<AtomFile, std::shared_ptr<AtomFile>>& atoms);
 
 /// Adds `atom_table` to the class of results.
-void bind_atom_table(pybind11::class_<ComputedResult, std::shared_ptr<ComputedResult>>& result);
+void bind_atom_table(pybind11::module_& module,
+                     pybind11::class_<ComputedResult, std::shared_ptr<ComputedResult>>& result);
 
 }  // namespace eses::python

@@ -21,6 +21,7 @@
 #include "instances.hpp"
 #include "measure_records.hpp"
 #include "read_file.hpp"
+#include "warn.hpp"
 
 namespace eses::python {
 namespace {
@@ -128,14 +129,6 @@ std::shared_ptr<AtomFile> parse(const py::bytes& text, const std::string& name,
                                 const std::vector<std::string>& chains, const std::string& select,
                                 const std::string& assembly);
 
-std::filesystem::path path_of(const py::object& file) {
-  py::detail::make_caster<std::filesystem::path> caster;
-  if (!caster.load(file, true))
-    throw py::type_error("path must be a str, bytes, os.PathLike or an open file, not " +
-                         py::str(py::type::of(file).attr("__name__")).cast<std::string>());
-  return py::detail::cast_op<std::filesystem::path>(std::move(caster));
-}
-
 std::shared_ptr<AtomFile> read(const py::object& found, const std::string& format,
                                const std::filesystem::path& radii,
                                std::optional<double> unknown_radius, int model,
@@ -149,7 +142,7 @@ std::shared_ptr<AtomFile> read(const py::object& found, const std::string& forma
                  unknown_radius, model, altloc, waters, hetatm, hydrogens, chains, select,
                  assembly);
   }
-  const std::filesystem::path path = path_of(found);
+  const std::filesystem::path path = path_of(found, " or an open file");
   // The library would read "-" from standard input, where Ctrl-C cannot interrupt it.
   if (path == "-") throw py::value_error("path must be the name of a file, not '-'");
   ReadOptions options;
@@ -167,6 +160,22 @@ std::shared_ptr<AtomFile> read(const py::object& found, const std::string& forma
     });
   });
   return file;
+}
+
+// Reads the atoms, and warns of suspicious ones.
+py::object read_and_warn(const py::object& found, const std::string& format,
+                         const std::filesystem::path& radii, std::optional<double> unknown_radius,
+                         int model, const std::string& altloc, bool waters, bool hetatm,
+                         const std::string& hydrogens, const std::vector<std::string>& chains,
+                         const std::string& select, const std::string& assembly) {
+  const auto file = read(found, format, radii, unknown_radius, model, altloc, waters, hetatm,
+                         hydrogens, chains, select, assembly);
+  const py::object atoms = py::cast(file);
+  const py::module_ molecule = py::module_::import("eses_blocks._molecule");
+  const py::object name = molecule.attr("name_of")(found);
+  molecule.attr("remember_files")(atoms, name, py::bytes(radii.string()));
+  warn_about(*file, name);
+  return atoms;
 }
 
 // Reads the atoms of a text. The package finds the format.
@@ -418,12 +427,15 @@ void bind_atoms(py::module_& module) {
   bind_atoms_frame(atoms);
   protect_instances(atoms);
 
-  module.def("read_atoms", &read, read_atoms_text, py::arg("path"), py::kw_only(),
+  module.def("read_atoms", &read_and_warn, read_atoms_text, py::arg("path"), py::kw_only(),
              py::arg("format") = "auto", py::arg("radii") = "protor",
              py::arg("unknown_radius") = py::none(), py::arg("model") = 0, py::arg("altloc") = "",
              py::arg("waters") = false, py::arg("hetatm") = true, py::arg("hydrogens") = "auto",
              py::arg("chains") = py::tuple(), py::arg("select") = "", py::arg("assembly") = "");
+  module.def("_read_atoms", &read);
   module.def("_parse_atoms", &parse);
+  module.def("_warn_about",
+             [](const AtomFile& file, const py::str& name) { warn_about(file, name); });
   module.def("_find_radii", &radii_of);
   module.def("_maximum_areas", &maximum_areas);
   module.attr("_reference_probe_radius") = reference_probe_radius;

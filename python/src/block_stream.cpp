@@ -6,6 +6,8 @@
 #include <stdexcept>
 #include <utility>
 
+#include "interrupts.hpp"
+
 namespace eses::python {
 namespace {
 
@@ -19,11 +21,14 @@ constexpr std::chrono::milliseconds time_between_checks{50};
 BlockStream::BlockStream(Surface surface, const Grid& grid, RunOptions options,
                          std::size_t max_waiting)
     : process_(getpid()), max_waiting_(max_waiting) {
+  // Errors in the arguments are reported here, not at the first request for a block. The plan
+  // searches cavities, if they are filled.
+  Interrupts interrupts;
+  options.progress = [&interrupts](std::int64_t, std::int64_t) { interrupts.check(); };
+  estimate(surface, grid, Outputs::none(), options);
   options.progress = [this](std::int64_t, std::int64_t) {
     if (is_closed()) throw Closed();
   };
-  // Errors in the arguments are reported here, not at the first request for a block.
-  estimate(surface, grid, Outputs::none(), options);
   thread_ = std::thread([this, surface = std::move(surface), grid, options = std::move(options)] {
     run(surface, grid, options);
     is_released_ = true;

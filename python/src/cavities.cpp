@@ -13,6 +13,7 @@
 #include "arrays.hpp"
 #include "interrupts.hpp"
 #include "threads.hpp"
+#include "warn.hpp"
 
 namespace eses::python {
 namespace {
@@ -59,7 +60,7 @@ ValueError
     If an argument is out of its range.)";
 
 constexpr const char* pockets_text =
-    R"(pockets(self, large_probe=3.0, *, spacing=0.4, min_volume=None, probe_radius=None, at=None, atoms=None, balls=None, threads=0)
+    R"(pockets(self, large_probe=3.0, *, spacing=0.4, min_volume=None, probe_radius=None, at=None, atoms=None, balls=None, threads=0, allow_far_atoms=False)
 --
 
 Find the pockets: connected parts of space that the probe reaches from outside and a large probe
@@ -90,6 +91,8 @@ balls : tuple of array_like, optional
     the surface.
 threads : int, optional
     Number of threads; 0 for all that the process may use.
+allow_far_atoms : bool, optional
+    As for ``grid``.
 
 Returns
 -------
@@ -105,7 +108,7 @@ list of dict
 Raises
 ------
 ValueError
-    If an argument is out of its range.
+    If an argument is out of its range, or if far atoms are not allowed.
 MemoryError
     If the grid needs more memory than there is.)";
 
@@ -226,9 +229,10 @@ auto find_interruptibly(PocketOptions& options, Find&& find) {
 py::list find_all_pockets(const Surface& surface, double large_probe, double spacing,
                           std::optional<double> min_volume, std::optional<double> probe_radius,
                           const py::object& at, const py::object& atoms, const py::object& balls,
-                          int threads) {
+                          int threads, bool allow_far_atoms) {
   const std::optional<Place> place =
       place_of(at, atoms, balls, probe_radius.value_or(surface.probe_radius()));
+  check_far_atoms(surface, {.spacing = spacing, .margin = 2 * spacing}, allow_far_atoms);
   PocketOptions options{.probe_radius = probe_radius,
                         .large_probe_radius = large_probe,
                         .spacing = spacing,
@@ -265,7 +269,8 @@ void bind_cavities(py::class_<Surface>& surface) {
               py::arg("large_probe") = defaults.large_probe_radius, py::kw_only(),
               py::arg("spacing") = defaults.spacing, py::arg("min_volume") = py::none(),
               py::arg("probe_radius") = py::none(), py::arg("at") = py::none(),
-              py::arg("atoms") = py::none(), py::arg("balls") = py::none(), py::arg("threads") = 0);
+              py::arg("atoms") = py::none(), py::arg("balls") = py::none(), py::arg("threads") = 0,
+              py::arg("allow_far_atoms") = false);
 }
 
 }  // namespace eses::python

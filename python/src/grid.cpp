@@ -1,7 +1,6 @@
 #include "grid.hpp"
 
 #include <pybind11/stl.h>
-#include <pybind11/stl/filesystem.h>
 
 #include <eses/eses.hpp>
 #include <filesystem>
@@ -62,7 +61,7 @@ Read the grid of a file.
 
 Parameters
 ----------
-path : str or os.PathLike
+path : str, bytes or os.PathLike
     Name of an OpenDX map (``.dx``), of VTK image data (``.vti``) or of ``bounding_box.txt``, each of
     which may be gzipped. Of a map only the header is read.
 
@@ -78,7 +77,8 @@ OSError
 ValueError
     If the file has no such grid. The message names the file and the line.)";
 
-Grid read(const std::filesystem::path& path) {
+Grid read(const py::object& file) {
+  const std::filesystem::path path = path_of(file);
   return read_file_as_value([&] { return read_grid(path); });
 }
 

@@ -7,9 +7,13 @@
 #include <cstdint>
 #include <cstring>
 #include <limits>
+#include <map>
 #include <optional>
 #include <span>
+#include <stdexcept>
+#include <string>
 #include <type_traits>
+#include <utility>
 #include <vector>
 
 #include "arrays.hpp"
@@ -17,6 +21,7 @@
 #include "measure_records.hpp"
 #include "surface.hpp"
 #include "threads.hpp"
+#include "warn.hpp"
 
 namespace eses::python {
 namespace {
@@ -75,7 +80,9 @@ frames : array_like
     (F, N, 3) centres of the atoms, in angstrom. Arrays of float64 and float32 in native byte order
     are read in place, also if they are mapped from a file. Other real types are converted. Another
     iterable of (N, 3) arrays, such as a generator or a trajectory of MDAnalysis, is copied frame by
-    frame before the first one is measured.
+    frame before the first one is measured. Lists and tuples whose frames share one memory, such as
+    ``[ts.positions for ts in u.trajectory]``, are refused, because all frames would be the last one.
+    A warning tells what is suspicious in the first frame, such as coordinates in nanometres.
 radii : array_like
     (N,) van der Waals radii of the atoms, in angstrom.
 probe_radius : float, optional
@@ -99,7 +106,7 @@ FrameMeasures
 Raises
 ------
 ValueError
-    If a shape is wrong, if an argument is out of its range, or if an atom is not valid. The message
+    If a shape is wrong, if frames share their memory, if an argument is out of its range, or if an atom is not valid. The message
     names the first frame with such an atom by its index.
 TypeError
     If an array does not contain real numbers.)";
@@ -247,6 +254,22 @@ Record<Kind> MeasureArrays::take() const {
   return record;
 }
 
+// Raises ValueError if frames in memory are the same object or share their first coordinate, as
+// those of a list that is made of the one buffer of a reader.
+void require_separate(const py::sequence& frames) {
+  std::map<const void*, std::size_t> first;
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    const py::object frame = frames[i];
+    const void* const data = py::isinstance<py::array>(frame)
+                                 ? frame.cast<py::array>().data()
+                                 : static_cast<const void*>(frame.ptr());
+    if (const auto [same, is_new] = first.emplace(data, i); !is_new)
+      throw py::value_error("frames " + std::to_string(same->second) + " and " + std::to_string(i) +
+                            " share their memory and are equal, as the reader of a trajectory has "
+                            "one buffer; copy each frame when it is read, or give the trajectory");
+  }
+}
+
 // Returns the frames as one array. A reader of trajectories may yield the same buffer for each
 // frame, so the frames of everything but an array are copied one by one.
 py::array frames_array(const py::object& frames) {
@@ -255,6 +278,8 @@ py::array frames_array(const py::object& frames) {
     return real_array(frames, name);
   // A reader of MDAnalysis begins anew if it is asked again after its end, which the iterators of
   // pybind11 do.
+  if (py::isinstance<py::list>(frames) || py::isinstance<py::tuple>(frames))
+    require_separate(frames);
   const py::iterator iterator = py::iter(frames);
   py::list copies;
   while (const auto frame = py::reinterpret_steal<py::object>(PyIter_Next(iterator.ptr())))
@@ -305,6 +330,22 @@ class Frames {
   bool is_single_;
 };
 
+// Warns of suspicious atoms in the first frame. Atoms that are not valid are an error later.
+void warn_about_first_frame(const Frames& frames, std::span<const double> radii) {
+  if (frames.count() == 0) return;
+  std::vector<Atom> atoms;
+  for (const double radius : radii) atoms.push_back({{}, radius});
+  frames.read(0, atoms);
+  std::vector<Diagnostic> diagnostics;
+  try {
+    const py::gil_scoped_release unlocked;
+    const Surface surface(std::move(atoms));
+    diagnostics.assign(surface.diagnostics().begin(), surface.diagnostics().end());
+  } catch (const std::invalid_argument&) {
+  }
+  warn_about(diagnostics, "frame 0: ");
+}
+
 // Returns a weight for each atom, or nothing if there are no weights.
 std::vector<double> make_weights(const py::object& weights, std::size_t atoms) {
   if (weights.is_none()) return {};
@@ -351,6 +392,7 @@ Record<FrameMeasuresKind> measure_all_frames(const py::object& frames, const py:
   const std::vector<double> weight_of = make_weights(weights, radius_of.size());
   MeasureOptions options = make_measure_options(probe_radius, ses, van_der_waals, by_atom,
                                                 derivatives, weight_of, threads);
+  warn_about_first_frame(source, radius_of);
   MeasureArrays arrays(source.count(), source.atom_count(), options);
   {
     const py::gil_scoped_release unlocked;

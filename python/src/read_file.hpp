@@ -2,12 +2,26 @@
 /// Calls functions that read files.
 
 #include <pybind11/pybind11.h>
+#include <pybind11/stl/filesystem.h>
 
 #include <eses/eses.hpp>
+#include <filesystem>
 #include <stdexcept>
+#include <string>
 #include <utility>
 
 namespace eses::python {
+
+/// Returns the path of a file. Raises TypeError for other objects; `others` names those that are
+/// accepted besides.
+inline std::filesystem::path path_of(const pybind11::object& file, const char* others = "") {
+  pybind11::detail::make_caster<std::filesystem::path> caster;
+  if (!caster.load(file, true))
+    throw pybind11::type_error(
+        "path must be a str, bytes, os.PathLike" + std::string(others) + ", not " +
+        pybind11::str(pybind11::type::of(file).attr("__name__")).cast<std::string>());
+  return pybind11::detail::cast_op<std::filesystem::path>(std::move(caster));
+}
 
 /// Calls `read` without the interpreter's lock and returns its result. An error in the content of
 /// the file becomes a ValueError. Errors of the operating system and of memory stay as they are.

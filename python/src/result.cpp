@@ -318,7 +318,7 @@ void bind_result(py::module_& module) {
       .def(py::pickle(&result_state, &result_of_state));
   protect_instances(type);
   bind_solver_maps(type);
-  bind_atom_table(type);
+  bind_atom_table(module, type);
 }
 
 }  // namespace eses::python

@@ -23,6 +23,7 @@
 #include "measures.hpp"
 #include "run_arguments.hpp"
 #include "threads.hpp"
+#include "warn.hpp"
 
 namespace eses::python {
 namespace {
@@ -65,7 +66,7 @@ constexpr const char* init_text =
 Check and index the atoms.)";
 
 constexpr const char* grid_text =
-    R"(grid(self, spacing=0.4, margin=None, *, origin=None, center=None, shape=None)
+    R"(grid(self, spacing=0.4, margin=None, *, origin=None, center=None, shape=None, allow_far_atoms=False)
 --
 
 Make a grid around the atoms, or one with a given position and shape.
@@ -83,6 +84,9 @@ center : sequence of 3 floats, optional
     Middle between the lowest and the highest point, in angstrom; replaces ``origin``.
 shape : sequence of 3 ints, optional
     Number of points along x, y and z; needed with ``origin`` and ``center``.
+allow_far_atoms : bool, optional
+    Whether to make also a grid around the atoms of more than 1e10 points, less than 1 % of which are
+    near atoms. From 1e8 such points on, a warning names the atoms that are far from the others.
 
 Returns
 -------
@@ -93,7 +97,7 @@ Raises
 ------
 ValueError
     If an argument is out of its range, if there would be more than 2e9 points along an axis or 1e17
-    in all, or if arguments contradict each other.)";
+    in all, if far atoms are not allowed, or if arguments contradict each other.)";
 
 constexpr const char* compute_text =
     R"(compute(self, grid, *, threads=0, block_size=0, blocks=None, region=None, max_memory=0, inside=True, crossings=True, progress=None)
@@ -198,26 +202,22 @@ Surface make_surface(const py::object& centers, const py::object& radii, double 
                                     .check = [&interrupts] { interrupts.check(); }});
 }
 
-// Makes a surface, and warns if its centres look like nanometres.
+// Makes a surface, and warns of suspicious atoms.
 Surface make_checked_surface(const py::object& centers, const py::object& radii,
                              double probe_radius, const py::object& fill_cavities, int threads) {
   Surface surface = make_surface(centers, radii, probe_radius, fill_cavities, threads);
-  for (const Diagnostic& diagnostic : surface.diagnostics())
-    if (diagnostic.kind == DiagnosticKind::nanometre_coordinates &&
-        PyErr_WarnEx(PyExc_UserWarning,
-                     "most centres are within 0.3 of their nearest neighbours: centres must be in "
-                     "angstrom, not nanometres",
-                     1) != 0)
-      throw py::error_already_set();
+  warn_about(surface.diagnostics());
   return surface;
 }
 
 Grid make_surface_grid(const Surface& surface, double spacing, std::optional<double> margin,
                        const std::optional<Triple>& origin, const std::optional<Triple>& center,
-                       const std::optional<GridIndex>& shape) {
+                       const std::optional<GridIndex>& shape, bool allow_far_atoms) {
   if (!origin && !center && !shape) {
+    const GridOptions options{.spacing = spacing, .margin = margin.value_or(default_margin)};
+    check_far_atoms(surface, options, allow_far_atoms);
     const py::gil_scoped_release unlocked;
-    return make_grid(surface, {.spacing = spacing, .margin = margin.value_or(default_margin)});
+    return make_grid(surface, options);
   }
   if (!shape) throw py::value_error("origin and center need a shape");
   if (origin.has_value() == center.has_value())
@@ -268,36 +268,6 @@ BlockStreamPointer stream_blocks(const Surface& surface, const Grid& grid, int t
   return BlockStreamPointer(new BlockStream(surface, grid, std::move(options), max_waiting));
 }
 
-const char* name_of(DiagnosticKind kind) {
-  switch (kind) {
-    case DiagnosticKind::duplicate:
-      return "duplicate";
-    case DiagnosticKind::close:
-      return "close";
-    case DiagnosticKind::nested:
-      return "nested";
-    case DiagnosticKind::large_radius:
-      return "large_radius";
-    case DiagnosticKind::small_radii:
-      return "small_radii";
-    case DiagnosticKind::one_atom_residue:
-      return "one_atom_residue";
-    case DiagnosticKind::foreign_residue:
-      return "foreign_residue";
-    case DiagnosticKind::nanometre_coordinates:
-      return "nanometre_coordinates";
-    case DiagnosticKind::unread_record:
-      return "unread_record";
-    case DiagnosticKind::zero_radius:
-      return "zero_radius";
-    case DiagnosticKind::nested_usual:
-      return "nested_usual";
-    case DiagnosticKind::water:
-      return "water";
-  }
-  return "";
-}
-
 py::list examples_of(const Diagnostic& diagnostic) {
   py::list examples;
   for (const Diagnostic::Example& example : diagnostic.examples)
@@ -328,7 +298,7 @@ void bind_diagnostic(py::module_& module) {
   py::class_<Diagnostic> type(module, "Diagnostic", diagnostic_text);
   type.attr("__module__") = "eses_blocks";
   type.def_property_readonly(
-          "kind", [](const Diagnostic& self) { return name_of(self.kind); },
+          "kind", [](const Diagnostic& self) { return std::string(name_of(self.kind)); },
           "str: what is suspicious.\n\n"
           "``duplicate``: the atom has the centre and the radius of an earlier one. ``close``: its "
           "centre is within 0.5 angstrom of an earlier one's. ``nested``: it is larger than a "
@@ -354,10 +324,11 @@ void bind_diagnostic(py::module_& module) {
       .def_property_readonly(
           "is_usual", [](const Diagnostic& self) { return is_usual(self.kind); },
           "bool: whether correct files often have such atoms.")
+      .def("__str__", [](const Diagnostic& self) { return describe(self); })
       .def("__repr__",
            [](const Diagnostic& self) {
              return py::str("<eses_blocks.Diagnostic: {} (count {})>")
-                 .format(name_of(self.kind), self.count);
+                 .format(std::string(name_of(self.kind)), self.count);
            })
       .def(py::pickle(&diagnostic_state, &diagnostic_of_state));
   protect_instances(type);
@@ -365,20 +336,24 @@ void bind_diagnostic(py::module_& module) {
 
 }  // namespace
 
-// A boolean is also a real number, so it is recognized first.
+// A boolean is also a real number, so it is recognized first. Scalars of other libraries are arrays
+// without an axis, or have the methods of one.
 std::optional<double> max_filled_void(const py::object& fill_cavities) {
-  const bool is_boolean = py::isinstance<py::bool_>(fill_cavities) ||
-                          py::isinstance(fill_cavities, py::module_::import("numpy").attr("bool_"));
-  if (!is_boolean) {
-    const double volume = PyFloat_AsDouble(fill_cavities.ptr());
+  const bool is_scalar = py::hasattr(fill_cavities, "item") &&
+                         py::getattr(fill_cavities, "ndim", py::int_(1)).equal(py::int_(0));
+  const py::object value = is_scalar ? fill_cavities.attr("item")() : fill_cavities;
+  if (py::isinstance<py::bool_>(value)) {
+    if (!value.cast<bool>()) return std::nullopt;
+    return std::numeric_limits<double>::infinity();
+  }
+  if (!py::hasattr(value, "ndim")) {
+    const double volume = PyFloat_AsDouble(value.ptr());
     if (PyErr_Occurred() == nullptr) return volume;
     if (PyErr_ExceptionMatches(PyExc_TypeError) == 0) throw py::error_already_set();
     PyErr_Clear();
-    throw py::type_error("fill_cavities must be a boolean or a volume in cubic angstrom, not " +
-                         py::repr(fill_cavities).cast<std::string>());
   }
-  if (PyObject_IsTrue(fill_cavities.ptr()) == 0) return std::nullopt;
-  return std::numeric_limits<double>::infinity();
+  throw py::type_error("fill_cavities must be a boolean or a volume in cubic angstrom, not " +
+                       py::repr(fill_cavities).cast<std::string>());
 }
 
 void bind_surface(py::module_& module) {
@@ -419,7 +394,8 @@ void bind_surface(py::module_& module) {
           "list of Diagnostic: suspicious properties of the atoms.")
       .def("grid", &make_surface_grid, grid_text, py::arg("spacing") = 0.4,
            py::arg("margin") = py::none(), py::kw_only(), py::arg("origin") = py::none(),
-           py::arg("center") = py::none(), py::arg("shape") = py::none())
+           py::arg("center") = py::none(), py::arg("shape") = py::none(),
+           py::arg("allow_far_atoms") = false)
       .def("compute", &compute_result, compute_text, py::arg("grid"), py::kw_only(),
            py::arg("threads") = 0, py::arg("block_size") = 0, py::arg("blocks") = py::none(),
            py::arg("region") = py::none(), py::arg("max_memory") = 0, py::arg("inside") = true,

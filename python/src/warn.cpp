@@ -1,0 +1,83 @@
+#include "warn.hpp"
+
+#include <functional>
+#include <optional>
+
+namespace py = pybind11;
+
+namespace eses::python {
+namespace {
+
+// Returns the level of the first function on the stack that is not of this package, from 1.
+int level_of_caller() {
+  const auto path = py::module_::import("os.path");
+  const auto folder_of = [&](const py::object& file) { return path.attr("dirname")(file); };
+  const py::object package = folder_of(py::module_::import("eses_blocks").attr("__file__"));
+  int level = 1;
+  py::object frame = py::module_::import("sys").attr("_getframe")(0);
+  for (; !frame.is_none(); frame = frame.attr("f_back"), ++level)
+    if (!folder_of(frame.attr("f_code").attr("co_filename")).equal(package)) return level;
+  return 1;
+}
+
+using NumberOf = std::function<std::uint64_t(const Diagnostic::Example&)>;
+
+// Returns the numbers of the examples, such as `lines 3, 7 and 12 more`.
+std::string list_text(const Diagnostic& diagnostic, const std::string& one,
+                      const std::string& several, const NumberOf& number_of) {
+  std::string text = diagnostic.count == 1 ? one : several;
+  for (std::size_t i = 0; i < diagnostic.examples.size(); ++i)
+    text += (i == 0 ? " " : ", ") + std::to_string(number_of(diagnostic.examples[i]));
+  if (const std::uint64_t more = diagnostic.count - diagnostic.examples.size(); more > 0)
+    text += " and " + std::to_string(more) + " more";
+  return text;
+}
+
+std::string text_of(const Diagnostic& diagnostic) {
+  if (diagnostic.kind == DiagnosticKind::nanometre_coordinates)
+    return "most centres are within 0.3 of their nearest neighbours: centres must be in angstrom, "
+           "not nanometres";
+  return describe(diagnostic) + ": " +
+         list_text(diagnostic, "index", "indices",
+                   [](const Diagnostic::Example& example) { return example.atom; });
+}
+
+}  // namespace
+
+void warn(const py::str& text) {
+  const auto warnings = py::module_::import("warnings");
+  warnings.attr("warn")(text, py::reinterpret_borrow<py::object>(PyExc_UserWarning),
+                        py::arg("stacklevel") = level_of_caller());
+}
+
+void warn_about(std::span<const Diagnostic> diagnostics, const std::string& start) {
+  for (const Diagnostic& diagnostic : diagnostics)
+    if (!is_usual(diagnostic.kind)) warn(start + text_of(diagnostic));
+}
+
+void warn_about(const AtomFile& file, const py::str& name) {
+  const auto line_of = [&](const Diagnostic::Example& example) {
+    return example.line > 0 ? example.line : file.lines[example.atom];
+  };
+  for (const Diagnostic& diagnostic : file.diagnostics)
+    if (!is_usual(diagnostic.kind))
+      warn(
+          py::str("{}: {}: {}")
+              .format(name, describe(diagnostic), list_text(diagnostic, "line", "lines", line_of)));
+}
+
+void check_far_atoms(const Surface& surface, const GridOptions& grid, bool are_allowed) {
+  std::optional<FarAtoms> far;
+  {
+    const py::gil_scoped_release unlocked;
+    far = find_far_atoms(surface, grid);
+  }
+  if (!far) return;
+  if (far->is_refused() && !are_allowed)
+    throw py::value_error(describe(*far) +
+                          "; leave out atoms that do not belong to the molecule, or give "
+                          "allow_far_atoms=True");
+  if (!far->atoms.empty()) warn(describe(*far));
+}
+
+}  // namespace eses::python
