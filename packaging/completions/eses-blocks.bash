@@ -9,7 +9,7 @@ _eses_msms() {
     *)
       if [[ $cur == -* ]]; then
         COMPREPLY=($(compgen -W '-probe_radius -density -hdensity -surface -no_area -noh -if -of -af
-          -no_header -all_components -one_cavity --help --version' -- "$cur"))
+          -no_header -all_components -one_cavity --allow-far-atoms --help --version' -- "$cur"))
       else
         _filedir
       fi
