@@ -225,9 +225,11 @@ def _source_of(found: Any, radii: Any, unknown: Optional[float], waters: bool, h
                options: dict[str, Any]) -> _Source:
     if wrong := set(options) - set(_FILE_OPTIONS):
         raise TypeError(f"unknown arguments: {', '.join(sorted(wrong))}")
+    files: tuple[str, ...] = ()
     if _is_path(found):
         found = os.fsdecode(found)
         if _foreign.is_foreign(found):
+            files = (os.path.abspath(found),)
             found, frame = _foreign.read(found, frame), 0
     if not is_file(found) and options:
         raise TypeError(f"{', '.join(sorted(options))}: only files have these arguments")
@@ -248,7 +250,7 @@ def _source_of(found: Any, radii: Any, unknown: Optional[float], waters: bool, h
         return _Source(adaptors.Columns(centers=found.centers, radii=found.radii), are_read=True, set_name="given")
     if adaptors.find_adaptor(found):
         columns = adaptors.columns_of(found, frame)
-        return _Source(columns, select=columns.select)
+        return _Source(columns, select=columns.select, files=files)
     if isinstance(found, tuple) and len(found) == 2:
         return _Source(adaptors.Columns(centers=found[0], radii=found[1]), are_read=True, set_name="given")
     if radii is not None and not isinstance(radii, (str, os.PathLike)):
