@@ -353,7 +353,7 @@ TEST_CASE("PQR: text behind the radius is called text", "[structure][pqr]") {
         "t.pqr:1: text \"PROA\" after the radius, expected x y z charge radius at the end; remove "
         "the text");
   const std::string record = "ATOM 1 N MET 1 27.340 24.430 2.614 -0.3000 1.8500  ";
-  for (const std::string text : {"N PROA", "N C", "N1+ water", "x", "PROA N  "})
+  for (const std::string text : {"N PROA", "N C", "N1+ water", "PROA N  "})
     CHECK(contains(pqr_error(record + text + "\n"),
                    "t.pqr:1: text \"" + text.substr(0, text.find("  ")) + "\" after the radius"));
   CHECK(contains(pqr_error("ATOM 1 N MET 1 27.340 24.430 2.614 -0.3000 x PROA\n"), "a number"));

@@ -150,15 +150,17 @@ std::string_view reason_for_columns(std::string_view record) {
   // Record, serial number, name, residue, perhaps chain, number, and the coordinates.
   constexpr std::size_t min_fields = 8;
   if (count_fields(record) < min_fields) return {};
-  std::size_t numbers = 0;
+  const auto& [first, width] = coordinate_columns[0];
   for (std::string_view rest = record; !rest.empty();) {
     double value = 0;
     const std::string_view field = take_first(rest);
-    const bool is_decimal = field.find('.') != field.npos;
-    numbers += static_cast<std::size_t>(is_decimal && parse_number(field, value) == std::errc{});
+    if (field.find('.') == field.npos || parse_number(field, value) != std::errc{}) continue;
+    const auto start = static_cast<std::size_t>(field.data() - record.data());
+    const bool is_in_columns = start >= first && start + field.size() <= first + width;
+    return is_in_columns ? ""
+                         : "; its fields are separated by blanks, but PDB records have fixed columns";
   }
-  return numbers < 3 ? ""
-                     : "; its fields are separated by blanks, but PDB records have fixed columns";
+  return {};
 }
 
 /// Returns whether two records belong to the same residue.
