@@ -157,8 +157,9 @@ std::string_view reason_for_columns(std::string_view record) {
     if (field.find('.') == field.npos || parse_number(field, value) != std::errc{}) continue;
     const auto start = static_cast<std::size_t>(field.data() - record.data());
     const bool is_in_columns = start >= first && start + field.size() <= first + width;
-    return is_in_columns ? ""
-                         : "; its fields are separated by blanks, but PDB records have fixed columns";
+    return is_in_columns
+               ? ""
+               : "; its fields are separated by blanks, but PDB records have fixed columns";
   }
   return {};
 }
