@@ -97,7 +97,8 @@ void take_far_atoms(const MeasureCommandOptions& options, std::span<const std::u
   if (options.inputs.size() == 1 && !options.strict && !options.quiet)
     print_message("warning", text);
   else
-    file.diagnostics.push_back({.name = "far_atoms", .message = std::move(text)});
+    file.diagnostics.push_back(
+        {.name = "far_atoms", .short_text = {}, .message = std::move(text), .examples = {}});
 }
 
 /// Finds the pockets, at a place if there is one.
