@@ -106,9 +106,9 @@ def test_ctrl_c_ends_measure(lattice, threads):
 
 @pytest.fixture(scope="module")
 def cavernous():
-    """Returns 60,000 atoms with cavities: copies of a protein side by side."""
+    """Returns 190,000 atoms with cavities: copies of a protein side by side."""
     atoms = eses.read_atoms(DATA / "achbp.xyzr")
-    copies = [atoms.centers + [200 * k, 0, 0] for k in range(60_000 // len(atoms))]
+    copies = [atoms.centers + [200 * k, 0, 0] for k in range(190_000 // len(atoms))]
     return eses.Surface(np.concatenate(copies), np.tile(atoms.radii, len(copies)))
 
 
@@ -129,8 +129,8 @@ CAVITIES = {
 @pytest.mark.parametrize("threads", [1, 2])
 def test_ctrl_c_ends_the_search_for_cavities(cavernous, name, threads):
     """The delays are in several phases of the search."""
-    for delay in (0.2, 0.6):
-        assert_interrupts(lambda: CAVITIES[name](cavernous, threads), delay, 0.5)
+    for delay in (0.1, 0.4):
+        assert_interrupts(lambda: CAVITIES[name](cavernous, threads), delay, 0.5 * threads)
 
 
 @pytest.mark.parametrize("count, n", [(100_000, 4), (4, 40)])

@@ -98,7 +98,7 @@ class Bash(TestCase):
         text = subprocess.run([PROGRAM, "msms", "--help"], capture_output=True, text=True,
                               check=True).stdout
         known = set(re.findall(r"^  (-\w\w+)", text, re.MULTILINE)) - {"-no_rest_on_pbr"}
-        self.assertEqual(self.complete("msms", "-") - {"--help", "--version"}, known)
+        self.assertEqual(self.complete("msms", "-") - {"--help", "--version", "--allow-far-atoms"}, known)
         self.assertEqual(self.complete("msms", "-surface", ""), {"tses", "ases"})
 
     def test_completed_values_are_accepted_by_the_program(self):
