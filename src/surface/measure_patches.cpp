@@ -41,6 +41,10 @@ constexpr std::array<Accessibility, 5> without_slack{{{false, tolerance::accessi
                                                       {false, 2.3 * tolerance::accessible, 1e-12},
                                                       {false, tolerance::accessible, 1e-8}}};
 
+// With a larger sum of forces, the next one of these is tried as well (square angstrom): spheres
+// that are smaller by the shrinkage may meet in one point within rounding errors.
+constexpr double small_force = 1e-8;
+
 // Without slack and shrinkage, only rounding decides.
 constexpr Accessibility exact{false, 0, 1e-10};
 
@@ -202,7 +206,7 @@ std::unique_ptr<PatchMeasurement> measure_with_shrinkage(const Molecule& molecul
     next->run();
     if (best && next->closure().excess() >= best->closure().excess()) continue;
     best = std::move(next);
-    if (best->closure().is_closed()) break;
+    if (best->closure().is_closed() && best->closure().force <= small_force) break;
   }
   return best;
 }

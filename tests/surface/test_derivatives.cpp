@@ -466,4 +466,23 @@ TEST_CASE("measure: the volume around probes that almost fit has no force") {
   }
 }
 
+// With SAS spheres that are smaller by the tolerance of accessibility, these meet in one point
+// within rounding errors.
+TEST_CASE("measure: the volume of a ring that a probe fits by the tolerance has no force") {
+  const double distance = 1.7 + 1.4 - 1e-9;
+  for (int count = 5; count <= 12; ++count)
+    for (int turn = 0; turn < 4; ++turn) {
+      std::vector<Atom> atoms;
+      for (int k = 0; k < count; ++k) {
+        const double angle = 2 * pi * k / count + turn;
+        atoms.push_back({{distance * std::cos(angle), distance * std::sin(angle), 0}, 1.7});
+      }
+      const Measures measures = measure_atoms(atoms, 1.4, {.gradients = true});
+      Vec3 force;
+      for (const Vec3 by_center : measures.gradients.ses_volume.centers) force = force + by_center;
+      INFO(count << " atoms, turned by " << turn);
+      CHECK(norm(force) < 1e-9);
+    }
+}
+
 }  // namespace eses::detail::test
