@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <utility>
 
 #include "geometry/arc_sector.hpp"
@@ -315,8 +316,11 @@ void ComponentFinder::add_face(Wall& wall, AtomIndex atom, const FaceIntegrals& 
   if (!wall.atom) wall.atom = atom;
 }
 
-void ComponentFinder::add_divided_atom(AtomIndex atom, Components::DividedAtom& divided,
+// Adds the faces of an atom to several walls. `solid_angle` is that of all faces together.
+void ComponentFinder::add_divided_atom(AtomIndex atom, double solid_angle,
+                                       Components::DividedAtom& divided,
                                        std::vector<Wall>& walls) const {
+  const bool is_open = solid_angle > 4 * std::numbers::pi - 2 * sphere_part::ambiguous;
   for (const SphereArc& arc : divided.arcs) divided.walls.push_back(WallIndex{arc.node});
   std::sort(divided.walls.begin(), divided.walls.end());
   divided.walls.erase(std::unique(divided.walls.begin(), divided.walls.end()), divided.walls.end());
@@ -336,8 +340,10 @@ void ComponentFinder::add_divided_atom(AtomIndex atom, Components::DividedAtom& 
           second_moment_term(arc.cap, arc.arc, surface_.atoms[atom].center - origin_);
     }
     integrals.vector_area = boundary.vector_area;
+    // The nearest arc tells the face of a direction that no cap covers. If caps cover a part of the
+    // sphere, no face is almost the whole of it.
     integrals.solid_angle = solid_angle_of(boundary.solid_angle, [&](Vec3 direction) {
-      return node_of_face(divided.arcs, direction) == wall;
+      return is_open && node_of_face(divided.arcs, direction) == wall;
     });
     add_face(walls[wall], atom, integrals);
   }
@@ -358,7 +364,8 @@ void ComponentFinder::add_faces(const std::vector<Node>& labels,
       wall = divided.arcs.front().node;
       if (std::any_of(divided.arcs.begin(), divided.arcs.end(),
                       [&](const SphereArc& arc) { return arc.node != wall; })) {
-        add_divided_atom(i, divided, components.walls);
+        const double solid_angle = integrals_of ? integrals_of(i).solid_angle : 0;
+        add_divided_atom(i, solid_angle, divided, components.walls);
         components.wall_of_atom_[i] =
             components.split_begin_ + static_cast<std::uint32_t>(components.divided_.size());
         components.divided_.push_back(std::move(divided));

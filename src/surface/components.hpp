@@ -209,7 +209,7 @@ class ComponentFinder {
   void merge_sums();
   void find_outside();
   void add_face(Wall& wall, AtomIndex atom, const FaceIntegrals& integrals) const;
-  void add_divided_atom(AtomIndex atom, Components::DividedAtom& divided,
+  void add_divided_atom(AtomIndex atom, double solid_angle, Components::DividedAtom& divided,
                         std::vector<Wall>& walls) const;
   void add_faces(const std::vector<Node>& labels,
                  const std::function<FaceIntegrals(AtomIndex)>& integrals_of,

@@ -423,6 +423,26 @@ TEST_CASE("cavities: thousands of voids of a lattice") {
   }
 }
 
+// All faces of an atom between cavities are tiny, so that none of them is the rest of its sphere,
+// although it is nearest to some directions that caps cover.
+TEST_CASE("cavities: tiny faces of an atom in several cavities") {
+  const double spacing = 3.4 + 5e-7;
+  Random random(788);
+  for (int k = 0; k < 120; ++k) {
+    const Vec3 x = random_direction(random);
+    const Vec3 y = normalized(cross(x, random_direction(random))), z = cross(x, y);
+    std::vector<Atom> atoms;
+    for (int cell = 0; cell < 64; ++cell)
+      if (const int i = cell % 4, j = cell / 4 % 4, l = cell / 16; (i + j + l) % 2 == 0)
+        atoms.push_back({(i * spacing) * x + (j * spacing) * y + (l * spacing) * z, 2});
+    const Measures measures = measure_cavities(atoms, 1.4);
+    INFO("set " << k);
+    CHECK(measures.cavities.size() == 4);
+    for (const Cavity& cavity : measures.cavities)
+      CHECK(std::fabs(cavity.ses_area - 4 * pi * 1.4 * 1.4) < 1e-3);
+  }
+}
+
 TEST_CASE("cavities: pieces of the molecule") {
   const std::vector<Atom> atoms{
       {{0, 0, 0}, 1.5}, {{9, 0, 0}, 1.7}, {{2, 0, 0}, 1.5}, {{0, 20, 0}, 1.6}, {{0, 0, 0}, 1}};
