@@ -225,7 +225,8 @@ TEST_CASE("diff: the JSON report has the values of the text report", "[diff]") {
   Pair pair;
   add_to_field(pair.b[edges_name][11], 7, 1e-3);
   add_to_field(pair.b[areas_name][1], 1, 0.25);
-  pair.b[points_name][4].replace(pair.b[points_name][4].rfind(' '), 3, " 1");
+  std::string& point = pair.b[points_name][4];
+  point = point.substr(0, point.rfind(' ')) + " 1";
   const std::string dropped = pair.b[edges_name][20];
   pair.b[edges_name].erase(pair.b[edges_name].begin() + 20);
   fs::remove(pair.sandbox.directory() / "a" / box_name);
