@@ -48,7 +48,7 @@ TEST_CASE("the program reads a PDB file and reports the atoms that it leaves out
   CHECK(contains(piped.out, "read: 2 ATOM records, 1 HETATM record\n"));
 }
 
-TEST_CASE("--like chooses atoms and radii as another program", "[structure][cli]") {
+TEST_CASE("structure: --like chooses atoms and radii as another program", "[structure][cli]") {
   const Sandbox sandbox;
   write_file(sandbox.directory() / "m.pdb", mixed_text());
   const auto check_choice = [&](const std::vector<std::string>& options,

@@ -142,8 +142,10 @@ std::string_view segment_of(std::string_view record) {
                                                                        : segment;
 }
 
-/// Returns why the fields of a record may not be in their columns; empty if it is unknown.
+/// Returns why the fields of an atom's record may not be in their columns; empty if it is unknown
+/// or the record is another one.
 std::string_view reason_for_columns(std::string_view record) {
+  if (!is_atom_record(record)) return {};
   const auto is_digit_at = [&](std::size_t i) { return i < record.size() && is_digit(record[i]); };
   if (is_digit_at(serial_columns.first + 4) && is_digit_at(serial_columns.first + 5))
     return "; the serial number is too wide and shifts the columns; renumber the atoms";
