@@ -54,6 +54,7 @@ class PatchSchedule {
   /// Keeps the patches that the sweep passes from now on, for another sweep. They do not count as
   /// complete until `rewind`.
   void keep_passed() { keeps_passed_ = true; }
+  bool keeps_passed() const { return keeps_passed_; }
   /// Returns to the start of the sweep. Patches that have been kept are not built again.
   void rewind();
 

@@ -61,24 +61,27 @@ bool PatchSweep::visit_layer(ClusterIndex begin, ClusterIndex end,
 bool PatchSweep::build_patches(double up_to) {
   PatchSchedule& schedule = scheduled_->schedule;
   Patches& patches = schedule.patches();
+  // A kept schedule goes on after this sweep, so that it needs all steps that were taken.
+  const bool stops_early = stops_if_irregular_ && !schedule.keeps_passed();
   std::vector<BuildStep> steps;
   while (!schedule.is_ready(up_to)) {
     steps.clear();
     while (const auto step = schedule.take(up_to)) steps.push_back(*step);
     const auto count = static_cast<std::int64_t>(steps.size());
-    std::atomic<bool> is_stopped = false;
+    std::atomic<bool> is_irregular = false;
     parallel_for(count, threads_, [&](std::int64_t k, int thread) {
       if (thread == 0 && check_) check_();
-      if (is_stopped) return;
+      if (is_irregular && stops_early) return;
       const BuildStep& step = steps[static_cast<std::size_t>(k)];
       if (step.kind == BuildStep::Kind::find_arcs)
         patches.find_arcs(step.cluster, scratch_[static_cast<std::size_t>(thread)]);
       else
         patches.complete(step.cluster);
-      if (stops_if_irregular_ && !patches.of_cluster(step.cluster).is_regular) is_stopped = true;
+      if (stops_if_irregular_ && !patches.of_cluster(step.cluster).is_regular) is_irregular = true;
     });
-    if (is_stopped) return false;
+    if (is_irregular && stops_early) return false;
     for (const BuildStep& step : steps) schedule.finish(step);
+    if (is_irregular) return false;
   }
   return true;
 }
