@@ -243,7 +243,7 @@ class Fish(TestCase):
             self.skipTest("fish is not installed")
         with tempfile.TemporaryDirectory() as folder:
             link_tools(folder)
-            script = f"source {COMPLETIONS / 'eses-blocks.fish'}; complete -C '{line}'"
+            script = f"source '{COMPLETIONS / 'eses-blocks.fish'}'; complete -C '{line}'"
             done = subprocess.run(["fish", "--no-config", "-c", script], capture_output=True, text=True, check=False,
                                   cwd=self.folder, env={**os.environ, "HOME": folder,
                                                         "PATH": f"{folder}:{PROGRAM.parent}:{os.environ['PATH']}"})
