@@ -65,11 +65,10 @@ class GapFinder {
   std::vector<AtomIndex> find() {
     sweep_.run([&](const SweepLayer& layer) {
       for (ClusterIndex cluster = layer.begin; cluster < layer.end; ++cluster) {
-        const ClusterPatches& patches = sweep_.schedule().patches().of_cluster(cluster);
-        for (const Arc& arc : patches.arcs) add_arc(arc);
-        const std::uint32_t first = layer.first_placement[as_number(cluster)];
-        for (std::uint32_t k = first; k < first + patches.placements.size(); ++k)
-          if (surface().probe_radius > 0 && sweep_.placements().is_first(k)) compare(k);
+        for (const Arc& arc : sweep_.schedule().patches().of_cluster(cluster).arcs) add_arc(arc);
+        for (PlacementNumber k = layer.placements.first_of_cluster(cluster);
+             k < layer.placements.end_of_cluster(cluster); ++k)
+          if (surface().probe_radius > 0 && layer.placements.is_first(k)) compare(k);
       }
       return true;
     });
@@ -98,9 +97,9 @@ class GapFinder {
   }
 
   // Replaces `angles_` by the angle of the boundary on each cap of a patch.
-  void find_angles(ConcavePatch& patch, std::uint32_t number) {
+  void find_angles(ConcavePatch& patch, PlacementNumber number) {
     set_cone(sweep_.placements(), number, scratch_, patch);
-    const Vec3 center = sweep_.placements().centers()[number];
+    const Vec3 center = sweep_.placements().center(number);
     find_near_large(sweep_.placements(), {center, center}, scratch_.near);
     find_near_small(sweep_.placements(), {center, center}, scratch_.near);
     cut_cone(sweep_.placements(), scratch_, patch);
@@ -110,7 +109,7 @@ class GapFinder {
   }
 
   // Compares the boundary of a concave patch with those of the saddles and of its cutters.
-  void compare(std::uint32_t number) {
+  void compare(PlacementNumber number) {
     find_angles(patch_, number);
     if (patch_.cone.solid_angle == 0) return;
     const double p = surface().probe_radius;

@@ -91,28 +91,29 @@ void ClusterMeasurement::measure(const Patches& all, ClusterIndex cluster, Clust
     terms.sums += sums;
     if (components_) sums_of(terms.roots, root).sums += sums;
   }
-  add_placements(patches, placements_.first_of_cluster()[as_number(cluster)], scratch, terms);
+  add_placements(cluster, scratch, terms);
 }
 
 // Placements that may cut others are looked up for the cluster, and then for a few placements near
 // each other.
-void ClusterMeasurement::add_placements(const ClusterPatches& patches, std::uint32_t first,
-                                        ClusterScratch& scratch, ClusterTerms& terms) const {
+void ClusterMeasurement::add_placements(ClusterIndex cluster, ClusterScratch& scratch,
+                                        ClusterTerms& terms) const {
   constexpr std::size_t max_group = 8;
-  const std::span<const Vec3> all = placements_.centers().subspan(first, patches.placements.size());
+  const PlacementNumber first = placements_.first_of_cluster(cluster);
+  const std::span<const Vec3> all = placements_.centers().subspan(
+      as_number(first), as_number(placements_.end_of_cluster(cluster)) - as_number(first));
   if (probe() > 0 && !all.empty())
     find_near_large(placements_, bounds_of(all), scratch.concave.near);
   for (std::size_t begin = 0; begin < all.size(); begin += max_group) {
     const std::span<const Vec3> group = all.subspan(begin, std::min(max_group, all.size() - begin));
-    const auto group_first = static_cast<std::uint32_t>(first + begin);
     // Only the first placement of a node has a patch.
     bool has_patches = false;
-    for (std::uint32_t k = 0; k < group.size(); ++k)
-      has_patches = has_patches || placements_.is_first(group_first + k);
+    for (std::size_t k = 0; k < group.size(); ++k)
+      has_patches = has_patches || placements_.is_first(first + (begin + k));
     if (probe() > 0 && has_patches)
       find_near_small(placements_, bounds_of(group), scratch.concave.near);
     for (std::size_t k = 0; k < group.size(); ++k) {
-      const auto number = static_cast<std::uint32_t>(group_first + k);
+      const PlacementNumber number = first + (begin + k);
       const PatchSums sums = add_placement(number, scratch, terms);
       terms.sums += sums;
       if (!components_) continue;
@@ -158,7 +159,7 @@ void ClusterMeasurement::add_arc_gradient(const Arc& arc, const ArcPatch& patch,
                           weighted_ses_area_quantity, terms.gradients);
 }
 
-PatchSums ClusterMeasurement::add_placement(std::uint32_t number, ClusterScratch& scratch,
+PatchSums ClusterMeasurement::add_placement(PlacementNumber number, ClusterScratch& scratch,
                                             ClusterTerms& terms) const {
   PatchSums sums;
   if (!placements_.is_first(number)) return sums;
@@ -171,7 +172,7 @@ PatchSums ClusterMeasurement::add_placement(std::uint32_t number, ClusterScratch
   if (components_) record_shared_cut(patch, terms);
   const double p = probe();
   const Vec3 vector_area = -(p * p) * patch.part.vector_area;  // out of the surface
-  const Vec3 center = placements_.centers()[number] - origin_;
+  const Vec3 center = placements_.center(number) - origin_;
   sums.concave = p * p * patch.part.solid_angle;
   sums.flux = dot(center, vector_area) - p * sums.concave;
   sums.load = sphere_load(center, vector_area);
@@ -183,13 +184,13 @@ PatchSums ClusterMeasurement::add_placement(std::uint32_t number, ClusterScratch
 // Keeps a patch that placements cut which may belong to other components.
 void ClusterMeasurement::record_shared_cut(const ConcavePatch& patch, ClusterTerms& terms) const {
   const ComponentFinder::Node root = components_->root_of_placement(patch.number);
-  if (std::all_of(patch.cutters.begin(), patch.cutters.end(), [&](std::uint32_t cutter) {
+  if (std::all_of(patch.cutters.begin(), patch.cutters.end(), [&](PlacementNumber cutter) {
         return components_->root_of_placement(cutter) == root;
       }))
     return;
-  SharedCut cut{root, placements_.centers()[patch.number] - origin_, 0, patch.caps, {}, patch.part};
+  SharedCut cut{root, placements_.center(patch.number) - origin_, 0, patch.caps, {}, patch.part};
   cut.bound_count = static_cast<std::uint32_t>(patch.plane_count());
-  for (const std::uint32_t cutter : patch.cutters)
+  for (const PlacementNumber cutter : patch.cutters)
     cut.cutters.push_back(components_->root_of_placement(cutter));
   terms.cuts.push_back(std::move(cut));
 }
@@ -198,7 +199,7 @@ void ClusterMeasurement::share_among_atoms(ClusterScratch& scratch, ClusterTerms
   const ConcavePatch& patch = scratch.patch;
   if (patch.part.solid_angle == 0) return;
   if (scratch.concave.node.size() == 1) {  // a triangle
-    const auto parts = divide_among_three(surface_, placements_.centers()[patch.number], patch,
+    const auto parts = divide_among_three(surface_, placements_.center(patch.number), patch,
                                           scratch.concave.finder.arcs());
     for (std::size_t a = 0; parts && a < parts->size(); ++a)
       terms.shares.push_back({patch.touched[a], 0, probe() * probe() * (*parts)[a]});
@@ -220,10 +221,10 @@ void ClusterMeasurement::add_concave_gradient(ClusterScratch& scratch, ClusterTe
   const ConcavePatch& patch = scratch.patch;
   if (has_tangent_patch(patch, probe())) terms.is_smooth = false;
   scratch.cutter_parts.clear();
-  for (const std::uint32_t cutter : patch.cutters)
+  for (const PlacementNumber cutter : patch.cutters)
     scratch.cutter_parts.push_back(placements_.parts_of(cutter));
   if (patch.touched.size() <= 3) {
-    const ProbePlacement& placement = *placements_.placements()[patch.number];
+    const ProbePlacement& placement = placements_.placement(patch.number);
     return add_triangle_gradient(placement, {&placement, 1}, patch, scratch, terms);
   }
   const PlacementParts parts = placements_.parts_of(patch.number);
@@ -240,8 +241,8 @@ void ClusterMeasurement::add_concave_gradient(ClusterScratch& scratch, ClusterTe
     add_triangle_gradient(placement, parts, triangle, scratch, terms);
   }
   // The cone of a trapped probe, and a half space, have no triangles.
-  add_common_motion(surface_, placements_.centers()[patch.number], patch.touched,
-                    ses_volume_quantity, -(probe() * probe()) * rest, terms.gradients);
+  add_common_motion(surface_, placements_.center(patch.number), patch.touched, ses_volume_quantity,
+                    -(probe() * probe()) * rest, terms.gradients);
 }
 
 // Adds the derivatives of areas and volumes by the motion of a placement that touches three atoms.

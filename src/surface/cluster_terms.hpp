@@ -72,9 +72,9 @@ class ClusterMeasurement {
   double probe() const { return surface_.probe_radius; }
   PatchSums add_arc(const Arc& arc, bool has_moments, ClusterTerms& terms) const;
   void add_arc_gradient(const Arc& arc, const ArcPatch& patch, ClusterTerms& terms) const;
-  void add_placements(const ClusterPatches& patches, std::uint32_t first, ClusterScratch& scratch,
-                      ClusterTerms& terms) const;
-  PatchSums add_placement(std::uint32_t number, ClusterScratch& scratch, ClusterTerms& terms) const;
+  void add_placements(ClusterIndex cluster, ClusterScratch& scratch, ClusterTerms& terms) const;
+  PatchSums add_placement(PlacementNumber number, ClusterScratch& scratch,
+                          ClusterTerms& terms) const;
   void record_shared_cut(const ConcavePatch& patch, ClusterTerms& terms) const;
   void share_among_atoms(ClusterScratch& scratch, ClusterTerms& terms) const;
   void add_concave_gradient(ClusterScratch& scratch, ClusterTerms& terms) const;

@@ -26,7 +26,8 @@ static_assert(connected <= end_search, "placements are searched within end_searc
 constexpr DisjointSets::Element divided_begin = 0x80000000;
 
 struct ArcMatch {
-  std::uint32_t arc, placement;
+  std::uint32_t arc;
+  PlacementNumber placement;
 };
 
 // Finds the placements at the ends of the arcs of a cluster, or only of the arcs whose atoms are
@@ -42,14 +43,15 @@ void find_ends(const SurfaceModel& surface, const ClusterPatches& patches, const
     for (const Vec3 radial : {arc.start, arc.end}) {
       const Vec3 end = circle.center + circle.radius * radial;
       double min_squared = std::numeric_limits<double>::infinity();
-      ArcMatch best{k, 0};
-      layer.tree.for_each_within(end, end_search, [&](std::uint32_t placement) {
-        const double squared = squared_norm(layer.centers[placement] - end);
+      ArcMatch best{k, {}};
+      layer.placements.tree().for_each_within(end, end_search, [&](std::uint32_t found) {
+        const PlacementNumber placement{found};
+        const double squared = squared_norm(layer.placements.center(placement) - end);
         if (!surface.has_slack && squared < connected * connected)
           matches.push_back({k, placement});
         // The lowest one of several at the same distance is chosen.
         if (std::pair(squared, placement) >= std::pair(min_squared, best.placement)) return;
-        const auto& atoms = layer.placements[placement]->atoms;
+        const auto& atoms = layer.placements.placement(placement).atoms;
         const auto touches = [&](AtomIndex atom) {
           return std::find(atoms.begin(), atoms.end(), atom) != atoms.end();
         };
@@ -162,14 +164,15 @@ void ComponentFinder::add_nodes(const SweepLayer& layer) {
   const std::size_t clusters = layer.schedule.patches().clusters().count();
   first_node_.resize(clusters, no_node);
   are_connected_.resize(clusters);
-  placement_node_.resize(layer.placements.size());
+  node_of_placement_.resize(layer.placements.count());
   for_each_complete(layer, [&](ClusterIndex cluster, const ClusterPatches& patches) {
-    const auto arcs = static_cast<Node>(patches.arcs.size());
-    const auto placements = static_cast<Node>(patches.placements.size());
     Node& first = first_node_[as_number(cluster)];
-    if (first == no_node) first = sets_.add(arcs + placements);
-    for (Node k = 0; k < placements; ++k)
-      placement_node_[layer.first_placement[as_number(cluster)] + k] = first + arcs + k;
+    if (first == no_node)
+      first = sets_.add(static_cast<Node>(patches.arcs.size() + patches.placements.size()));
+    Node node = first + static_cast<Node>(patches.arcs.size());
+    for (PlacementNumber k = layer.placements.first_of_cluster(cluster);
+         k < layer.placements.end_of_cluster(cluster); ++k)
+      node_of_placement(k) = node++;
   });
 }
 
@@ -191,17 +194,19 @@ void ComponentFinder::connect_arcs(const SweepLayer& layer) {
   });
   for (std::size_t k = 0; k < chosen.size(); ++k)
     for (const ArcMatch& match : matches[k])
-      sets_.unite(first_node_[as_number(chosen[k])] + match.arc, placement_node_[match.placement]);
+      sets_.unite(first_node_[as_number(chosen[k])] + match.arc,
+                  node_of_placement(match.placement));
   if (surface_.has_slack) return;
-  for (std::uint32_t k = 0; k < layer.placements.size(); ++k) {
-    for_each_arc_through(surface_, layer, *layer.placements[k],
+  for (PlacementNumber k{}; k < layer.placements.end(); ++k) {
+    const Node node = node_of_placement(k);
+    for_each_arc_through(surface_, layer, layer.placements.placement(k),
                          [&](ClusterIndex of_arc, std::uint32_t arc) {
-                           sets_.unite(first_node_[as_number(of_arc)] + arc, placement_node_[k]);
+                           sets_.unite(first_node_[as_number(of_arc)] + arc, node);
                          });
-    layer.tree.for_each_within(layer.centers[k], connected, [&](std::uint32_t other) {
-      sets_.unite(placement_node_[k], placement_node_[other]);
-    });
-    sets_.unite(placement_node_[k], placement_node_[layer.first_coinciding[k]]);
+    layer.placements.tree().for_each_within(
+        layer.placements.center(k), connected,
+        [&](std::uint32_t other) { sets_.unite(node, node_of_placement(PlacementNumber{other})); });
+    sets_.unite(node, node_of_placement(layer.placements.first_of_node(k)));
   }
 }
 

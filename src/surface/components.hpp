@@ -17,7 +17,7 @@
 #include "geometry/sphere_part.hpp"
 #include "surface/patch_schedule.hpp"
 #include "surface/patch_sums.hpp"
-#include "surface/point_tree.hpp"
+#include "surface/placement_index.hpp"
 #include "surface/sphere_faces.hpp"
 #include "system/disjoint_sets.hpp"
 #include "system/strong_index.hpp"
@@ -120,13 +120,9 @@ class Components {
 /// The patches that are known in a step of a sweep along z.
 struct SweepLayer {
   const PatchSchedule& schedule;
-  ClusterIndex begin, end;    ///< clusters that are measured
-  ClusterIndex complete_end;  ///< all clusters before this one are complete, or freed
-  std::span<const ProbePlacement* const> placements;  ///< of all complete clusters
-  std::span<const Vec3> centers;                      ///< of the placements
-  const PointTree& tree;                              ///< of the centres
-  std::span<const std::uint32_t> first_placement;     ///< by cluster
-  std::span<const std::uint32_t> first_coinciding;  ///< by placement: the first one with its centre
+  ClusterIndex begin, end;           ///< clusters that are measured
+  ClusterIndex complete_end;         ///< all clusters before this one are complete, or freed
+  const PlacementIndex& placements;  ///< with a tree
   int threads;
 
   /// Returns whether the patches of an atom are measured in this step.
@@ -167,7 +163,9 @@ class ComponentFinder {
   Node root_of_arc(ClusterIndex cluster, std::size_t arc) const {
     return sets_.root(first_node_[as_number(cluster)] + static_cast<Node>(arc));
   }
-  Node root_of_placement(std::uint32_t number) const { return sets_.root(placement_node_[number]); }
+  Node root_of_placement(PlacementNumber number) const {
+    return sets_.root(node_of_placement_[as_number(number)]);
+  }
   /// Returns whether this root of the current layer is already connected with the outside.
   bool is_known_outside(Node root) const { return root == outside_root_; }
 
@@ -203,6 +201,7 @@ class ComponentFinder {
     Node node;
   };
 
+  Node& node_of_placement(PlacementNumber number) { return node_of_placement_[as_number(number)]; }
   void add_nodes(const SweepLayer& layer);
   void connect_arcs(const SweepLayer& layer);
   void connect_faces_of_atoms(const SweepLayer& layer);
@@ -223,7 +222,7 @@ class ComponentFinder {
   std::vector<std::uint8_t> are_connected_;  // by cluster: whether all its arcs are connected
   std::vector<Node> node_of_atom_;           // by atom: a node of its faces
   std::vector<std::pair<AtomIndex, Components::DividedAtom>> divided_;
-  std::vector<Node> placement_node_;  // by placement of the layer
+  std::vector<Node> node_of_placement_;  // by placement of the layer
   std::vector<RootSums> sums_;
   std::vector<SharedCut> cuts_;
   std::vector<KeptPlacement> kept_;

@@ -116,12 +116,12 @@ double ConcavePatch::rounding(double same_placement, double probe_radius) const 
   return factor / std::max(std::fabs(dot(toward[0], cross(toward[1], toward[2]))), factor);
 }
 
-void set_cone(const PlacementIndex& placements, std::uint32_t number, ConcaveScratch& scratch,
+void set_cone(const PlacementIndex& placements, PlacementNumber number, ConcaveScratch& scratch,
               ConcavePatch& patch) {
   patch.number = number;
   placements.find_node(number, scratch.node);
   if (scratch.node.size() == 1)
-    return set_triangle(placements.surface(), *placements.placements()[number], patch);
+    return set_triangle(placements.surface(), placements.placement(number), patch);
   placements.find_touched(scratch.node, patch.touched, patch.toward);
   patch.cutters.clear();
   patch.cone = {};

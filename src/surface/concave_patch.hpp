@@ -15,12 +15,12 @@ namespace eses::detail {
 /// The concave patch of a placement: the directions of its normal cone that no other placement cuts
 /// off. The vectors keep their memory for the next patch.
 struct ConcavePatch {
-  std::uint32_t number = 0;        ///< of the placement
+  PlacementNumber number{};
   std::vector<AtomIndex> touched;  ///< the atoms that the probe touches
   std::vector<Vec3> toward;        ///< unit vectors to them, which span the cone
   /// Complements of the half spaces that bound the cone, followed by one cap for each of `cutters`.
   std::vector<SphericalCap> caps;
-  std::vector<std::uint32_t> cutters;  ///< placements that cut the cone
+  std::vector<PlacementNumber> cutters;  ///< placements that cut the cone
   std::vector<Vec3> tangent;  ///< directions to placements that just touch the probe's sphere
   SpherePart cone;            ///< without cuts
   SpherePart part;
@@ -40,9 +40,9 @@ struct NearPlacements {
   SpherePositions found;  ///< positions in `small_centers` of those near one placement
 
   /// The number of the placement at a position in `small_centers`.
-  std::uint32_t number(std::int64_t position) const {
+  PlacementNumber number(std::int64_t position) const {
     const std::int64_t in_large = in_small.at[static_cast<std::size_t>(position)];
-    return static_cast<std::uint32_t>(numbers.at[static_cast<std::size_t>(in_large)]);
+    return static_cast<PlacementNumber>(numbers.at[static_cast<std::size_t>(in_large)]);
   }
 };
 
@@ -50,7 +50,7 @@ struct NearPlacements {
 struct ConcaveScratch {
   SpherePartFinder finder;
   NearPlacements near;
-  std::vector<std::uint32_t> node, other_node;
+  std::vector<PlacementNumber> node, other_node;
   std::vector<SphericalCap> caps;
   std::vector<AtomIndex> borders;  ///< touched atoms beside the owner of a part
 };
@@ -60,7 +60,7 @@ void set_triangle(const SurfaceModel& surface, const ProbePlacement& placement,
                   ConcavePatch& patch);
 
 /// Sets the atoms and the cone of the first placement of a node. It has no cutters.
-void set_cone(const PlacementIndex& placements, std::uint32_t number, ConcaveScratch& scratch,
+void set_cone(const PlacementIndex& placements, PlacementNumber number, ConcaveScratch& scratch,
               ConcavePatch& patch);
 
 /// Finds the placements that may cut the patches of those in a large box.

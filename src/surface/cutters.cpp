@@ -102,16 +102,17 @@ std::optional<Vec3> vector_between(const SurfaceModel& surface, const ProbePlace
 // known. If placements of both nodes are on a common contact circle, it is the chord between them.
 // Otherwise, the position of a node with several placements is not known well enough.
 std::optional<Vec3> vector_to_close(const PlacementIndex& placements, ConcaveScratch& scratch,
-                                    std::uint32_t number, std::uint32_t other) {
-  const std::span<const ProbePlacement* const> all = placements.placements();
+                                    PlacementNumber number, PlacementNumber other) {
   placements.find_node(number, scratch.node);
   placements.find_node(other, scratch.other_node);
-  for (const std::uint32_t a : scratch.node)
-    for (const std::uint32_t b : scratch.other_node)
-      if (share_two_atoms(*all[a], *all[b]))
-        return vector_between(placements.surface(), *all[a], *all[b]);
+  for (const PlacementNumber a : scratch.node)
+    for (const PlacementNumber b : scratch.other_node)
+      if (share_two_atoms(placements.placement(a), placements.placement(b)))
+        return vector_between(placements.surface(), placements.placement(a),
+                              placements.placement(b));
   if (scratch.node.size() > 1 || scratch.other_node.size() > 1) return std::nullopt;
-  return vector_between(placements.surface(), *all[number], *all[other]);
+  return vector_between(placements.surface(), placements.placement(number),
+                        placements.placement(other));
 }
 
 }  // namespace
@@ -119,7 +120,7 @@ std::optional<Vec3> vector_to_close(const PlacementIndex& placements, ConcaveScr
 void find_cutters(const PlacementIndex& placements, ConcaveScratch& scratch, ConcavePatch& patch) {
   const SurfaceModel& surface = placements.surface();
   const double probe = surface.probe_radius, limit = 4 * probe * probe;
-  const Vec3 from = placements.centers()[patch.number];
+  const Vec3 from = placements.center(patch.number);
   const Ball ball = ball_of_cutters(from, patch.toward, probe);
   patch.cutters.clear();
   patch.tangent.clear();
@@ -128,9 +129,9 @@ void find_cutters(const PlacementIndex& placements, ConcaveScratch& scratch, Con
   find_near_box({ball.center, ball.center}, ball.radius + tolerance::touching, near.small_centers,
                 near.found);
   for (std::size_t k = 0; k < near.found.count; ++k) {
-    const std::uint32_t other = near.number(near.found.at[k]);
+    const PlacementNumber other = near.number(near.found.at[k]);
     if (other == patch.number || !placements.is_first(other)) continue;
-    Vec3 to_other = placements.centers()[other] - from;
+    Vec3 to_other = placements.center(other) - from;
     double squared = squared_norm(to_other);
     if (std::fabs(squared - limit) < 4 * probe * tolerance::touching)
       patch.tangent.push_back((1 / (2 * probe)) * to_other);

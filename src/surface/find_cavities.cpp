@@ -32,13 +32,12 @@ std::optional<Components> sweep_components(const std::shared_ptr<ScheduledSurfac
     if (!is_consistent) return true;
     finder.begin_layer(layer);
     for (ClusterIndex cluster = layer.begin; cluster < layer.end; ++cluster) {
-      const std::uint32_t first = layer.first_placement[as_number(cluster)];
-      const std::size_t count = patches.of_cluster(cluster).placements.size();
       roots.clear();
-      for (std::uint32_t k = first; k < first + count; ++k) {
+      for (PlacementNumber k = layer.placements.first_of_cluster(cluster);
+           k < layer.placements.end_of_cluster(cluster); ++k) {
         const ComponentFinder::Node root = finder.root_of_placement(k);
-        sums_of(roots, root).box.include(layer.centers[k]);
-        finder.keep(root, layer.centers[k]);
+        sums_of(roots, root).box.include(layer.placements.center(k));
+        finder.keep(root, layer.placements.center(k));
       }
       for (const ComponentFinder::RootSums& sums : roots) finder.add(sums);
     }

@@ -47,9 +47,7 @@ bool PatchSweep::visit_layer(ClusterIndex begin, ClusterIndex end,
     high = std::max(high, clusters.heights(cluster).high);
   if (!build_patches(high + reach)) return false;
   placements_.reset(schedule());
-  if (!visit({schedule(), begin, end, clusters.end_below(high + 2 * reach),
-              placements_.placements(), placements_.centers(), placements_.tree(),
-              placements_.first_of_cluster(), placements_.first_of_node(), threads_}))
+  if (!visit({schedule(), begin, end, clusters.end_below(high + 2 * reach), placements_, threads_}))
     return false;
   for (ClusterIndex cluster = end; cluster < clusters.end(); ++cluster)
     low = std::min(low, clusters.heights(cluster).low);

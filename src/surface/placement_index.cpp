@@ -1,7 +1,6 @@
 #include "surface/placement_index.hpp"
 
 #include <algorithm>
-#include <numeric>
 
 #include "surface/normal_cone.hpp"
 
@@ -12,9 +11,9 @@ void PlacementIndex::reset(const PatchSchedule& schedule) {
   placements_.clear();
   centers_.clear();
   center_list_.clear();
-  first_of_cluster_.resize(patches.clusters().count());
+  first_of_cluster_.clear();
   for (ClusterIndex cluster{}; cluster < patches.clusters().end(); ++cluster) {
-    first_of_cluster_[as_number(cluster)] = static_cast<std::uint32_t>(placements_.size());
+    first_of_cluster_.push_back(end());
     if (!schedule.is_complete(cluster)) continue;
     for (const ProbePlacement& placement : patches.of_cluster(cluster).placements) {
       placements_.push_back(&placement);
@@ -22,9 +21,10 @@ void PlacementIndex::reset(const PatchSchedule& schedule) {
       center_list_.push_back({placement.center, 0});
     }
   }
+  first_of_cluster_.push_back(end());
   if (use_.has_tree || !surface_.has_slack) tree_.reset(centers_);
-  first_of_node_.resize(placements_.size());
-  std::iota(first_of_node_.begin(), first_of_node_.end(), 0U);
+  first_of_node_.resize(count());
+  for (PlacementNumber k{}; k < end(); ++k) first_of_node_[as_number(k)] = k;
   if (!surface_.has_slack) find_nodes();
 }
 
@@ -35,16 +35,16 @@ void PlacementIndex::find_nodes() {
   const double same_visit = use_.same_placement / 16;
   nodes_.clear();
   parts_.clear();
-  std::vector<std::uint8_t> is_found(placements_.size());
-  std::vector<std::uint32_t> node;
+  std::vector<std::uint8_t> is_found(count());
+  std::vector<PlacementNumber> node;
   std::vector<Vec3> visited;
-  for (std::uint32_t k = 0; k < placements_.size(); ++k) {
-    if (is_found[k] != 0) continue;
-    node.assign(1, k);
+  for (PlacementNumber first{}; first < end(); ++first) {
+    if (is_found[as_number(first)] != 0) continue;
+    node.assign(1, first);
     visited.clear();
-    is_found[k] = 1;
+    is_found[as_number(first)] = 1;
     for (std::size_t n = 0; n < node.size(); ++n) {
-      const Vec3 center = centers_[node[n]];
+      const Vec3 center = this->center(node[n]);
       if (node.size() > max_visited) {
         if (std::any_of(visited.begin(), visited.end(), [&](Vec3 other) {
               return squared_norm(other - center) < same_visit * same_visit;
@@ -55,52 +55,52 @@ void PlacementIndex::find_nodes() {
       tree_.for_each_within(center, use_.same_placement, [&](std::uint32_t other) {
         if (is_found[other] != 0) return;
         is_found[other] = 1;
-        node.push_back(other);
+        node.push_back(PlacementNumber{other});
       });
     }
     if (node.size() == 1) continue;
-    for (const std::uint32_t other : node) first_of_node_[other] = k;
+    for (const PlacementNumber other : node) first_of_node_[as_number(other)] = first;
     if (use_.has_parts) divide_node(node);
-    nodes_[k] = node;
+    nodes_[first] = node;
   }
 }
 
-void PlacementIndex::find_node(std::uint32_t number, std::vector<std::uint32_t>& node) const {
+void PlacementIndex::find_node(PlacementNumber number, std::vector<PlacementNumber>& node) const {
   node.assign(1, number);
-  const auto found = nodes_.find(first_of_node_[number]);
+  const auto found = nodes_.find(first_of_node(number));
   if (surface_.has_slack || found == nodes_.end()) return;
-  for (const std::uint32_t other : found->second)
+  for (const PlacementNumber other : found->second)
     if (other != number) node.push_back(other);
 }
 
-void PlacementIndex::find_touched(std::span<const std::uint32_t> node,
+void PlacementIndex::find_touched(std::span<const PlacementNumber> node,
                                   std::vector<AtomIndex>& touched,
                                   std::vector<Vec3>& toward) const {
   touched.clear();
-  for (const std::uint32_t k : node)
-    touched.insert(touched.end(), placements_[k]->atoms.begin(), placements_[k]->atoms.end());
+  for (const PlacementNumber k : node)
+    touched.insert(touched.end(), placement(k).atoms.begin(), placement(k).atoms.end());
   std::sort(touched.begin(), touched.end());
   touched.erase(std::unique(touched.begin(), touched.end()), touched.end());
   toward.clear();
   for (const AtomIndex i : touched)
-    toward.push_back(normalized(surface_.atoms[i].center - centers_[node.front()]));
+    toward.push_back(normalized(surface_.atoms[i].center - center(node.front())));
 }
 
 // The parts are the placements into which a node divides if the atoms grow, each of them much more
 // than all later ones. Their cones divide the cone.
-void PlacementIndex::divide_node(std::span<const std::uint32_t> node) {
+void PlacementIndex::divide_node(std::span<const PlacementNumber> node) {
   std::vector<AtomIndex> touched;
   std::vector<Vec3> toward;
   find_touched(node, touched, toward);
   std::vector<ProbePlacement>& parts = parts_[node.front()];
   for (const auto& [a, b, c] : divide_cone(toward))
-    parts.push_back({centers_[node.front()], {touched[a], touched[b], touched[c]}});
+    parts.push_back({center(node.front()), {touched[a], touched[b], touched[c]}});
 }
 
-PlacementParts PlacementIndex::parts_of(std::uint32_t number) const {
+PlacementParts PlacementIndex::parts_of(PlacementNumber number) const {
   const auto found = parts_.find(number);
   return found != parts_.end() ? PlacementParts(found->second)
-                               : PlacementParts(placements_[number], 1);
+                               : PlacementParts(&placement(number), 1);
 }
 
 }  // namespace eses::detail

@@ -10,6 +10,7 @@
 #include "geometry/cap_list.hpp"
 #include "surface/patch_schedule.hpp"
 #include "surface/point_tree.hpp"
+#include "system/strong_index.hpp"
 
 namespace eses::detail {
 
@@ -17,8 +18,16 @@ namespace eses::detail {
 /// divide_cone. A placement that does not move has none.
 using PlacementParts = std::span<const ProbePlacement>;
 
-/// The placements of all complete clusters, by number. Placements that coincide, directly or
-/// through others, are a node.
+/// The number of a placement in a PlacementIndex.
+enum class PlacementNumber : std::uint32_t {};
+
+constexpr PlacementNumber operator+(PlacementNumber number, std::size_t count) {
+  return static_cast<PlacementNumber>(as_number(number) + count);
+}
+constexpr PlacementNumber& operator++(PlacementNumber& number) { return number = number + 1; }
+
+/// The placements of all complete clusters, by number. Those of a cluster follow each other.
+/// Placements that coincide, directly or through others, are a node.
 class PlacementIndex {
  public:
   /// What the index is for.
@@ -37,45 +46,56 @@ class PlacementIndex {
   const SurfaceModel& surface() const { return surface_; }
   /// Placements within this distance coincide (angstrom).
   double same_placement() const { return use_.same_placement; }
-  std::span<const ProbePlacement* const> placements() const { return placements_; }
+  std::size_t count() const { return placements_.size(); }
+  PlacementNumber end() const { return static_cast<PlacementNumber>(count()); }
   std::span<const Vec3> centers() const { return centers_; }
+  const ProbePlacement& placement(PlacementNumber number) const {
+    return *placements_[as_number(number)];
+  }
+  Vec3 center(PlacementNumber number) const { return centers_[as_number(number)]; }
   /// The centres as a list of spheres of radius 0.
   const SphereList& center_list() const { return center_list_; }
-  /// By cluster: the number of its first placement.
-  std::span<const std::uint32_t> first_of_cluster() const { return first_of_cluster_; }
-  /// By placement: the first one of its node.
-  std::span<const std::uint32_t> first_of_node() const { return first_of_node_; }
+  /// The placements of a cluster are [first_of_cluster(cluster), end_of_cluster(cluster)).
+  PlacementNumber first_of_cluster(ClusterIndex cluster) const {
+    return first_of_cluster_[as_number(cluster)];
+  }
+  PlacementNumber end_of_cluster(ClusterIndex cluster) const {
+    return first_of_cluster_[as_number(cluster) + 1];
+  }
+  PlacementNumber first_of_node(PlacementNumber number) const {
+    return first_of_node_[as_number(number)];
+  }
   /// Returns whether a placement is the first one of its node, which stands for all of them.
-  bool is_first(std::uint32_t number) const { return first_of_node_[number] == number; }
+  bool is_first(PlacementNumber number) const { return first_of_node(number) == number; }
 
   /// The tree of the centres, if it is needed, or the surface has no slack.
   const PointTree& tree() const { return tree_; }
 
   /// Replaces `node` by the placements of the node of a placement, which comes first.
-  void find_node(std::uint32_t number, std::vector<std::uint32_t>& node) const;
+  void find_node(PlacementNumber number, std::vector<PlacementNumber>& node) const;
 
   /// Replaces `touched` by the atoms that the placements of a node touch, in ascending order, and
   /// `toward` by the unit vectors to them.
-  void find_touched(std::span<const std::uint32_t> node, std::vector<AtomIndex>& touched,
+  void find_touched(std::span<const PlacementNumber> node, std::vector<AtomIndex>& touched,
                     std::vector<Vec3>& toward) const;
 
   /// Returns the parts of the first placement of a node.
-  PlacementParts parts_of(std::uint32_t number) const;
+  PlacementParts parts_of(PlacementNumber number) const;
 
  private:
   void find_nodes();
-  void divide_node(std::span<const std::uint32_t> node);
+  void divide_node(std::span<const PlacementNumber> node);
 
   const SurfaceModel& surface_;
   Use use_;
   std::vector<const ProbePlacement*> placements_;
   std::vector<Vec3> centers_;
   SphereList center_list_;
-  std::vector<std::uint32_t> first_of_cluster_;
-  std::vector<std::uint32_t> first_of_node_;
+  std::vector<PlacementNumber> first_of_cluster_;  // one more than clusters
+  std::vector<PlacementNumber> first_of_node_;
   // The placements of each node with several of them, and its parts, by the first placement.
-  std::unordered_map<std::uint32_t, std::vector<std::uint32_t>> nodes_;
-  std::unordered_map<std::uint32_t, std::vector<ProbePlacement>> parts_;
+  std::unordered_map<PlacementNumber, std::vector<PlacementNumber>> nodes_;
+  std::unordered_map<PlacementNumber, std::vector<ProbePlacement>> parts_;
   PointTree tree_;
 };
 

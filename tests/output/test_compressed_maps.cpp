@@ -225,8 +225,8 @@ TEST_CASE("a disk that plain maps would fill is refused before anything is writt
   // The maps in memory take a hundredth of the files.
   if (disk[0].available > std::uint64_t{1} << 38)
     SKIP("the file system has too much free space, or does not report it");
-  // Three maps with 13 bytes an edge, on a grid of which the molecule takes a small part; twice what
-  // is free, because other programs may delete files meanwhile.
+  // Three maps with 13 bytes an edge, on a grid of which the molecule takes a small part; twice
+  // what is free, because other programs may delete files meanwhile.
   const auto planes = static_cast<std::int64_t>(2 * disk[0].available / (3 * 13 * 1'000'000)) + 1;
   parameters.grid = Grid{{-5, -5, -5}, 0.01, {1000, 1000, planes}};
   const Plan plan = make_plan(atoms, parameters, outputs);

@@ -26,7 +26,7 @@ void add_cutters(ConcavePatch& patch, int count, double step, SpherePartFinder& 
     if (step > 0) length = std::ceil(length / step) * step;
     if (length >= 1 || length < 0.01) continue;
     patch.caps.push_back({normalized(to_other), length});
-    patch.cutters.push_back(0);
+    patch.cutters.push_back(PlacementNumber{});
   }
   patch.part = finder.find(patch.caps);
 }
