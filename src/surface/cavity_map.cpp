@@ -36,7 +36,7 @@ ComponentNumber WallAtom::component_at(Vec3 direction) const {
   for (const Contact& contact : contacts)
     if (squared_norm(contact.direction - direction) <= same_direction * same_direction)
       return contact.component;
-  return arcs.empty() ? component : ComponentNumber{node_of_nearest_arc(arcs, direction)};
+  return has_arcs() ? divided.nearest_label(direction) : component;
 }
 
 CavityMap::CavityMap(const SurfaceModel& surface, const Components& components,
@@ -72,11 +72,12 @@ void CavityMap::add_atoms(const SurfaceModel& surface, const Components& compone
       box_of(component).include(surface.atoms[i].center);
     });
     if (!has_cavity) continue;
-    if (is_divided)
-      for (SphereArc arc : components.arcs_of(i)) {
-        arc.node = as_number(number_of_wall(WallIndex{arc.node}));
-        atom.arcs.push_back(arc);
-      }
+    if (is_divided) {
+      const LabelledArcs<WallIndex>& on_walls = *components.divided_arcs_of(i);
+      atom.divided.arcs = on_walls.arcs;
+      for (const WallIndex wall : on_walls.labels)
+        atom.divided.labels.push_back(number_of_wall(wall));
+    }
     index_.emplace_back(i, static_cast<std::uint32_t>(atoms_.size()));
     atoms_.push_back(std::move(atom));
   }
@@ -96,11 +97,9 @@ void CavityMap::add_placements(const SurfaceModel& surface, const Components& co
       const WallAtom* const atom = find(i);
       const bool has_face =
           atom != nullptr &&
-          (atom->arcs.empty()
-               ? atom->component == component
-               : std::any_of(atom->arcs.begin(), atom->arcs.end(), [&](const auto& arc) {
-                   return ComponentNumber{arc.node} == component;
-                 }));
+          (atom->has_arcs()
+               ? std::count(atom->divided.labels.begin(), atom->divided.labels.end(), component) > 0
+               : atom->component == component);
       if (!has_face)
         contacts.push_back({i, {normalized(center - surface.atoms[i].center), component}});
     }
@@ -213,9 +212,9 @@ const WallAtom* CavityMap::find(AtomIndex atom) const {
 
 bool CavityMap::is_filled(const WallAtom* atom) const {
   if (atom == nullptr) return is_filled(outside_component);
-  if (atom->arcs.empty()) return is_filled(atom->component);
-  return std::all_of(atom->arcs.begin(), atom->arcs.end(),
-                     [&](const SphereArc& arc) { return is_filled(ComponentNumber{arc.node}); });
+  if (!atom->has_arcs()) return is_filled(atom->component);
+  return std::all_of(atom->divided.labels.begin(), atom->divided.labels.end(),
+                     [&](ComponentNumber component) { return is_filled(component); });
 }
 
 // Returns the component of a probe centre that is accessible up to the tolerance:
@@ -239,8 +238,8 @@ ComponentNumber CavityMap::component_of(const SurfaceModel& surface, const Arc& 
   const WallAtom* const first = find(arc.first);
   const WallAtom* const second = first != nullptr ? find(arc.second) : nullptr;
   if (second == nullptr) return outside_component;
-  if (first->arcs.empty()) return first->component;
-  if (second->arcs.empty()) return second->component;
+  if (!first->has_arcs()) return first->component;
+  if (!second->has_arcs()) return second->component;
   const SasSphere sphere = surface.sas_sphere(arc.first);
   const ContactCircle circle = make_contact_circle(sphere, surface.sas_sphere(arc.second));
   return first->component_at(middle_of(on_first_sphere(arc, circle, sphere)));
@@ -284,11 +283,11 @@ ComponentNumber CavityMap::number_at(std::span<const Atom> atoms,
   for (const AtomIndex i : touched) {
     const WallAtom* const atom = find(i);
     if (atom == nullptr) return outside_component;
-    if (atom->arcs.empty()) return numbers_[as_number(atom->component)];
+    if (!atom->has_arcs()) return numbers_[as_number(atom->component)];
     if (first == nullptr) first = atom;
   }
   const Vec3 direction = normalized(center - atoms[touched.front()].center);
-  return numbers_[node_of_nearest_arc(first->arcs, direction)];
+  return numbers_[as_number(first->divided.nearest_label(direction))];
 }
 
 bool CavityMap::meets_box_unlike_outside(const Box& box) const {

@@ -39,12 +39,13 @@ struct WallAtom {
 
   /// The component of all faces of the atom, if it has no arcs here.
   ComponentNumber component{};
-  /// The arcs of an atom with faces in several components. Their nodes are component numbers.
-  std::vector<SphereArc> arcs;
+  /// The arcs of an atom with faces in several components, with the components of their faces.
+  LabelledArcs<ComponentNumber> divided;
   std::vector<Contact> contacts;
 
   /// Returns whether the component depends on the direction.
-  bool is_divided() const { return !arcs.empty() || !contacts.empty(); }
+  bool is_divided() const { return has_arcs() || !contacts.empty(); }
+  bool has_arcs() const { return !divided.arcs.empty(); }
   /// Returns the component of the face nearest to a direction from the centre of the atom.
   ComponentNumber component_at(Vec3 direction) const;
 };

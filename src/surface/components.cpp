@@ -94,9 +94,9 @@ void for_each_arc_through(const SurfaceModel& surface, const SweepLayer& layer,
   }
 }
 
-bool is_split(const DisjointSets& sets, std::span<const SphereArc> arcs) {
-  return std::any_of(arcs.begin(), arcs.end(), [&](const SphereArc& arc) {
-    return sets.root(arc.node) != sets.root(arcs.front().node);
+bool is_split(const DisjointSets& sets, std::span<const DisjointSets::Element> nodes) {
+  return std::any_of(nodes.begin(), nodes.end(), [&](DisjointSets::Element node) {
+    return sets.root(node) != sets.root(nodes.front());
   });
 }
 
@@ -132,15 +132,14 @@ std::optional<WallIndex> Components::wall_at(AtomIndex atom, Vec3 direction) con
   const std::uint32_t wall = wall_of_atom_[atom];
   if (wall == no_wall) return std::nullopt;
   if (wall < split_begin_) return WallIndex{wall};
-  const auto node = node_of_face(divided_[wall - split_begin_].arcs, direction);
-  return node ? std::optional(WallIndex{*node}) : std::nullopt;
+  return divided_[wall - split_begin_].arcs.label_of_face(direction);
 }
 
 std::optional<WallIndex> Components::nearest_wall(AtomIndex atom, Vec3 direction) const {
   const std::uint32_t wall = wall_of_atom_[atom];
   if (wall == no_wall) return std::nullopt;
   if (wall < split_begin_) return WallIndex{wall};
-  return WallIndex{node_of_nearest_arc(divided_[wall - split_begin_].arcs, direction)};
+  return divided_[wall - split_begin_].arcs.nearest_label(direction);
 }
 
 ComponentFinder::ComponentFinder(const SurfaceModel& surface, Vec3 origin)
@@ -215,7 +214,7 @@ void ComponentFinder::connect_arcs(const SweepLayer& layer) {
 void ComponentFinder::connect_faces_of_atoms(const SweepLayer& layer) {
   const Patches& patches = layer.schedule.patches();
   const AtomClusters& clusters = patches.clusters();
-  std::vector<std::pair<AtomIndex, Components::DividedAtom>> candidates;
+  std::vector<std::pair<AtomIndex, LabelledArcs<Node>>> candidates;
   const auto visit = [&](AtomIndex i, Node root) {
     if (!layer.is_measured(i)) return;
     Node& node = node_of_atom_[i];
@@ -237,9 +236,8 @@ void ComponentFinder::connect_faces_of_atoms(const SweepLayer& layer) {
   const auto is_candidate = [&](AtomIndex i) {
     return layer.is_measured(i) && node_of_atom_[i] >= divided_begin && node_of_atom_[i] != no_node;
   };
-  const auto keep = [&](AtomIndex i, SphereArc arc, Node root) {
-    arc.node = root;
-    candidates[node_of_atom_[i] - divided_begin].second.arcs.push_back(arc);
+  const auto keep = [&](AtomIndex i, const SphereArc& arc, Node root) {
+    candidates[node_of_atom_[i] - divided_begin].second.add(arc, root);
   };
   for_each_complete(layer, [&](ClusterIndex cluster, const ClusterPatches& of) {
     for (std::size_t k = 0; k < of.arcs.size(); ++k) {
@@ -255,11 +253,11 @@ void ComponentFinder::connect_faces_of_atoms(const SweepLayer& layer) {
     }
   });
   for (const auto& [atom, candidate] : candidates)
-    connect_faces(candidate.arcs, [&](Node a, Node b) { sets_.unite(a, b); });
+    connect_faces(candidate, [&](Node a, Node b) { sets_.unite(a, b); });
   for (auto& [atom, candidate] : candidates) {
-    const bool is_divided = is_split(sets_, candidate.arcs);
+    const bool is_divided = is_split(sets_, candidate.labels);
     node_of_atom_[atom] = is_divided ? divided_begin + static_cast<Node>(divided_.size())
-                                     : sets_.root(candidate.arcs.front().node);
+                                     : sets_.root(candidate.labels.front());
     if (is_divided) divided_.emplace_back(atom, std::move(candidate));
   }
   for (ClusterIndex cluster = layer.begin; cluster < layer.end; ++cluster) {
@@ -323,34 +321,30 @@ void ComponentFinder::add_face(Wall& wall, AtomIndex atom, const FaceIntegrals& 
 
 // Adds the faces of an atom to several walls. `solid_angle` is that of all faces together.
 void ComponentFinder::add_divided_atom(AtomIndex atom, double solid_angle,
-                                       Components::DividedAtom& divided,
+                                       const Components::DividedAtom& divided,
                                        std::vector<Wall>& walls) const {
   const bool is_open = solid_angle > 4 * std::numbers::pi - 2 * sphere_part::ambiguous;
-  for (const SphereArc& arc : divided.arcs) divided.walls.push_back(WallIndex{arc.node});
-  std::sort(divided.walls.begin(), divided.walls.end());
-  divided.walls.erase(std::unique(divided.walls.begin(), divided.walls.end()), divided.walls.end());
-  const Vec3 covered =
-      std::min_element(divided.arcs.begin(), divided.arcs.end(), [](const auto& a, const auto& b) {
-        return a.cap.cosine < b.cap.cosine;
-      })->cap.axis;
-  for (const WallIndex wall_index : divided.walls) {
-    const std::uint32_t wall = as_number(wall_index);
+  const auto& [arcs, wall_of_arc] = divided.arcs;
+  const Vec3 covered = std::min_element(arcs.begin(), arcs.end(), [](const auto& a, const auto& b) {
+                         return a.cap.cosine < b.cap.cosine;
+                       })->cap.axis;
+  for (const WallIndex wall : divided.walls) {
     SpherePart boundary;
     FaceIntegrals integrals;
-    for (const SphereArc& arc : divided.arcs) {
-      if (arc.node != wall) continue;
-      boundary += boundary_term(arc.cap, arc.arc, covered);
+    for (std::size_t k = 0; k < arcs.size(); ++k) {
+      if (wall_of_arc[k] != wall) continue;
+      const auto& [cap, arc] = arcs[k];
+      boundary += boundary_term(cap, arc, covered);
       integrals.moment =
-          integrals.moment +
-          second_moment_term(arc.cap, arc.arc, surface_.atoms[atom].center - origin_);
+          integrals.moment + second_moment_term(cap, arc, surface_.atoms[atom].center - origin_);
     }
     integrals.vector_area = boundary.vector_area;
     // The nearest arc tells the face of a direction that no cap covers. If caps cover a part of the
     // sphere, no face is almost the whole of it.
     integrals.solid_angle = solid_angle_of(boundary.solid_angle, [&](Vec3 direction) {
-      return is_open && node_of_face(divided.arcs, direction) == wall;
+      return is_open && divided.arcs.label_of_face(direction) == wall;
     });
-    add_face(walls[wall], atom, integrals);
+    add_face(walls[as_number(wall)], atom, integrals);
   }
 }
 
@@ -364,11 +358,15 @@ void ComponentFinder::add_faces(const std::vector<Node>& labels,
     if (node == no_node) continue;
     std::uint32_t wall = 0;
     if (node >= divided_begin) {
-      Components::DividedAtom& divided = divided_[node - divided_begin].second;
-      for (SphereArc& arc : divided.arcs) arc.node = labels[arc.node];
-      wall = divided.arcs.front().node;
-      if (std::any_of(divided.arcs.begin(), divided.arcs.end(),
-                      [&](const SphereArc& arc) { return arc.node != wall; })) {
+      auto& [arcs, nodes] = divided_[node - divided_begin].second;
+      Components::DividedAtom divided{{std::move(arcs), {}}, {}};
+      for (const Node of_arc : nodes) divided.arcs.labels.push_back(WallIndex{labels[of_arc]});
+      divided.walls = divided.arcs.labels;
+      std::sort(divided.walls.begin(), divided.walls.end());
+      divided.walls.erase(std::unique(divided.walls.begin(), divided.walls.end()),
+                          divided.walls.end());
+      wall = as_number(divided.walls.front());
+      if (divided.walls.size() > 1) {
         const double solid_angle = integrals_of ? integrals_of(i).solid_angle : 0;
         add_divided_atom(i, solid_angle, divided, components.walls);
         components.wall_of_atom_[i] =

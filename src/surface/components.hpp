@@ -94,12 +94,12 @@ class Components {
     for (const WallIndex each : divided_[wall - split_begin_].walls) action(each);
   }
 
-  /// The arcs of an atom with faces on several walls. Their nodes are indices of walls. Empty for
-  /// other atoms.
-  std::span<const SphereArc> arcs_of(AtomIndex atom) const {
+  /// The arcs of an atom with faces on several walls, with the walls of their faces. Null for other
+  /// atoms.
+  const LabelledArcs<WallIndex>* divided_arcs_of(AtomIndex atom) const {
     const std::uint32_t wall = wall_of_atom_[atom];
-    if (wall == no_wall || wall < split_begin_) return {};
-    return divided_[wall - split_begin_].arcs;
+    if (wall == no_wall || wall < split_begin_) return nullptr;
+    return &divided_[wall - split_begin_].arcs;
   }
 
  private:
@@ -108,7 +108,7 @@ class Components {
 
   // An atom with faces on several walls.
   struct DividedAtom {
-    std::vector<SphereArc> arcs;   // SphereArc::node is the index of the wall
+    LabelledArcs<WallIndex> arcs;  // with the walls of their faces
     std::vector<WallIndex> walls;  // ascending
   };
 
@@ -208,7 +208,7 @@ class ComponentFinder {
   void merge_sums();
   void find_outside();
   void add_face(Wall& wall, AtomIndex atom, const FaceIntegrals& integrals) const;
-  void add_divided_atom(AtomIndex atom, double solid_angle, Components::DividedAtom& divided,
+  void add_divided_atom(AtomIndex atom, double solid_angle, const Components::DividedAtom& divided,
                         std::vector<Wall>& walls) const;
   void add_faces(const std::vector<Node>& labels,
                  const std::function<FaceIntegrals(AtomIndex)>& integrals_of,
@@ -221,7 +221,7 @@ class ComponentFinder {
   std::vector<Node> first_node_;             // by cluster: of the arcs, then of the placements
   std::vector<std::uint8_t> are_connected_;  // by cluster: whether all its arcs are connected
   std::vector<Node> node_of_atom_;           // by atom: a node of its faces
-  std::vector<std::pair<AtomIndex, Components::DividedAtom>> divided_;
+  std::vector<std::pair<AtomIndex, LabelledArcs<Node>>> divided_;
   std::vector<Node> node_of_placement_;  // by placement of the layer
   std::vector<RootSums> sums_;
   std::vector<SharedCut> cuts_;

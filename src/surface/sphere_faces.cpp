@@ -26,7 +26,7 @@ constexpr double same_rim = 1e-6;
 struct ArcCrossing {
   double angle;     // along the great circle, in [0, 2 pi)
   bool leaves_cap;  // whether the circle runs into a face
-  DisjointSets::Element node;
+  std::size_t arc;  // its position in the list of arcs
 };
 
 // A great circle in ascending direction from `start`. `side` is perpendicular to it.
@@ -56,8 +56,9 @@ std::optional<GreatCircle> circle_through(Vec3 start, Vec3 other) {
 }
 
 // Appends the crossings of a great circle with an arc. Returns whether the circle keeps the margin.
-bool add_crossings(const GreatCircle& circle, const SphereArc& on,
+bool add_crossings(const GreatCircle& circle, std::span<const SphereArc> arcs, std::size_t arc,
                    std::vector<ArcCrossing>& crossings) {
+  const SphereArc& on = arcs[arc];
   const double c = on.cap.cosine;
   const double along = dot(circle.start, on.cap.axis), across = dot(circle.side, on.cap.axis);
   const double reach = std::hypot(along, across);
@@ -74,13 +75,13 @@ bool add_crossings(const GreatCircle& circle, const SphereArc& on,
       if (std::min({from_start, std::fabs(beyond), 2 * pi - from_start}) < margin) return false;
       if (beyond > 0) continue;
     }
-    crossings.push_back({positive_angle(std::remainder(angle, 2 * pi)), sign > 0, on.node});
+    crossings.push_back({positive_angle(std::remainder(angle, 2 * pi)), sign > 0, arc});
   }
   return true;
 }
 
 // Where several caps start or end at the same rim, the outermost crossing bounds a face. Removes
-// the other ones, and calls `unite` for their nodes.
+// the other ones, and calls `unite` for their arcs.
 template <class Unite>
 void keep_outermost(std::vector<ArcCrossing>& crossings, Unite&& unite) {
   std::vector<ArcCrossing> kept;
@@ -90,21 +91,21 @@ void keep_outermost(std::vector<ArcCrossing>& crossings, Unite&& unite) {
       kept.push_back(crossing);
       continue;
     }
-    unite(kept.back().node, crossing.node);
+    unite(kept.back().arc, crossing.arc);
     if (crossing.leaves_cap) kept.back() = crossing;
   }
   crossings.swap(kept);
 }
 
 // Replaces `crossings` by all crossings of a great circle, in the order of their angles. Returns
-// whether the circle keeps the margin, and faces and caps alternate. Calls `unite` for the nodes of
-// arcs at the same rim.
+// whether the circle keeps the margin, and faces and caps alternate. Calls `unite` for arcs at
+// the same rim.
 template <class Unite>
 bool find_crossings(const GreatCircle& circle, std::span<const SphereArc> arcs,
                     std::vector<ArcCrossing>& crossings, Unite&& unite) {
   crossings.clear();
-  for (const SphereArc& arc : arcs)
-    if (!add_crossings(circle, arc, crossings)) return false;
+  for (std::size_t k = 0; k < arcs.size(); ++k)
+    if (!add_crossings(circle, arcs, k, crossings)) return false;
   std::sort(crossings.begin(), crossings.end(),
             [](const ArcCrossing& a, const ArcCrossing& b) { return a.angle < b.angle; });
   const auto alternate = [&] {
@@ -153,35 +154,38 @@ SphereArc on_second_sphere(const Arc& arc, const ContactCircle& circle, const Sa
   return other;
 }
 
-void connect_faces(std::span<const SphereArc> arcs,
+void connect_faces(const LabelledArcs<DisjointSets::Element>& labelled,
                    const std::function<void(DisjointSets::Element, DisjointSets::Element)>& unite) {
+  const std::vector<SphereArc>& arcs = labelled.arcs;
+  const std::vector<DisjointSets::Element>& labels = labelled.labels;
+  const auto unite_arcs = [&](std::size_t a, std::size_t b) { unite(labels[a], labels[b]); };
   std::vector<ArcCrossing> crossings;
   std::vector<DisjointSets::Element> seen;
   for (int attempt = 0; attempt < max_attempts; ++attempt) {
     bool is_certain = true;
-    std::optional<DisjointSets::Element> around_point;  // the face in which all circles start
+    std::optional<std::size_t> around_point;  // the face in which all circles start
     seen.clear();
-    for (const SphereArc& arc : arcs) {
-      if (std::find(seen.begin(), seen.end(), arc.node) != seen.end()) continue;
-      seen.push_back(arc.node);
+    for (std::size_t k = 0; k < arcs.size(); ++k) {
+      if (std::find(seen.begin(), seen.end(), labels[k]) != seen.end()) continue;
+      seen.push_back(labels[k]);
       const auto circle =
-          circle_through(trial_point(attempt), point_at(arc, trial_fraction(attempt)));
-      if (!circle || !find_crossings(*circle, arcs, crossings, unite)) {
+          circle_through(trial_point(attempt), point_at(arcs[k], trial_fraction(attempt)));
+      if (!circle || !find_crossings(*circle, arcs, crossings, unite_arcs)) {
         is_certain = false;
         continue;
       }
-      for (std::size_t k = 0; k < crossings.size(); ++k)
-        if (crossings[k].leaves_cap)
-          unite(crossings[k].node, crossings[(k + 1) % crossings.size()].node);
+      for (std::size_t c = 0; c < crossings.size(); ++c)
+        if (crossings[c].leaves_cap)
+          unite_arcs(crossings[c].arc, crossings[(c + 1) % crossings.size()].arc);
       if (crossings.empty() || crossings.front().leaves_cap) continue;
-      if (around_point) unite(*around_point, crossings.front().node);
-      around_point = crossings.front().node;
+      if (around_point) unite_arcs(*around_point, crossings.front().arc);
+      around_point = crossings.front().arc;
     }
     if (is_certain) return;
   }
 }
 
-std::optional<DisjointSets::Element> node_of_face(std::span<const SphereArc> arcs, Vec3 direction) {
+std::optional<std::size_t> find_arc_of_face(std::span<const SphereArc> arcs, Vec3 direction) {
   std::vector<ArcCrossing> crossings;
   for (int attempt = 0; attempt < max_attempts; ++attempt) {
     const SphereArc& arc = arcs[static_cast<std::size_t>(attempt) % arcs.size()];
@@ -190,30 +194,31 @@ std::optional<DisjointSets::Element> node_of_face(std::span<const SphereArc> arc
         crossings.empty())
       continue;
     if (crossings.front().leaves_cap) return std::nullopt;
-    return crossings.front().node;
+    return crossings.front().arc;
   }
   return std::nullopt;
 }
 
-DisjointSets::Element node_of_nearest_arc(std::span<const SphereArc> arcs, Vec3 direction) {
+std::size_t find_nearest_arc(std::span<const SphereArc> arcs, Vec3 direction) {
   double max_cosine = -std::numeric_limits<double>::infinity();
-  DisjointSets::Element nearest = 0;
-  const auto visit = [&](const SphereArc& on, Vec3 point) {
+  std::size_t nearest = 0;
+  const auto visit = [&](std::size_t arc, Vec3 point) {
     const double cosine = dot(point, direction);
     if (cosine <= max_cosine) return;
     max_cosine = cosine;
-    nearest = on.node;
+    nearest = arc;
   };
-  for (const SphereArc& on : arcs) {
+  for (std::size_t k = 0; k < arcs.size(); ++k) {
+    const SphereArc& on = arcs[k];
     const Vec3 across = direction - dot(direction, on.cap.axis) * on.cap.axis;
     const double length = norm(across);
     const Vec3 radial = length > 0 ? (1 / length) * across : on.arc.start;
     if (angle_about(on.cap.axis, on.arc.start, radial) <= on.arc.angle) {
       const double c = on.cap.cosine, s = std::sqrt(std::max(0.0, (1 - c) * (1 + c)));
-      visit(on, c * on.cap.axis + s * radial);
+      visit(k, c * on.cap.axis + s * radial);
     } else {
-      visit(on, point_at(on, 0));
-      visit(on, point_at(on, 1));
+      visit(k, point_at(on, 0));
+      visit(k, point_at(on, 1));
     }
   }
   return nearest;

@@ -9,7 +9,7 @@
 /// circles. This finds all connections: what a circle meets between leaving a face and the next
 /// return to it lies behind a single set of that face.
 
-#include <cstdint>
+#include <cstddef>
 #include <functional>
 #include <optional>
 #include <span>
@@ -26,7 +26,6 @@ namespace eses::detail {
 struct SphereArc {
   SphericalCap cap;  ///< cap of the neighbour, whose rim the arc is on
   RimArc arc;        ///< the index of the cap is not used
-  DisjointSets::Element node = 0;
 };
 
 /// Returns the angle of an arc, and the integral of its radial unit vector.
@@ -37,18 +36,37 @@ SweptArc sweep(const Arc& arc, Vec3 axis);
 SphereArc on_first_sphere(const Arc& arc, const ContactCircle& circle, const SasSphere& first);
 SphereArc on_second_sphere(const Arc& arc, const ContactCircle& circle, const SasSphere& second);
 
-/// Calls `unite` for pairs of nodes of arcs that bound the same face, such that all arcs of each
-/// face are connected. Arcs in the same set must have equal nodes.
-void connect_faces(std::span<const SphereArc> arcs,
-                   const std::function<void(DisjointSets::Element, DisjointSets::Element)>& unite);
-
-/// Returns the node of an arc that bounds the face in this direction from the sphere's centre.
+/// Returns the position of an arc that bounds the face in this direction from the sphere's centre.
 /// Returns nothing if the direction is in a cap, or if rounding decides.
-std::optional<DisjointSets::Element> node_of_face(std::span<const SphereArc> arcs, Vec3 direction);
+std::optional<std::size_t> find_arc_of_face(std::span<const SphereArc> arcs, Vec3 direction);
 
-/// Returns the node of the arc nearest to a direction. If the direction is not in a cap, this arc
-/// bounds its face: the way to the nearest arc crosses no other one.
-DisjointSets::Element node_of_nearest_arc(std::span<const SphereArc> arcs, Vec3 direction);
+/// Returns the position of the arc nearest to a direction. If the direction is not in a cap, this
+/// arc bounds its face: the way to the nearest arc crosses no other one. There must be an arc.
+std::size_t find_nearest_arc(std::span<const SphereArc> arcs, Vec3 direction);
+
+/// The arcs of a sphere, each with a label that tells its face from others.
+template <class Label>
+struct LabelledArcs {
+  std::vector<SphereArc> arcs;
+  std::vector<Label> labels;  ///< by arc
+
+  void add(const SphereArc& arc, Label label) {
+    arcs.push_back(arc);
+    labels.push_back(label);
+  }
+  /// Returns the label of the face in a direction, as find_arc_of_face.
+  std::optional<Label> label_of_face(Vec3 direction) const {
+    const auto found = find_arc_of_face(arcs, direction);
+    return found ? std::optional(labels[*found]) : std::nullopt;
+  }
+  /// Returns the label of the arc nearest to a direction, as find_nearest_arc.
+  Label nearest_label(Vec3 direction) const { return labels[find_nearest_arc(arcs, direction)]; }
+};
+
+/// Calls `unite` for pairs of labels of arcs that bound the same face, such that all arcs of each
+/// face are connected. Arcs in the same set must have equal labels.
+void connect_faces(const LabelledArcs<DisjointSets::Element>& arcs,
+                   const std::function<void(DisjointSets::Element, DisjointSets::Element)>& unite);
 
 /// Returns the direction to the middle of an arc.
 Vec3 middle_of(const SphereArc& arc);
