@@ -38,7 +38,9 @@ inline constexpr double max_coordinate = 1e6;
 
 /// Options of a Surface.
 struct SurfaceOptions {
-  /// Radius of the probe, in angstrom, `min_probe_radius` to `max_probe_radius`.
+  /// Radius of the probe, in angstrom, `min_probe_radius` to `max_probe_radius`; 0 for the van der
+  /// Waals surface, which has no cavities to fill. The van der Waals surface of atoms with radii
+  /// that are larger by that of a probe is the solvent accessible surface.
   double probe_radius = 1.4;
   /// Fills the cavities whose voids have at most this volume, in cubic angstrom: they are inside.
   /// Infinity fills all cavities, and none are filled without a value. See doc/cavities.md.

@@ -67,6 +67,7 @@ def read_atoms(
     chains: Sequence[str] = (),
     select: str = "",
     assembly: str = "",
+    chain_names: Literal["auth", "label"] = "auth",
 ) -> Atoms: ...
 
 def _read_atoms(*arguments: Any) -> Atoms: ...
@@ -330,6 +331,7 @@ class Surface:
         radii: Optional[npt.ArrayLike] = None,
         probe_radius: float = 1.4,
         *,
+        surface: Literal["ses", "sas", "vdw"] = "ses",
         fill_cavities: Union[bool, float] = False,
         threads: SupportsIndex = 0,
     ) -> None: ...

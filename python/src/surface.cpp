@@ -43,7 +43,11 @@ centers : array_like
 radii : array_like, optional
     (N,) van der Waals radii of the atoms, in angstrom.
 probe_radius : float, optional
-    Radius of the probe, in angstrom, 0.01 to 1000.
+    Radius of the probe, in angstrom, 0.01 to 1000; 0 is the van der Waals surface.
+surface : {'ses', 'sas', 'vdw'}, optional
+    Which surface: solvent excluded, solvent accessible or van der Waals. The solvent accessible
+    surface is the van der Waals surface of atoms whose radii are larger by ``probe_radius``: ``radii``
+    has these, and ``probe_radius`` is then 0.
 fill_cavities : bool or float, optional
     Whether cavities are filled, so that they are inside. With a number, only those whose voids have
     at most this volume, in cubic angstrom.
@@ -60,7 +64,7 @@ TypeError
     If an array does not contain real numbers.)";
 
 constexpr const char* init_text =
-    R"(__init__(self, centers, radii=None, probe_radius=1.4, *, fill_cavities=False, threads=0)
+    R"(__init__(self, centers, radii=None, probe_radius=1.4, *, surface='ses', fill_cavities=False, threads=0)
 --
 
 Check and index the atoms.)";
@@ -185,18 +189,28 @@ py::object fill_choice(const Surface& surface) {
   return py::bool_(max_void.has_value());
 }
 
+// Adds the radius of the probe to all radii.
+void grow_radii(double probe_radius, std::vector<Atom>& atoms) {
+  if (!(probe_radius >= 0 && probe_radius <= max_probe_radius))
+    throw py::value_error("probe_radius must be from 0 to 1000");
+  for (Atom& atom : atoms) atom.radius += probe_radius;
+}
+
 Surface make_surface(const py::object& centers, const py::object& radii, double probe_radius,
-                     const py::object& fill_cavities, int threads) {
+                     const std::string& kind, const py::object& fill_cavities, int threads) {
+  if (kind != "ses" && kind != "sas" && kind != "vdw")
+    throw py::value_error("surface must be 'ses', 'sas' or 'vdw', not '" + kind + "'");
   if (radii.is_none()) {  // a molecule of another library, or a file
     const py::object molecule = py::module_::import("eses_blocks").attr("read_molecule")(centers);
-    return make_surface(molecule.attr("centers"), molecule.attr("radii"), probe_radius,
+    return make_surface(molecule.attr("centers"), molecule.attr("radii"), probe_radius, kind,
                         fill_cavities, threads);
   }
   std::vector<Atom> atoms = make_atoms(centers, radii);
   const std::optional<double> max_void = max_filled_void(fill_cavities);
+  if (kind == "sas") grow_radii(probe_radius, atoms);
   const py::gil_scoped_release unlocked;
   Interrupts interrupts;
-  return Surface(std::move(atoms), {.probe_radius = probe_radius,
+  return Surface(std::move(atoms), {.probe_radius = kind == "ses" ? probe_radius : 0,
                                     .max_filled_void = max_void,
                                     .threads = usable_threads(threads),
                                     .check = [&interrupts] { interrupts.check(); }});
@@ -204,9 +218,15 @@ Surface make_surface(const py::object& centers, const py::object& radii, double 
 
 // Makes a surface, and warns of suspicious atoms.
 Surface make_checked_surface(const py::object& centers, const py::object& radii,
-                             double probe_radius, const py::object& fill_cavities, int threads) {
-  Surface surface = make_surface(centers, radii, probe_radius, fill_cavities, threads);
-  warn_about(surface.diagnostics());
+                             double probe_radius, const std::string& kind,
+                             const py::object& fill_cavities, int threads) {
+  Surface surface = make_surface(centers, radii, probe_radius, kind, fill_cavities, threads);
+  std::vector<Diagnostic> diagnostics(surface.diagnostics().begin(), surface.diagnostics().end());
+  // The radii of the solvent accessible surface are large.
+  if (kind == "sas")
+    std::erase_if(diagnostics,
+                  [](const Diagnostic& d) { return d.kind == DiagnosticKind::large_radius; });
+  warn_about(diagnostics);
   return surface;
 }
 
@@ -362,7 +382,7 @@ void bind_surface(py::module_& module) {
   type.attr("__module__") = "eses_blocks";
   type.def(py::init(&make_checked_surface), init_text, py::arg("centers"),
            py::arg("radii") = py::none(), py::arg("probe_radius") = 1.4, py::kw_only(),
-           py::arg("fill_cavities") = false, py::arg("threads") = 0)
+           py::arg("surface") = "ses", py::arg("fill_cavities") = false, py::arg("threads") = 0)
       .def("__len__", [](const Surface& self) { return self.atoms().size(); })
       .def("__repr__",
            [](const Surface& self) {
@@ -411,7 +431,7 @@ void bind_surface(py::module_& module) {
           [](const py::tuple& state) {
             const auto [centers, radii, probe_radius, fill_cavities] =
                 unpack_state<std::tuple<py::object, py::object, double, py::object>>(state);
-            return make_surface(centers, radii, probe_radius, fill_cavities, 1);
+            return make_surface(centers, radii, probe_radius, "ses", fill_cavities, 1);
           }));
   protect_instances(type);
   bind_measures(module, type);

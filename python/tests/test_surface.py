@@ -1,5 +1,6 @@
 """Tests of surfaces made from arrays."""
 
+import pickle
 import warnings
 
 import numpy as np
@@ -147,7 +148,7 @@ def test_negative_radius_is_refused():
 
 
 def test_other_arguments_are_checked(chain):
-    for probe_radius in (0, -1, np.nan, 1e4):
+    for probe_radius in (0.001, -1, np.nan, 1e4):
         with pytest.raises(ValueError, match="probe radius"):
             eses.Surface(*chain, probe_radius)
     with pytest.raises(ValueError, match="threads"):
@@ -158,6 +159,33 @@ def test_other_arguments_are_checked(chain):
         eses.Surface(*chain, probe_radius="1.4")
     with pytest.raises(TypeError):
         eses.Surface(chain[0])
+
+
+def test_sas_and_van_der_waals_surfaces():
+    centers, radii = [[0, 0, 0], [0, 0, 2.0]], np.array([1.7, 1.2])
+
+    def area(a, b):  # of two spheres at a distance of 2
+        x = (4 + a * a - b * b) / 4
+        return 2 * np.pi * (a * (a + x) + b * (b + 2 - x))
+
+    for kind, growth in (("sas", 1.4), ("vdw", 0)):
+        surface = eses.Surface(centers, radii, surface=kind)
+        assert surface.probe_radius == 0 and surface.radii == pytest.approx(radii + growth)
+        assert surface.measure().ses_area == pytest.approx(area(*(radii + growth)))
+        result = surface.compute(surface.grid(spacing=0.1))
+        assert result.area == pytest.approx(area(*(radii + growth)), rel=0.01)
+        mesh = result.mesh()
+        distances = np.linalg.norm(mesh.vertices[:, None] - np.array(centers), axis=2) - surface.radii
+        assert np.abs(distances.min(axis=1)).max() < 0.02 and (mesh.kind == 1).all()
+        assert pickle.loads(pickle.dumps(surface)).radii.tolist() == surface.radii.tolist()
+    assert eses.Surface(centers, radii, 0).measure().ses_area == pytest.approx(area(*radii))
+    with pytest.raises(ValueError, match="surface must be 'ses', 'sas' or 'vdw', not 'gauss'"):
+        eses.Surface(centers, radii, surface="gauss")
+    with pytest.raises(ValueError, match="cavities are filled only for a probe radius above 0"):
+        eses.Surface(centers, radii, surface="vdw", fill_cavities=True)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")  # radii above 4 angstrom are no mistake
+        eses.Surface(centers, radii + 1.5, surface="sas")
 
 
 def test_diagnostics_are_reported():

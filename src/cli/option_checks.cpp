@@ -101,6 +101,32 @@ void choose_mesh(const CLI::App& app, const InputFile& input, Outputs& outputs) 
   if (mesh.file.empty()) outputs.mesh.reset();
 }
 
+// Sets the radii of the surface. Options that need a probe that rolls over the atoms are refused.
+void choose_surface(const CLI::App& app, const Length& probe, Options& options) {
+  choose("PROBE", "--probe-radius", probe, options.probe_radius);
+  Parameters& parameters = options.request.parameters;
+  parameters.probe_radius = options.probe_radius;
+  if (options.surface == SurfaceKind::ses) return;
+  const bool is_sas = options.surface == SurfaceKind::sas;
+  const std::string chosen = formatted("--surface {}", is_sas ? "sas" : "vdw");
+  if (!is_sas && probe.is_given())
+    throw UsageError(formatted("{} cannot be combined with {}; it has no probe", chosen,
+                               probe.option ? "--probe-radius" : "PROBE"));
+  for (const char* const option : {"--fill-cavities", "--component", "--verify", "--kappa"})
+    if (app.count(option) > 0)
+      throw UsageError(
+          formatted("{} cannot be combined with {}; it needs the solvent excluded "
+                    "surface",
+                    chosen, option));
+  if (options.request.outputs.mesh->color == MeshColor::component)
+    throw UsageError(
+        formatted("{} cannot be combined with --color component; it needs the solvent excluded "
+                  "surface",
+                  chosen));
+  parameters.probe_radius = 0;
+  if (is_sas) options.input().added_radius = options.probe_radius;
+}
+
 // Throws UsageError if files need a directory in spite of `-o -`.
 void refuse_files(const Outputs& outputs) {
   if (const std::vector<std::string> files = file_names(outputs); !files.empty())
@@ -111,7 +137,7 @@ void refuse_files(const Outputs& outputs) {
 }  // namespace
 
 void choose_values(const CLI::App& app, const Lengths& lengths, Options& options) {
-  choose("PROBE", "--probe-radius", lengths.probe_radius, options.request.parameters.probe_radius);
+  choose_surface(app, lengths.probe_radius, options);
   GridOptions grid;
   choose("SPACING", "--spacing", lengths.spacing, grid.spacing);
   choose("MARGIN", "--margin", lengths.margin, grid.margin);

@@ -124,6 +124,10 @@ void add_grid_options(CLI::App& app, Options& options, Lengths& lengths) {
   add_length("MARGIN", "--margin", "distance from molecule to grid boundary, >= 0", grid.margin,
              lengths.margin,
              number_between(0, max_finite, "a finite number of at least 0, in angstrom"));
+  add_value(app, "--surface", "NAME", "ses, sas (solvent accessible) or vdw (van der Waals) [ses]",
+            options.surface,
+            one_of<SurfaceKind>(
+                {{"ses", SurfaceKind::ses}, {"sas", SurfaceKind::sas}, {"vdw", SurfaceKind::vdw}}));
   add_grid_choice(app, options.grid);
   add_value(app, "--region", "X0,Y0,Z0,X1,Y1,Z1",
             "compute only the grid points in this box (angstrom)\n"
@@ -317,7 +321,7 @@ void add_options(CLI::App& app, Options& options, Lengths& lengths) {
          {.usage = surface_usage,
           .examples = surface_examples,
           .details = surface_details,
-          .common = {"--probe-radius", "--spacing", "--margin", "--fill-cavities", "--output-dir",
+          .common = {"--probe-radius", "--spacing", "--surface", "--fill-cavities", "--output-dir",
                      "--write", "--mesh", "--color", "--radii", "--waters", "--no-hetatm",
                      "--chains", "--select", "--threads", "--dry-run", "--quiet", "--json"}});
   add_grid_options(app, options, lengths);

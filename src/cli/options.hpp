@@ -20,10 +20,17 @@ struct GridChoice {
   bool has_spacing = false;  ///< whether the spacing is given
 };
 
+/// The surface of a run. The SAS is the van der Waals surface of atoms whose radii are larger by
+/// the radius of the probe.
+enum class SurfaceKind { ses, sas, vdw };
+
 /// The values of all options: the request of a run, the choice of its grid, and what is printed.
 struct Options {
   Request request;
   GridChoice grid;
+  SurfaceKind surface = SurfaceKind::ses;
+  /// The radius of the probe, as given. That of the request is 0 unless the surface is the SES.
+  double probe_radius = 1.4;
   bool is_join = false;      ///< whether to compute nothing; see Request::join
   bool independent = false;  ///< whether not to share the run with other processes
   bool quiet = false;

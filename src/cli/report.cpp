@@ -289,6 +289,18 @@ std::string region_text(const Plan& plan) {
                    end[1], begin[2], end[2], plan.tiling.region.point_count());
 }
 
+std::string_view surface_name(SurfaceKind surface) {
+  return surface == SurfaceKind::ses ? "ses" : (surface == SurfaceKind::sas ? "sas" : "vdw");
+}
+
+/// Returns the radius of the probe, and the surface unless it is the solvent excluded one.
+std::string probe_text(const Options& options) {
+  if (options.surface == SurfaceKind::vdw) return "van der Waals surface";
+  return formatted("{}probe radius {}",
+                   options.surface == SurfaceKind::sas ? "solvent accessible surface, " : "",
+                   options.probe_radius);
+}
+
 std::string workers_text(const Report& report) {
   std::string threads = counted(report.plan.threads, "thread");
   if (report.process_count < 2) return threads;
@@ -297,10 +309,12 @@ std::string workers_text(const Report& report) {
 
 Json null_unless(bool is_known, const auto& value) { return is_known ? Json(value) : Json(); }
 
-Json parameters_json(const Plan& plan) {
+Json parameters_json(const Options& options, const Plan& plan) {
   const auto* const grid = std::get_if<GridOptions>(&plan.parameters.grid);
   const std::optional<double>& max_filled_void = plan.parameters.max_filled_void;
-  return {{"probe_radius", plan.parameters.probe_radius},
+  const bool is_vdw = options.surface == SurfaceKind::vdw;
+  return {{"surface", surface_name(options.surface)},
+          {"probe_radius", is_vdw ? 0 : options.probe_radius},
           {"spacing", plan.grid.spacing},
           {"margin", grid != nullptr ? Json(grid->margin) : Json()},
           {"fill_cavities",
@@ -389,7 +403,7 @@ std::string plan_text(const Report& report) {
                                counted(report.atoms, "atom"), usual_text(report.diagnostics));
   if (report.structure) text += structure_text(*report.structure);
   text +=
-      formatted("parameters: probe radius {}, spacing {}{} (angstrom)\n", parameters.probe_radius,
+      formatted("parameters: {}, spacing {}{} (angstrom)\n", probe_text(report.options),
                 plan.grid.spacing, grid != nullptr ? formatted(", margin {}", grid->margin) : "");
   text += formatted("grid: {} = {} points\n", fmt::join(plan.grid.size, " x "),
                     plan.grid.point_count());
@@ -459,7 +473,7 @@ std::string json_text(const Report& report) {
                 {"atoms", report.atoms},
                 {"structure", report.structure},
                 {"diagnostics", report.diagnostics},
-                {"parameters", parameters_json(plan)},
+                {"parameters", parameters_json(report.options, plan)},
                 {"maps", maps_json(report.options.request.outputs)},
                 {"grid", plan.grid},
                 {"region", null_unless(!is_whole(plan), plan.tiling.region)},
@@ -503,9 +517,9 @@ std::vector<std::string> warnings(const Report& report) {
   std::vector<std::string> lines;
   for (const DiagnosticText& diagnostic : report.diagnostics)
     if (!diagnostic.is_usual) lines.push_back(diagnostic.message);
-  const Parameters& parameters = report.options.request.parameters;
-  if (const double spacing = report.plan.grid.spacing, probe = parameters.probe_radius;
-      probe < min_usual_probe && spacing > max_usual_spacing)
+  const Options& options = report.options;
+  if (const double spacing = report.plan.grid.spacing, probe = options.probe_radius;
+      options.surface == SurfaceKind::ses && probe < min_usual_probe && spacing > max_usual_spacing)
     lines.push_back(formatted(
         "a probe radius of {} with a spacing of {} is unusual; are they swapped? PROBE comes first",
         probe, spacing));

@@ -281,10 +281,15 @@ std::uint64_t box_bytes(const Grid& grid, bool gzip) {
 }  // namespace
 
 void require_valid(const Parameters& p) {
-  require(p.probe_radius >= min_probe_radius && p.probe_radius <= max_probe_radius,
-          formatted("the probe radius must be between {} and {} angstrom", min_probe_radius,
+  require(p.probe_radius == 0 ||
+              (p.probe_radius >= min_probe_radius && p.probe_radius <= max_probe_radius),
+          formatted("the probe radius must be 0 or between {} and {} angstrom", min_probe_radius,
                     max_probe_radius),
           p.probe_radius);
+  if (p.probe_radius == 0 && p.max_filled_void)
+    throw std::invalid_argument("cavities are filled only for a probe radius above 0");
+  if (p.probe_radius == 0 && p.verify > 0)
+    throw std::invalid_argument("only surfaces with a probe radius above 0 are verified");
   require(p.verify >= 0 && p.verify <= max_verify,
           "the number of points to verify must be between 0 and 10000000",
           static_cast<double>(p.verify));

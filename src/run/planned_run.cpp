@@ -402,6 +402,13 @@ void require_readable_by_all(const std::filesystem::path& path, int processes) {
                           path == "-" ? "standard input" : path.string()));
 }
 
+// Adds the added radius to all atoms, after their diagnostics.
+void grow_radii(const InputFile& file, const Processes& processes, AtomFile& atoms,
+                PlannedRun& run) {
+  if (processes.is_first()) run.diagnostics.add(Molecule(atoms.atoms).diagnostics(), atoms.lines);
+  for (Atom& atom : atoms.atoms) atom.radius += file.added_radius;
+}
+
 // Reads the atoms and their names. Each process reads the whole file.
 AtomFile read_file(const InputFile& file, const Request& request, const Processes& processes,
                    PlannedRun& run) {
@@ -419,15 +426,17 @@ AtomFile read_file(const InputFile& file, const Request& request, const Processe
          .structure = file.structure},
         [&](AtomFile& part) { take_labels(part, format, is_named || outputs.atoms, run.names); });
     require_memory_for(atoms.atoms.size(), file, request.parameters.max_memory);
+    if (file.added_radius > 0) grow_radii(file, processes, atoms, run);
   });
   return atoms;
 }
 
-// Sets the diagnostics of the atoms of a file. The names of structures tell the examples.
-void take_diagnostics(const AtomFile& file, const Molecule& molecule, bool has_names,
-                      PlannedRun& run) {
+// Sets the diagnostics of the atoms of a file; those of radii only if nothing was added to them.
+// The names of structures tell the examples.
+void take_diagnostics(const AtomFile& file, const Molecule& molecule, bool has_own_radii,
+                      bool has_names, PlannedRun& run) {
   run.diagnostics.add(file.diagnostics, file.lines);
-  run.diagnostics.add(molecule.diagnostics(), file.lines);
+  if (has_own_radii) run.diagnostics.add(molecule.diagnostics(), file.lines);
   if (!has_names) return;
   for (const auto& [atom, line] : run.diagnostics.lines)
     run.diagnostics.labels[atom] = run.names.label(atom);
@@ -512,7 +521,8 @@ LabelTotals take_file(const InputFile& file, const Request& request,
                          threads);
     const std::span<const Atom> all =
         needs_whole ? whole.atoms() : std::span(std::as_const(atoms.atoms));
-    if (processes.is_first()) take_diagnostics(atoms, whole, has_names, run);
+    if (processes.is_first())
+      take_diagnostics(atoms, whole, file.added_radius == 0, has_names, run);
     take_slab(whole, all, std::move(groups), request, threads, run);
     keep_written_names(request.outputs, all, processes, run);
   });

@@ -34,7 +34,8 @@ inline constexpr std::int64_t max_verify = 10'000'000;
 
 /// Parameters of a run.
 struct Parameters {
-  double probe_radius = 1.4;  ///< angstrom, `min_probe_radius` to `max_probe_radius`
+  /// `min_probe_radius` to `max_probe_radius` (angstrom), or 0 for the van der Waals surface.
+  double probe_radius = 1.4;
   /// Options of the grid of ESES, or a custom grid.
   std::variant<GridOptions, Grid> grid = {};
   /// Number of grid points on a side of a block, 2 to `max_block_size`. 0 means an automatic
@@ -63,6 +64,9 @@ struct InputFile {
   std::filesystem::path path;
   AtomFormat format = AtomFormat::automatic;
   StructureOptions structure = {};  ///< options for PDB and mmCIF files
+  /// Is added to the radii of all atoms (angstrom). The diagnostics are those of the radii without
+  /// it.
+  double added_radius = 0;
 };
 
 class Sink;

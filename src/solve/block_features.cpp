@@ -183,6 +183,8 @@ void collect_features(const Patches& patches, const Box& box, BlockFeatures& fea
       if (of_atom.exposure() == AtomExposure::exposed)
         add_face(surface, i, of_atom, listed, features);
     }
+    // Without a probe there are neither saddle nor concave patches.
+    if (surface.probe_radius == 0) continue;
     // The points between an arc and its saddle patch lie in one of the two SAS balls.
     const auto meets_ball = [&](AtomIndex k) {
       const double reach = surface.atoms[k].radius + probe;

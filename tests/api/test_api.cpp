@@ -331,7 +331,7 @@ TEST_CASE("api: atoms and options of a surface are checked", "[api]") {
   for (const double large : {1.1e6, 1e150, 1e200})
     CHECK(error_of({sound, {{0, 0, 0}, large}}, {})
               .starts_with("atom 1 (counted from 0) has radius"));
-  for (const double probe : {-1.4, 0.0, 0.001, 1001.0})
+  for (const double probe : {-1.4, 0.001, 1001.0})
     CHECK(error_of({sound}, {.probe_radius = probe}).starts_with("the probe radius must be"));
   CHECK(!error_of({sound}, {.threads = -1}).empty());
   CHECK(argument_error([&] {

@@ -98,7 +98,8 @@ TEST_CASE("the JSON report has the values of the text report", "[cli]") {
   check("'surface volume: %.6g' % r['volume']", "'" + lines_with(text.out, "volume:").at(0) + "'");
   check("(r['program'], r['input'], r['atoms'])", "('eses-blocks', 'pair.xyzr', 2)");
   check("r['parameters']",
-        "{'probe_radius': 1.4, 'spacing': 0.3, 'margin': 0.9, 'fill_cavities': None}");
+        "{'surface': 'ses', 'probe_radius': 1.4, 'spacing': 0.3, 'margin': 0.9, "
+        "'fill_cavities': None}");
   check("r['grid']['lower'], r['grid']['size']", "([-2.4, -2.6, -2.6], [27, 18, 18])");
   check("r['grid']['points'] == 27 * 18 * 18 and len(r['grid']['upper'])", "3");
   check("r['blocks']", "{'size': [8, 8, 8], 'along_axes': [4, 3, 3], 'count': 36}");
