@@ -89,21 +89,21 @@ def write_structure(path: str, molecule: Any, values: Any) -> None:
     writers = {".pdb": write_pdb, ".cif": write_cif}
     suffix = os.path.splitext(path)[1].lower()
     if suffix not in writers:
-        raise ValueError(f"{path}: the suffix must be .pdb, .cif or .csv")
+        raise ValueError(f"{path}: the suffix must be .pdb, .cif, .csv or .parquet")
     writers[suffix](path, molecule, values)
 
 
 _CIF_VALUE = re.compile(rb"""'(?:[^']|'(?=\S))*'|"(?:[^"]|"(?=\S))*"|\S+""")
 
 
-def label_chains(text: bytes, lines: list[int]) -> Optional[list[str]]:
-    """Returns the value of label_asym_id in these lines of an mmCIF text, each of which is a row of atoms; None if
+def values_in_lines(text: bytes, column: bytes, lines: list[int]) -> Optional[list[str]]:
+    """Returns the values of a column in these lines of an mmCIF text, each of which is a row of atoms; None if
     there is no such column or a row is not a line."""
     columns = re.findall(rb"(?im)^\s*_atom_site\.(\S+)\s*$", text)
-    names = [column.lower() for column in columns]
-    if b"label_asym_id" not in names:
+    names = [name.lower() for name in columns]
+    if column not in names:
         return None
-    at, rows = names.index(b"label_asym_id"), text.split(b"\n")
+    at, rows = names.index(column), text.split(b"\n")
     found = []
     for number in lines:
         values = rows[number - 1].split() if number <= len(rows) else []

@@ -65,9 +65,14 @@ class Table:
         return pandas.DataFrame({name: column.copy() for name, column in self._columns.items()})
 
     def save(self, path: _Path) -> None:
-        """Writes a CSV file with a line of column names. Missing values are empty. Raises ValueError
-        if the table is of this file, which would be overwritten."""
-        with open(output_path(path, self._files), "w", encoding="utf-8", newline="") as target:
+        """Writes a CSV file with a line of column names, in which missing values are empty; or a Parquet
+        file, if this is the suffix, which needs pandas and pyarrow. Raises ValueError if the table is of
+        this file, which would be overwritten."""
+        path = output_path(path, self._files)
+        if _is_parquet(path):
+            self.to_pandas().to_parquet(path, engine="pyarrow", index=False)
+            return
+        with open(path, "w", encoding="utf-8", newline="") as target:
             rows = csv.writer(target, lineterminator="\n")
             rows.writerow(self._columns)
             columns = [["" if value != value else value for value in column.tolist()]
@@ -82,6 +87,10 @@ class Table:
         body = "".join(f"<tr>{''.join(f'<td>{cell(value)}</td>' for value in row)}</tr>" for row in rows)
         rest = f"<p>{len(self) - limit} more rows</p>" if len(self) > limit else ""
         return f"<table><tr>{head}</tr>{body}</table>{rest}"
+
+
+def _is_parquet(path: str) -> bool:
+    return os.path.splitext(path)[1].lower() == ".parquet"
 
 
 def _starts_of(molecule: _molecule.Molecule) -> npt.NDArray[np.int64]:
@@ -226,14 +235,17 @@ class Measurement:
     def _polar(self) -> _Bools:
         return _polar_atoms(self._molecule, self._starts)
 
-    def _label_chain(self, rows: Any) -> dict[str, Any]:
-        """Returns the column of the chain names label_asym_id, if the molecule has them."""
-        names = self._molecule.label_chain
-        return {"label_chain": names[rows]} if (names != "").any() else {}
+    def _other_chain(self, rows: Any) -> dict[str, Any]:
+        """Returns the column of the other chain names of an mmCIF file, if the molecule has them."""
+        for name in ("auth_chain", "label_chain"):
+            values = getattr(self._molecule, name)
+            if (values != "").any():
+                return {name: values[rows]}
+        return {}
 
     @functools.cached_property
     def atoms(self) -> Table:
-        """A row for each atom of the object: ``chain``, for mmCIF files ``label_chain``, ``residue_number``,
+        """A row for each atom of the object: ``chain``, for mmCIF files ``label_chain`` (or ``auth_chain``), ``residue_number``,
         ``icode``, ``residue``, ``name``, ``element``, ``radius``, ``ses``, ``sas``, ``is_polar``,
         ``is_guessed``."""
         molecule = self._molecule
@@ -241,7 +253,7 @@ class Measurement:
         radius[molecule.kept] = molecule.radii
         guessed = np.zeros(len(molecule), bool)
         guessed[molecule.set.guessed] = guessed[molecule.set.unknown] = True
-        return Table({"chain": molecule.chain, **self._label_chain(slice(None)),
+        return Table({"chain": molecule.chain, **self._other_chain(slice(None)),
                       "residue_number": molecule.residue_number, "icode": molecule.icode, "residue": molecule.residue,
                       "name": molecule.name, "element": molecule.element,
                       "radius": radius, "ses": self._ses, "sas": self._sas, "is_polar": self._polar,
@@ -261,7 +273,7 @@ class Measurement:
 
     @functools.cached_property
     def residues(self) -> Table:
-        """A row for each residue with a reported atom: ``chain``, for mmCIF files ``label_chain``,
+        """A row for each residue with a reported atom: ``chain``, for mmCIF files ``label_chain`` (or ``auth_chain``),
         ``residue_number``, ``icode``, ``residue``, the number of ``atoms``, ``ses``, ``sas``, ``sas_polar``, ``sas_apolar``,
         ``sas_main_chain``, ``sas_side_chain`` and ``relative_sas``.
 
@@ -279,7 +291,7 @@ class Measurement:
         is_main = np.isin(molecule.name, list(MAIN_CHAIN))
         main = np.add.reduceat(np.where(is_main, np.nan_to_num(self._sas), 0), starts)
         main[~np.isin(names, [*reference.areas, *SYNONYMS, "MSE"])] = np.nan
-        columns = {"chain": molecule.chain[starts], **self._label_chain(starts),
+        columns = {"chain": molecule.chain[starts], **self._other_chain(starts),
                    "residue_number": molecule.residue_number[starts], "icode": molecule.icode[starts], "residue": names, **sums, "sas_main_chain": main,
                    "sas_side_chain": sums["sas"] - main, "relative_sas": sums["sas"] / maximum}
         return Table({name: column[is_shown] for name, column in columns.items()}, molecule.files)
@@ -304,7 +316,8 @@ class Measurement:
         Parameters
         ----------
         path : str, bytes or os.PathLike
-            ``.pdb`` and ``.cif`` are structures, ``.csv`` is the table of atoms, residues or chains.
+            ``.pdb`` and ``.cif`` are structures, ``.csv`` and ``.parquet`` are the table of atoms, residues
+            or chains.
         column : str, optional
             The area of structures: ``sas``, ``ses`` or, by residue, ``relative_sas``.
         level : {'atom', 'residue', 'chain'}, optional
@@ -320,10 +333,10 @@ class Measurement:
         tables = {"atom": self.atoms, "residue": self.residues, "chain": self.chains}
         if level not in tables:
             raise ValueError(f"level must be atom, residue or chain, not {level!r}")
-        if os.path.splitext(path)[1].lower() == ".csv":
+        if os.path.splitext(path)[1].lower() == ".csv" or _is_parquet(path):
             tables[level].save(path)
             return
-        if column not in tables[level] or column in ("chain", "label_chain", "residue", "icode"):
+        if column not in tables[level] or column in ("chain", "label_chain", "auth_chain", "residue", "icode"):
             raise ValueError(f"column must be a number of the {level}s, not {column!r}")
         write_structure(path, self._molecule, self._values(column, level))
 
