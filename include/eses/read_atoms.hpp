@@ -47,10 +47,16 @@ enum class HydrogenChoice {
   drop,      ///< None.
 };
 
+/// Names of the chains of an mmCIF file.
+enum class ChainNames {
+  auth,   ///< Names of the authors (`auth_asym_id`), as in PDB files.
+  label,  ///< Names of the PDB (`label_asym_id`), which differ for each ligand.
+};
+
 /// Selection and radii of the atoms of a PDB or mmCIF file.
 struct StructureOptions {
-  /// The set of radii: `protor`, `bondi` or `msms`, or the path of a file in FreeSASA's
-  /// configuration format.
+  /// The set of radii: `protor`, `bondi` or `msms`; `occupancy` for the radii that the file has in
+  /// place of occupancies; or the path of a file in FreeSASA's configuration format.
   std::string radii = "protor";
   /// Radius of atoms that are not in the set, in angstrom. If it is empty, such atoms are an error.
   std::optional<double> unknown_radius;
@@ -67,6 +73,8 @@ struct StructureOptions {
   std::string select;
   /// Identifier of the biological assembly to build; empty for the atoms of the file.
   std::string assembly;
+  /// Names of the chains. ChainNames::label needs an mmCIF file.
+  ChainNames chain_names = ChainNames::auth;
   /// Compares all options.
   friend bool operator==(const StructureOptions&, const StructureOptions&) = default;
 };
@@ -85,6 +93,14 @@ struct OtherAssembly {
   std::string id;               ///< Its identifier, for StructureOptions::assembly.
   std::uint64_t operators = 0;  ///< Number of its different operators.
   std::uint64_t atoms = 0;      ///< Number of the atoms that were read and that it contains.
+};
+
+/// Both names of a chain of an mmCIF file.
+struct ChainName {
+  std::string auth;   ///< Name of the authors (`auth_asym_id`).
+  std::string label;  ///< Name of the PDB (`label_asym_id`).
+  /// Compares both names.
+  friend bool operator==(const ChainName&, const ChainName&) = default;
 };
 
 /// Report on the atoms of a PDB or mmCIF file that were read and left out. Unless said otherwise,
@@ -123,6 +139,11 @@ struct StructureReport {
   /// The chains that are segments of a PDB file (columns 73 to 76), because the names of its chains
   /// are blank or the same for different segments.
   std::vector<std::string> segment_chains;
+  /// StructureOptions::chain_names.
+  ChainNames chain_names = ChainNames::auth;
+  /// Both names of the chains of the atoms that were read, in their order; empty for PDB files and
+  /// without `label_asym_id`.
+  std::vector<ChainName> chains;
   /// The assemblies with several operators or without some of the atoms; empty if an assembly was
   /// built, or if the file is an assembly file of the PDB.
   std::vector<OtherAssembly> other_assemblies;

@@ -42,7 +42,9 @@ function __eses_blocks_values
         case --component
             echo outside
         case --radii
-            printf '%s\n' protor bondi msms
+            printf '%s\n' protor bondi msms occupancy
+        case --chain-names
+            printf '%s\n' auth label
         case --like
             printf '%s\n' freesasa biopython mdtraj zsasa pymol
         case --hydrogens

@@ -14,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _core, _foreign, adaptors
-from ._files import label_chains
+from ._files import values_in_lines
 
 _Texts = npt.NDArray[np.str_]
 _Bools = npt.NDArray[np.bool_]
@@ -83,6 +83,8 @@ class Molecule:
     """Whether the atoms have names of residues."""
     label_chain: _Texts
     """The chain names label_asym_id of mmCIF files, where `chain` has auth_asym_id; empty for other sources."""
+    auth_chain: _Texts
+    """The chain names auth_asym_id of mmCIF files, where `chain` has label_asym_id; else empty."""
     files: tuple[str, ...] = ()
     """The paths of the files that were read, which `save` does not overwrite."""
 
@@ -109,7 +111,7 @@ class _Source:
 # ------------------------------------------------------------------------------------------ files
 
 _GZIP = b"\x1f\x8b"
-_FILE_OPTIONS = ("format", "model", "altloc", "hetatm", "chains", "select", "assembly")
+_FILE_OPTIONS = ("format", "model", "altloc", "hetatm", "chains", "select", "assembly", "chain_names")
 
 
 def _format_of(text: bytes, name: str) -> str:
@@ -172,21 +174,21 @@ def _read_file(found: Any, radii: str, unknown: Optional[float], waters: bool, h
                options: dict[str, Any]) -> _Source:
     """Reads a path, an open file, or the bytes or text of a file."""
     given: dict[str, Any] = {"format": "auto", "model": 0, "altloc": "", "hetatm": True, "chains": (), "select": "",
-             "assembly": ""} | options
+             "assembly": "", "chain_names": "auth"} | options
     data: Any = None
     if _is_path(found):
         layout = _format_of(b"", os.fspath(found)) if given["format"] == "auto" else given["format"]
 
         def read(select: str) -> _core.Atoms:
             return _core._read_atoms(found, given["format"], radii, unknown, given["model"], given["altloc"], waters,
-                                     given["hetatm"], hydrogens, list(given["chains"]), select, given["assembly"])
+                                     given["hetatm"], hydrogens, list(given["chains"]), select, given["assembly"], given["chain_names"])
     else:
         data, name, layout = read_opened(found, given["format"])
 
         def read(select: str) -> _core.Atoms:
             return _core._parse_atoms(data, name, layout, radii, unknown, given["model"], given["altloc"],
                                       waters, given["hetatm"], hydrogens, list(given["chains"]), select,
-                                      given["assembly"])
+                                      given["assembly"], given["chain_names"])
     atoms = read(given["select"])
     _core._warn_about(atoms, name_of(found))
     source = _of_atoms(atoms)
@@ -196,7 +198,10 @@ def _read_file(found: Any, radii: str, unknown: Optional[float], waters: bool, h
         if data is None:
             with open(found, "rb") as opened:
                 data = _unpacked(opened.read())
-        source.columns.label_chains = label_chains(data, atoms.lines.tolist())
+        lines = atoms.lines.tolist()
+        source.columns.label_chains = values_in_lines(data, b"label_asym_id", lines)
+        if given["chain_names"] == "label":
+            source.columns.auth_chains = values_in_lines(data, b"auth_asym_id", lines)
 
     def choose(text: str) -> _Bools:
         return np.isin(atoms.lines, read(text).lines)
@@ -239,7 +244,7 @@ def _source_of(found: Any, radii: Any, unknown: Optional[float], waters: bool, h
         if radii is not None and not isinstance(radii, (str, os.PathLike)):
             raise TypeError("a file needs the name of a set of radii, not an array")
         source = _read_file(found, os.fspath(radii or "protor"), unknown, waters, hydrogens, options)
-        if _radii_are_assigned(source, found):
+        if _radii_are_assigned(source, found) and radii != "occupancy":
             source.set_name = os.fspath(radii or "protor")
         return source
     if isinstance(found, _core.Atoms):
@@ -371,7 +376,7 @@ def read_molecule(molecule: Any, radii: Any = None, *, waters: bool = False, hyd
         ProDy AtomGroup, Selection; an object of OpenMM with topology and positions, or the pair.
     radii : str, os.PathLike or array_like, optional
         ``protor``, ``bondi``, ``msms``, the path of a file in FreeSASA's configuration format, or N
-        radii in angstrom. ``protor+ccd`` is ``protor`` with radii of ligands that follow from their bonds
+        radii in angstrom; ``occupancy`` for a PDB or mmCIF file that has radii as its occupancies. ``protor+ccd`` is ``protor`` with radii of ligands that follow from their bonds
         in the Chemical Component Dictionary, which needs Biotite. By default ``protor`` for molecules with names of residues, whose
         hydrogens then belong to the united atoms, and ``bondi`` for others. PQR and xyzr files have
         radii of their own.
@@ -385,7 +390,7 @@ def read_molecule(molecule: Any, radii: Any = None, *, waters: bool = False, hyd
         Frame, model or conformer of an object that has several.
     **options
         Further arguments of ``read_atoms``, for files: ``format``, ``model``, ``altloc``, ``hetatm``,
-        ``chains``, ``select``, ``assembly``.
+        ``chains``, ``select``, ``assembly``, ``chain_names``.
 
     Returns
     -------
@@ -416,6 +421,7 @@ class _Named:
     name: _Texts
     element: _Texts
     label_chain: _Texts
+    auth_chain: _Texts
 
 
 @dataclasses.dataclass
@@ -446,7 +452,8 @@ def _arrays_of(columns: adaptors.Columns) -> _Named:
         positions, _column(columns.chains, count, "chains"), _column(columns.residues, count, "residues"),
         np.zeros(count, np.int64) if columns.numbers is None else np.array(columns.numbers, np.int64),
         _column(columns.icodes, count, "insertion codes"), _column(columns.names, count, "names"),
-        _column(columns.elements, count, "elements"), _column(columns.label_chains, count, "label chains"))
+        _column(columns.elements, count, "elements"), _column(columns.label_chains, count, "label chains"),
+        _column(columns.auth_chains, count, "auth chains"))
 
 
 def _take_radii(named: _Named, radii: Any, set_name: str) -> _Choice:

@@ -44,6 +44,8 @@ class Columns:
     """Chain names; those of the authors where a library has two."""
     label_chains: Optional[Sequence[str]] = None
     """The other chain names of mmCIF files (label_asym_id), where a library has two."""
+    auth_chains: Optional[Sequence[str]] = None
+    """The chain names of the authors, if ``chains`` has others."""
     altlocs: Optional[Sequence[str]] = None
     """Alternate locations; empty for atoms with one location."""
     occupancies: Optional[Sequence[float]] = None

@@ -27,7 +27,7 @@ namespace eses::python {
 namespace {
 
 constexpr const char* read_atoms_text =
-    R"(read_atoms(path, *, format='auto', radii='protor', unknown_radius=None, model=0, altloc='', waters=False, hetatm=True, hydrogens='auto', chains=(), select='', assembly='')
+    R"(read_atoms(path, *, format='auto', radii='protor', unknown_radius=None, model=0, altloc='', waters=False, hetatm=True, hydrogens='auto', chains=(), select='', assembly='', chain_names='auth')
 --
 
 Read the atoms of a file.
@@ -42,8 +42,8 @@ format : {'auto', 'xyzr', 'pqr', 'pdb', 'mmcif'}, optional
     whose name has no such suffix, the first lines decide. Everything else is xyzr, which has one atom a line as ``x y z radius``. The arguments below are for PDB and mmCIF
     files.
 radii : str or os.PathLike, optional
-    Set of radii: ``protor``, ``bondi``, ``msms``, or the path of a file in FreeSASA's configuration
-    format.
+    Set of radii: ``protor``, ``bondi``, ``msms``; ``occupancy`` if the file has radii as its
+    occupancies; or the path of a file in FreeSASA's configuration format.
 unknown_radius : float, optional
     Radius of atoms for which the set has none, in angstrom. Without it such atoms are an error.
 model : int, optional
@@ -62,6 +62,9 @@ select : str, optional
     Selection in gemmi's syntax, such as ``/1/A/10-20/CA``.
 assembly : str, optional
     Identifier of the biological assembly to build; empty for the atoms of the file.
+chain_names : {'auth', 'label'}, optional
+    Names of the chains of an mmCIF file: ``auth_asym_id``, those of the authors, or ``label_asym_id``,
+    which differ for each ligand.
 
 Returns
 -------
@@ -103,12 +106,19 @@ HydrogenChoice hydrogens_named(const std::string& name) {
   throw py::value_error("hydrogens must be 'auto', 'keep' or 'drop', not '" + name + "'");
 }
 
+ChainNames chain_names_named(const std::string& name) {
+  if (name == "auth") return ChainNames::auth;
+  if (name == "label") return ChainNames::label;
+  throw py::value_error("chain_names must be 'auth' or 'label', not '" + name + "'");
+}
+
 StructureOptions structure_options(const std::filesystem::path& radii,
                                    std::optional<double> unknown_radius, int model,
                                    const std::string& altloc, bool waters, bool hetatm,
                                    const std::string& hydrogens,
                                    const std::vector<std::string>& chains,
-                                   const std::string& select, const std::string& assembly) {
+                                   const std::string& select, const std::string& assembly,
+                                   const std::string& chain_names) {
   return {.radii = radii.string(),
           .unknown_radius = unknown_radius,
           .model = model,
@@ -118,7 +128,8 @@ StructureOptions structure_options(const std::filesystem::path& radii,
           .hydrogens = hydrogens_named(hydrogens),
           .chains = chains,
           .select = select,
-          .assembly = assembly};
+          .assembly = assembly,
+          .chain_names = chain_names_named(chain_names)};
 }
 
 std::shared_ptr<AtomFile> parse(const py::bytes& text, const std::string& name,
@@ -127,20 +138,21 @@ std::shared_ptr<AtomFile> parse(const py::bytes& text, const std::string& name,
                                 const std::string& altloc, bool waters, bool hetatm,
                                 const std::string& hydrogens,
                                 const std::vector<std::string>& chains, const std::string& select,
-                                const std::string& assembly);
+                                const std::string& assembly, const std::string& chain_names);
 
 std::shared_ptr<AtomFile> read(const py::object& found, const std::string& format,
                                const std::filesystem::path& radii,
                                std::optional<double> unknown_radius, int model,
                                const std::string& altloc, bool waters, bool hetatm,
                                const std::string& hydrogens, const std::vector<std::string>& chains,
-                               const std::string& select, const std::string& assembly) {
+                               const std::string& select, const std::string& assembly,
+                               const std::string& chain_names) {
   if (py::hasattr(found, "read")) {
     const py::tuple opened =
         py::module_::import("eses_blocks._molecule").attr("read_opened")(found, format);
     return parse(opened[0], opened[1].cast<std::string>(), opened[2].cast<std::string>(), radii,
-                 unknown_radius, model, altloc, waters, hetatm, hydrogens, chains, select,
-                 assembly);
+                 unknown_radius, model, altloc, waters, hetatm, hydrogens, chains, select, assembly,
+                 chain_names);
   }
   const std::filesystem::path path = path_of(found, " or an open file");
   // The library would read "-" from standard input, where Ctrl-C cannot interrupt it.
@@ -148,7 +160,7 @@ std::shared_ptr<AtomFile> read(const py::object& found, const std::string& forma
   ReadOptions options;
   options.format = format_named(format);
   options.structure = structure_options(radii, unknown_radius, model, altloc, waters, hetatm,
-                                        hydrogens, chains, select, assembly);
+                                        hydrogens, chains, select, assembly, chain_names);
   // A part of reading an mmCIF file is a single call of a parser, which takes seconds if the file
   // has millions of atoms.
   auto file = std::make_shared<AtomFile>();
@@ -167,9 +179,10 @@ py::object read_and_warn(const py::object& found, const std::string& format,
                          const std::filesystem::path& radii, std::optional<double> unknown_radius,
                          int model, const std::string& altloc, bool waters, bool hetatm,
                          const std::string& hydrogens, const std::vector<std::string>& chains,
-                         const std::string& select, const std::string& assembly) {
+                         const std::string& select, const std::string& assembly,
+                         const std::string& chain_names) {
   const auto file = read(found, format, radii, unknown_radius, model, altloc, waters, hetatm,
-                         hydrogens, chains, select, assembly);
+                         hydrogens, chains, select, assembly, chain_names);
   const py::object atoms = py::cast(file);
   const py::module_ molecule = py::module_::import("eses_blocks._molecule");
   const py::object name = molecule.attr("name_of")(found);
@@ -185,10 +198,11 @@ std::shared_ptr<AtomFile> parse(const py::bytes& text, const std::string& name,
                                 const std::string& altloc, bool waters, bool hetatm,
                                 const std::string& hydrogens,
                                 const std::vector<std::string>& chains, const std::string& select,
-                                const std::string& assembly) {
+                                const std::string& assembly, const std::string& chain_names) {
   const AtomFormat known = format_named(format);
-  const StructureOptions options = structure_options(radii, unknown_radius, model, altloc, waters,
-                                                     hetatm, hydrogens, chains, select, assembly);
+  const StructureOptions options =
+      structure_options(radii, unknown_radius, model, altloc, waters, hetatm, hydrogens, chains,
+                        select, assembly, chain_names);
   auto file = std::make_shared<AtomFile>();
   const std::string copy = text;
   read_file_as_value([&] {
@@ -431,7 +445,8 @@ void bind_atoms(py::module_& module) {
              py::arg("format") = "auto", py::arg("radii") = "protor",
              py::arg("unknown_radius") = py::none(), py::arg("model") = 0, py::arg("altloc") = "",
              py::arg("waters") = false, py::arg("hetatm") = true, py::arg("hydrogens") = "auto",
-             py::arg("chains") = py::tuple(), py::arg("select") = "", py::arg("assembly") = "");
+             py::arg("chains") = py::tuple(), py::arg("select") = "", py::arg("assembly") = "",
+             py::arg("chain_names") = "auth");
   module.def("_read_atoms", &read);
   module.def("_parse_atoms", &parse);
   module.def("_warn_about",

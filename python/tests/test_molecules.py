@@ -413,6 +413,17 @@ def test_structures_with_areas(pdb, tmp_path):
     assert (tmp_path / "chains.csv").read_text().splitlines()[0].startswith("chain,residues,atoms,ses,sas")
 
 
+def test_tables_are_saved_as_parquet(tmp_path):
+    pandas = pytest.importorskip("pandas")
+    pytest.importorskip("pyarrow")
+    result = eses.measure(PDB)
+    result.save(tmp_path / "residues.parquet", level="residue")
+    result.atoms.save(tmp_path / "atoms.parquet")
+    for name, table in (("residues", result.residues), ("atoms", result.atoms)):
+        read = pandas.read_parquet(tmp_path / f"{name}.parquet")
+        assert list(read) == list(table) and read["sas"].tolist() == pytest.approx(table["sas"].tolist(), nan_ok=True)
+
+
 def test_gemmi_reads_the_areas(pdb, tmp_path):
     gemmi = pytest.importorskip("gemmi")
     result = eses.measure(pdb)
@@ -527,6 +538,33 @@ def test_label_chains_of_mmcif_files(tmp_path):
     # The rows of a wrapped loop are not lines.
     assert "label_chain" not in eses.measure(MMCIF.replace("10 H A\n", "\n10 H A\n")).atoms
     assert "label_chain" not in eses.measure(PDB).atoms
+
+
+def test_chain_names_are_chosen(tmp_path):
+    path = tmp_path / "label.cif"
+    path.write_text(MMCIF)
+    for found in (path, MMCIF):
+        result = eses.measure(found, chain_names="label")
+        assert result.atoms["chain"].tolist() == list("AAAAB")
+        assert result.residues["auth_chain"].tolist() == list("HHH") and "label_chain" not in result.residues
+        assert result.chains["chain"].tolist() == ["A", "B"]
+        assert eses.measure(found, chain_names="label", chains=["B"]).atoms["name"].tolist() == ["O2'"]
+    assert eses.read_atoms(path, chain_names="label").labels.chain.tolist() == list("AAAAB")
+    assert eses.read_atoms(path).labels.chain.tolist() == list("HHHHH")
+    with pytest.raises(ValueError, match="chain_names must be 'auth' or 'label', not 'both'"):
+        eses.read_atoms(path, chain_names="both")
+    with pytest.raises(ValueError, match="PDB files have no chain names label_asym_id"):
+        eses.measure(PDB, chain_names="label")
+
+
+def test_radii_in_place_of_occupancies():
+    text = "ATOM      1  CA  ALA A   1       0.000   0.000   0.000  2.25  0.00           C\n"
+    result = eses.measure(text, radii="occupancy")
+    assert result.sas_area == pytest.approx(4 * np.pi * 3.65**2)
+    assert result.radii.source == "the input file" and len(result.radii.guessed) == 0
+    gemmi = pytest.importorskip("gemmi")
+    with pytest.raises(ValueError, match="needs a PDB or mmCIF file"):
+        eses.measure(gemmi.read_pdb_string(text), radii="occupancy")
 
 
 def test_label_chains_of_gemmi():

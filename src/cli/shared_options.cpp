@@ -116,9 +116,9 @@ void add_structure_options(CLI::App& app, StructureOptions& structure, bool* all
   begin_group(app, structure_group);
   add_like(app, structure);
   add_value(app, "--radii", "NAME",
-            "atomic radii: protor (Tsai et al. 1999), bondi, msms, or\n"
-            "a file in FreeSASA's configuration format [protor]",
-            structure.radii, any_text("protor, bondi, msms, or a file"));
+            "atomic radii: protor (Tsai et al. 1999), bondi, msms,\n"
+            "occupancy, or a file in FreeSASA's format [protor]",
+            structure.radii, any_text("protor, bondi, msms, occupancy, or a file"));
   add_value(app, "--unknown-radius", "R",
             "radius of atoms that are not in the set of radii, in\n"
             "angstrom [such atoms are an error]",
@@ -140,6 +140,11 @@ void add_structure_options(CLI::App& app, StructureOptions& structure, bool* all
   add_value(app, "--select", "TEXT",
             "include only a selection in gemmi's syntax, such as\n//A/10-20", structure.select,
             any_text("a selection in gemmi's syntax, such as //A/10-20"));
+  add_value(app, "--chain-names", "NAME",
+            "names of the chains of an mmCIF file: auth (auth_asym_id)\n"
+            "or label (label_asym_id) [auth]",
+            structure.chain_names,
+            one_of<ChainNames>({{"auth", ChainNames::auth}, {"label", ChainNames::label}}));
   add_value(app, "--assembly", "ID", "build this biological assembly", structure.assembly,
             any_text("the identifier of an assembly, such as 1"));
 }

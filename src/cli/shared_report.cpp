@@ -28,6 +28,10 @@ static void to_json(detail::Json& json, const OtherAssembly& other) {
   json = {{"id", other.id}, {"operators", other.operators}, {"atoms", other.atoms}};
 }
 
+static void to_json(detail::Json& json, const ChainName& name) {
+  json = {{"auth", name.auth}, {"label", name.label}};
+}
+
 }  // namespace eses
 
 namespace eses::detail::cli {
@@ -175,13 +179,15 @@ std::string field_text(const Json& value) {
 
 std::string structure_text(const StructureReport& report) {
   const std::string dropped = atom_counts_text(report, dropped_counts);
-  return formatted("read: {}{}{}\n{}radii: {}{}{}\n{}{}{}", atom_counts_text(report, kept_counts),
-                   model_text(report), assembly_text(report),
-                   dropped.empty() ? "" : formatted("left out: {}\n", dropped),
-                   printable(report.radii), sources_text(report.by_element, "by element"),
-                   sources_text(report.unknown, "of unknown radius"),
-                   guessed_text(report.guessed_elements), segments_text(report.segment_chains),
-                   other_assemblies_text(report));
+  return formatted(
+      "read: {}{}{}\n{}radii: {}{}{}\n{}{}{}{}", atom_counts_text(report, kept_counts),
+      model_text(report), assembly_text(report),
+      dropped.empty() ? "" : formatted("left out: {}\n", dropped), printable(report.radii),
+      sources_text(report.by_element, "by element"),
+      sources_text(report.unknown, "of unknown radius"), guessed_text(report.guessed_elements),
+      segments_text(report.segment_chains),
+      report.chain_names == ChainNames::label ? "note: chains are named by label_asym_id\n" : "",
+      other_assemblies_text(report));
 }
 
 std::string shown_name(std::string_view name) { return name.empty() ? "no chain" : one_line(name); }
@@ -239,5 +245,7 @@ void eses::to_json(detail::Json& json, const StructureReport& report) {
           {"radii_by_element", report.by_element},
           {"unknown_radii", report.unknown},
           {"elements_by_name", report.guessed_elements},
-          {"segment_chains", report.segment_chains}};
+          {"segment_chains", report.segment_chains},
+          {"chain_names", report.chain_names == ChainNames::label ? "label" : "auth"},
+          {"chains", report.chains}};
 }

@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "eses/error.hpp"
 #include "eses/radii.hpp"
 #include "input/pdb_elements.hpp"
 #include "input/radii_set.hpp"
@@ -11,6 +12,8 @@ namespace eses {
 
 NamedRadii find_radii(std::span<const AtomLabel> atoms, const std::string& set) {
   const detail::RadiiSet radii = detail::find_radii_set(set);
+  if (radii.is_occupancy)
+    throw Error("radii: 'occupancy' needs a PDB or mmCIF file, which has the radii");
   std::vector<AtomLabel> labels(atoms.begin(), atoms.end());
   detail::complete_elements(labels);
   NamedRadii found{.set = radii.name, .are_united = radii.is_united, .atoms = {}};

@@ -154,6 +154,9 @@ std::optional<RadiiSet> named_radii_set(std::string_view name) {
                                               : msms_radius(atom.residue, atom.atom);
                     },
                     bondi_radius};
+  if (word == "occupancy")
+    return RadiiSet{word,         false, [](const AtomIdentity&) { return std::optional(0.0); },
+                    bondi_radius, true,  true};
   return std::nullopt;
 }
 

@@ -32,6 +32,8 @@ struct RadiiSet {
   /// Returns the radius of the other atoms of an element.
   std::optional<double> (*find_by_element)(std::string_view element);
   bool is_from_file = false;  ///< whether it is not built in
+  /// Whether the radius of an atom is its occupancy in the file. The set names all atoms.
+  bool is_occupancy = false;
 
   /// Returns the radius of an atom, or nothing if there is none.
   std::optional<FoundRadius> find(const AtomIdentity& atom) const;
@@ -41,7 +43,7 @@ struct RadiiSet {
 inline constexpr double max_set_radius = 1000;  // angstrom
 
 /// Names of the built-in sets, for messages.
-inline constexpr std::string_view named_radii = "protor, bondi or msms";
+inline constexpr std::string_view named_radii = "protor, bondi, msms or occupancy";
 
 /// Returns a built-in set, or nothing for other names.
 std::optional<RadiiSet> named_radii_set(std::string_view name);

@@ -209,6 +209,7 @@ TEST_CASE("options of structure files are refused for xyzr files", "[structure][
                                              {"--hydrogens", "keep"},
                                              {"--chains", "A"},
                                              {"--select", "//A"},
+                                             {"--chain-names", "label"},
                                              {"--assembly", "1"}}) {
     for (const std::string file : {"a.xyzr", "a.pqr"}) {
       std::vector<std::string> arguments{file, "--write", "none"};
@@ -234,6 +235,7 @@ TEST_CASE("options of structure files are refused for xyzr files", "[structure][
                                              {"--chains", "A,"},
                                              {"--hydrogens", "some"},
                                              {"--radii", ""},
+                                             {"--chain-names", "both"},
                                              {"--format", "mol2"}}) {
     std::vector<std::string> arguments{"a.pdb"};
     arguments.insert(arguments.end(), option.begin(), option.end());

@@ -372,6 +372,44 @@ TEST_CASE("a polymer may have several parts", "[structure]") {
             .atoms.size() == 2);
 }
 
+TEST_CASE("mmCIF: chains have the names of the authors or those of the PDB", "[structure]") {
+  const std::string text = mmcif_head +
+                           "ATOM 1 C CA . ALA A 1 1 ? 1 2 3 1.0 20 1 H 1\n"
+                           "HETATM 2 ZN ZN . ZN B 2 . ? 9 2 3 1.0 20 2 H 1\n"
+                           "ATOM 3 C CA . ALA C 1 1 ? 19 2 3 1.0 20 1 L 1\n";
+  StructureOptions options;
+  const AtomFile auth = read_mmcif(text, options);
+  CHECK(names_of(auth) == Names{"H ALA 1 CA", "H ZN 2 ZN", "L ALA 1 CA"});
+  const std::vector<ChainName> both{{"H", "A"}, {"H", "B"}, {"L", "C"}};
+  CHECK(auth.structure->chains == both);
+  options.chain_names = ChainNames::label;
+  const AtomFile label = read_mmcif(text, options);
+  CHECK(names_of(label) == Names{"A ALA 1 CA", "B ZN 2 ZN", "C ALA 1 CA"});
+  CHECK(label.structure->chains == both);
+  options.chains = {"B"};
+  CHECK(names_of(read_mmcif(text, options)) == Names{"B ZN 2 ZN"});
+  options.chains = {"H"};
+  CHECK(contains(error_of([&] { read_mmcif(text, options); }), "its chains are A, B, C"));
+  options.chains = {};
+  options.select = "//C";
+  CHECK(names_of(read_mmcif(text, options)) == Names{"C ALA 1 CA"});
+  CHECK(contains(pdb_error(line_of({}), options), "PDB files have no chain names label_asym_id"));
+  // Operators of assemblies apply to the names of the PDB, whatever the names of the chains.
+  options.select = {};
+  options.assembly = "X";
+  std::string assembly = text_with_assembly("1,2", "B");
+  assembly.replace(assembly.find("1 B 1\n"), 6, "1 Q 1\n");
+  CHECK(names_of(read_mmcif(assembly, options)) == Names{"B ALA 1 CA", "B-2 ALA 1 CA"});
+  const std::string without =
+      atom_table({"type_symbol", "label_atom_id", "label_comp_id", "label_seq_id", "auth_asym_id",
+                  "Cartn_x", "Cartn_y", "Cartn_z"},
+                 "C CA ALA 7 B 1 2 3\n");
+  CHECK(read_mmcif(without).structure->chains.empty());
+  options.assembly = {};
+  CHECK(contains(error_of([&] { read_mmcif(without, options); }),
+                 "the _atom_site table lacks the column label_asym_id"));
+}
+
 TEST_CASE("mmCIF: columns that programs leave out have defaults", "[structure]") {
   // PyMOL does not write auth_seq_id.
   const std::vector<std::string> columns{"type_symbol",  "label_atom_id", "label_comp_id",

@@ -241,9 +241,11 @@ TEST_CASE("radii: a name or a file is accepted, and other text refused", "[struc
   const std::string text = line_of({});
   StructureOptions options;
   options.radii = "bondy";
-  CHECK(contains(pdb_error(text, options), "radii: expected protor, bondi or msms, or a file"));
+  CHECK(contains(pdb_error(text, options),
+                 "radii: expected protor, bondi, msms or occupancy, or a file"));
   options.radii = std::string(300, 'A');  // longer than the name of a file can be
-  CHECK(contains(pdb_error(text, options), "radii: expected protor, bondi or msms, or a file"));
+  CHECK(contains(pdb_error(text, options),
+                 "radii: expected protor, bondi, msms or occupancy, or a file"));
   const TemporaryDirectory directory;
   const fs::path file = directory.path() / "my.config";
   std::ofstream(file) << "types:\nT 3.5 apolar\natoms:\nANY CA T\n";
@@ -251,6 +253,38 @@ TEST_CASE("radii: a name or a file is accepted, and other text refused", "[struc
   CHECK(read_pdb(text, options).atoms.at(0).radius == 3.5);
   std::ofstream(file) << "nonsense\n";
   CHECK(contains(pdb_error(text, options), file.string() + ":1: expected types:"));
+}
+
+TEST_CASE("radii: those in place of occupancies are read as they are written",
+          "[structure][radii]") {
+  StructureOptions options;
+  options.radii = "occupancy";
+  const std::string text =
+      line_of({.occupancy = 1.88}) +
+      line_of({.name = " HA ", .number = "   2 ", .x = 9, .occupancy = 1.2, .element = " H"}) +
+      line_of({.record = "HETATM", .name = " CA ", .residue = "XYZ", .x = 20, .occupancy = 0});
+  const AtomFile file = read_pdb(text, options);
+  REQUIRE(file.atoms.size() == 3);
+  CHECK(file.atoms[0].radius == 1.88);
+  CHECK(file.atoms[1].radius == 1.2);
+  CHECK(file.atoms[2].radius == 0);
+  CHECK(file.structure->radii == "occupancy");
+  CHECK(file.structure->by_element.empty());
+  CHECK(pdb_error(line_of({.occupancy = -1}), options) ==
+        "t.pdb:1: expected a radius from 0 to 1000 angstrom in place of the occupancy, found -1");
+  std::string blank = line_of({});
+  blank.replace(54, 6, "      ");
+  CHECK(contains(pdb_error(blank, options),
+                 "t.pdb:1: expected a number for the radius in columns 55 to 60, found \"\""));
+  const std::string row = "ATOM 1 C CA . ALA A 1 1 ? 1 2 3 {} 20 1 A 1\n";
+  CHECK(read_mmcif(mmcif_head + fmt::format(fmt::runtime(row), "1.234"), options)
+            .atoms.at(0)
+            .radius == 1.234);
+  CHECK(contains(
+      error_of([&] { read_mmcif(mmcif_head + fmt::format(fmt::runtime(row), "?"), options); }),
+      "expected a number for the radius in _atom_site.occupancy"));
+  const std::vector<AtomLabel> labels{{"A", "ALA", "1", "CA", "C"}};
+  CHECK(contains(error_of([&] { find_radii(labels, "occupancy"); }), "needs a PDB or mmCIF file"));
 }
 
 TEST_CASE("atoms without a radius are named", "[structure][radii]") {

@@ -32,18 +32,23 @@ struct AtomKind {
 class AtomKinds {
  public:
   /// `guessed` has the lines of the atoms whose elements follow from their names, ascending.
-  AtomKinds(const RadiiSet& radii, double unknown_radius, const std::vector<std::uint64_t>& guessed)
-      : radii_(radii), unknown_radius_(unknown_radius), guessed_(guessed) {}
+  AtomKinds(const RadiiSet& radii, std::string_view file, double unknown_radius,
+            const std::vector<std::uint64_t>& guessed)
+      : radii_(radii), file_(file), unknown_radius_(unknown_radius), guessed_(guessed) {}
 
   /// Counts an atom and returns its kind.
   const AtomKind& add(const StructureAtom& atom) {
+    const double occupancy = radii_.is_occupancy ? occupancy_of(atom) : 0;
     const std::string &residue = atom.residue->name, &name = atom.atom->name;
     const std::string_view element = symbol_of(atom.atom->element);
     key_.assign(residue).append(1, '\0').append(name).append(1, '\0').append(element);
+    if (radii_.is_occupancy) key_.append(1, '\0').append(formatted("{}", occupancy));
     const auto [at, is_new] = indices_.try_emplace(key_, kinds_.size());
     if (is_new) {
       const auto found = radii_.find({residue, name, element, atom.atom->is_hydrogen()});
-      const double radius = found ? found->radius : unknown_radius_;
+      const double radius = radii_.is_occupancy ? occupancy
+                            : found             ? found->radius
+                                                : unknown_radius_;
       const bool is_named = radii_.is_from_file && found && !found->by_element;
       const bool is_foreign = !is_named && !atom.atom->is_hydrogen() &&
                               is_polymer_residue(residue) && !may_have_atom(residue, name);
@@ -63,7 +68,21 @@ class AtomKinds {
   const std::vector<AtomKind>& all() const { return kinds_; }
 
  private:
+  /// Returns the radius that an atom has in place of its occupancy. gemmi has rounded the number of
+  /// the file to `float`. The shortest text of that is the number, if it has up to six digits.
+  double occupancy_of(const StructureAtom& atom) const {
+    double radius = 0;
+    parse_number(formatted("{}", atom.atom->occ), radius);
+    if (!(radius >= 0 && radius <= max_set_radius))
+      fail_at_line(file_, atom.line(),
+                   formatted("expected a radius from 0 to {:.0f} angstrom in place of the "
+                             "occupancy, found {}",
+                             max_set_radius, radius));
+    return radius;
+  }
+
   const RadiiSet& radii_;
+  std::string_view file_;
   double unknown_radius_;
   const std::vector<std::uint64_t>& guessed_;
   std::string key_;
@@ -151,7 +170,7 @@ void assign_radii(const std::vector<StructureAtom>& atoms, const RadiiSet& radii
     text.check();
     if (after_part) after_part(result);
   };
-  AtomKinds kinds(radii, unknown_radius.value_or(0), guessed);
+  AtomKinds kinds(radii, text.name, unknown_radius.value_or(0), guessed);
   ForeignResidues foreign;
   for (const StructureAtom& atom : atoms) {
     const AtomKind& kind = kinds.add(atom);

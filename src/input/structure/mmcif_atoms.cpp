@@ -42,6 +42,7 @@ class Column {
     if (!required.empty()) throw MmcifError{0, "the _atom_site table lacks the column " + required};
   }
 
+  bool is_found() const { return static_cast<bool>(values_); }
   int length() const { return values_.length(); }
 
   /// Returns the value without quotation marks; empty if it is unknown, which files write as `.` or
@@ -86,6 +87,12 @@ class Column {
   std::string tag_;
 };
 
+/// Returns the column of the names of chains.
+Column chain_column(gemmi::cif::Block& block, bool label_chains) {
+  if (label_chains) return {block, {"label_asym_id"}, "label_asym_id"};
+  return {block, {"auth_asym_id", "label_asym_id"}};
+}
+
 /// Returns whether the residue is a standard amino acid or nucleotide, as in ATOM records.
 bool is_standard_monomer(const std::string& residue_name) {
   const auto& info = gemmi::find_tabulated_residue(residue_name);
@@ -104,11 +111,13 @@ struct ResidueKey {
 /// Checks the rows and makes the chains of the chosen model.
 class ChainBuilder {
  public:
-  ChainBuilder(gemmi::cif::Block& block, ModelList& models) : block_(block), models_(models) {}
+  ChainBuilder(gemmi::cif::Block& block, ModelList& models, const ParseOptions& options)
+      : block_(block), models_(models), options_(options) {}
 
-  AtomTable build(const std::vector<std::uint64_t>& lines, const CheckCallback& check) {
+  AtomTable build(const std::vector<std::uint64_t>& lines) {
+    table_.has_label_chains = label_chain_.is_found();
     for (std::size_t i = 0; i < lines.size(); ++i) {
-      check_at(i, check);
+      check_at(i, options_.check);
       const Row row{static_cast<int>(i), lines[i]};
       ResidueKey residue = residue_of(row);
       gemmi::Atom atom = atom_of(row, residue.id.name);
@@ -180,7 +189,9 @@ class ChainBuilder {
     if (const std::string number = label_number_.text(row); !number.empty())
       label_number_.residue_number(row, number);
     atom.pos = {x_.number(row, "x"), y_.number(row, "y"), z_.number(row, "z")};
-    atom.occ = static_cast<float>(occupancy_.number(row, "the occupancy", "1"));
+    atom.occ = static_cast<float>(
+        occupancy_.number(row, options_.needs_occupancies ? "the radius" : "the occupancy",
+                          options_.needs_occupancies ? "" : "1"));
     atom.b_iso = static_cast<float>(b_factor_.number(row, "the B-factor", "0"));
     atom.serial = static_cast<int>(row.line);
     return atom;
@@ -199,6 +210,7 @@ class ChainBuilder {
     if (is_new) {
       gemmi::Residue& residue = residues.emplace_back(key.id);
       residue.subchain = subchain_.text(row);
+      if (options_.label_chains) residue.segment = auth_chain_.text(row);
       residue.entity_id = entity_.text(row);
       residue.het_flag = is_hetatm(row, key.id.name) ? 'H' : 'A';
     }
@@ -212,6 +224,7 @@ class ChainBuilder {
 
   gemmi::cif::Block& block_;
   ModelList& models_;
+  const ParseOptions& options_;
   // The required columns come first, in the order in which they are reported.
   Column element_{block_, {"type_symbol"}, "type_symbol"};
   Column atom_name_{block_, {"auth_atom_id", "label_atom_id"}, "label_atom_id"};
@@ -222,7 +235,9 @@ class ChainBuilder {
   Column number_{block_, {"auth_seq_id", "label_seq_id"}, "auth_seq_id"};
   Column group_{block_, {"group_PDB"}};
   Column altloc_{block_, {"label_alt_id"}};
-  Column chain_name_{block_, {"auth_asym_id", "label_asym_id"}};
+  Column chain_name_ = chain_column(block_, options_.label_chains);
+  Column auth_chain_ = chain_column(block_, false);
+  Column label_chain_{block_, {"label_asym_id"}};
   Column subchain_{block_, {"label_asym_id", "auth_asym_id"}};
   Column entity_{block_, {"label_entity_id"}};
   Column label_number_{block_, {"label_seq_id"}};
@@ -242,8 +257,8 @@ class ChainBuilder {
 }  // namespace
 
 AtomTable read_atom_table(gemmi::cif::Block& block, const std::vector<std::uint64_t>& lines,
-                          ModelList& models, const CheckCallback& check) {
-  return ChainBuilder(block, models).build(lines, check);
+                          ModelList& models, const ParseOptions& options) {
+  return ChainBuilder(block, models, options).build(lines);
 }
 
 }  // namespace eses::detail

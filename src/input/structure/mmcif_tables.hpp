@@ -29,13 +29,15 @@ void check_tables(const gemmi::cif::Block& block, bool (*is_used)(const std::str
 struct AtomTable {
   std::vector<gemmi::Chain> chains;
   std::vector<std::uint64_t> guessed_elements;  ///< lines of atoms with elements by name
+  bool has_label_chains = false;                ///< whether the table has label_asym_id
 };
 
 /// Checks the table of atoms and returns those of the chosen model. Their serial numbers are the
-/// line numbers from `lines`. Calls `check` repeatedly. Throws MmcifError if the table lacks a
-/// column or has an invalid value.
+/// line numbers from `lines`. With ParseOptions::label_chains, chains have the names of
+/// label_asym_id, and the segment of a residue is its chain in auth_asym_id. Throws MmcifError if
+/// the table lacks a column or has an invalid value.
 AtomTable read_atom_table(gemmi::cif::Block& block, const std::vector<std::uint64_t>& lines,
-                          ModelList& models, const CheckCallback& check);
+                          ModelList& models, const ParseOptions& options);
 
 /// Returns whether read_assemblies needs the table of a tag.
 bool is_assembly_tag(const std::string& tag);

@@ -216,8 +216,7 @@ ParsedStructure convert(Block& block, const StructureDocument& document,
   ParsedStructure result;
   result.models.wanted = options.model;
   std::vector<gemmi::Assembly> assemblies = read_assemblies(block, options.assembly);
-  AtomTable atoms =
-      read_atom_table(block, lines_of_atoms(block, document), result.models, options.check);
+  AtomTable atoms = read_atom_table(block, lines_of_atoms(block, document), result.models, options);
   const bool lists_subchains = block.find("_struct_asym.", {"id", "entity_id"}).ok();
   // gemmi reads the entities. It would take quadratic time for chains of many residues.
   gemmi::vector_remove_if(block.items, [](const Item& item) {
@@ -226,6 +225,7 @@ ParsedStructure convert(Block& block, const StructureDocument& document,
   result.structure = gemmi::make_structure_from_block(block);
   result.structure.assemblies = std::move(assemblies);
   result.guessed_elements = std::move(atoms.guessed_elements);
+  result.has_label_chains = atoms.has_label_chains;
   if (atoms.chains.empty()) return result;
   result.structure.models = {make_model()};
   result.structure.models.front().chains = std::move(atoms.chains);

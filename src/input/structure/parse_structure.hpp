@@ -49,13 +49,16 @@ struct ParsedStructure {
   std::vector<std::uint64_t> unread_records = {};    ///< lines with coordinates but unknown names
   /// Names of the chains that are segments of the file; empty if there are none.
   std::vector<std::string> segment_chains = {};
+  bool has_label_chains = false;  ///< whether the subchains are those of label_asym_id
 };
 
 /// What to read of a text.
 struct ParseOptions {
-  int model = 0;                ///< number of the model; 0 for the first one
-  const std::string& assembly;  ///< id of the assembly; empty if there is none
-  const CheckCallback& check;   ///< is called repeatedly
+  int model = 0;                   ///< number of the model; 0 for the first one
+  const std::string& assembly;     ///< id of the assembly; empty if there is none
+  const CheckCallback& check;      ///< is called repeatedly
+  bool needs_occupancies = false;  ///< whether each atom needs an occupancy, which is its radius
+  bool label_chains = false;       ///< whether the chains of mmCIF files are those of label_asym_id
 };
 
 /// Parses a PDB text. The operators of assemblies may be invalid unless an assembly is to be read.

@@ -258,7 +258,10 @@ constexpr std::uint64_t max_lines = first_hybrid + 26 * letter_digits - 1;
 class PdbRecords {
  public:
   PdbRecords(const PdbLines& lines, const ParseOptions& options)
-      : lines_(lines), all_lines_(lines), needs_assemblies_(!options.assembly.empty()) {
+      : lines_(lines),
+        all_lines_(lines),
+        needs_assemblies_(!options.assembly.empty()),
+        needs_occupancies_(options.needs_occupancies) {
     models_.wanted = options.model;
   }
 
@@ -382,7 +385,9 @@ class PdbRecords {
     // gemmi does not know the exponent letter of Fortran.
     for (std::size_t i = coordinate_columns[0].first; i < occupancy_columns.first; ++i)
       if (record_[i] == 'D' || record_[i] == 'd') record_[i] = 'E';
-    if (field_of(record_, occupancy_columns).empty())
+    if (needs_occupancies_)
+      check_number(line, occupancy_columns, "the radius");
+    else if (field_of(record_, occupancy_columns).empty())
       record_.replace(occupancy_columns.first, occupancy_columns.width, "  1.00");
     write_segment(segment_of(line), is_long_name ? residue : std::string_view());
     write_element(line, residue);
@@ -519,7 +524,7 @@ class PdbRecords {
   }
 
   PdbLines lines_, all_lines_;
-  bool needs_assemblies_;
+  bool needs_assemblies_, needs_occupancies_;
   ModelList models_;
   std::string record_;         // the current line with all columns
   std::string records_;        // the text for gemmi

@@ -121,11 +121,13 @@ void split_residues(gemmi::Model& model) {
   }
 }
 
-ParsedStructure parse(const StructureText& text) {
+ParsedStructure parse(const StructureText& text, bool needs_occupancies) {
   const StructureOptions& options = text.options.structure;
   const auto& parse_text = text.format == AtomFormat::pdb ? parse_pdb_text : parse_mmcif_text;
   ParsedStructure parsed =
-      parse_text(text.text, text.name, {options.model, options.assembly, text.options.check});
+      parse_text(text.text, text.name,
+                 {options.model, options.assembly, text.options.check, needs_occupancies,
+                  options.chain_names == ChainNames::label});
   text.check();
   if (text.is_assembly_file && options.model == 0) refuse_copies(parsed.models, text.name);
   require_model(parsed, text.name);
@@ -201,6 +203,19 @@ std::vector<Diagnostic> find_one_atom_residues(const std::vector<StructureAtom>&
   return {std::move(diagnostic)};
 }
 
+/// Returns both names of the chains of an mmCIF file, in their order.
+std::vector<ChainName> names_of_chains(const gemmi::Model& model, ChainNames kind) {
+  std::vector<ChainName> names;
+  for (const gemmi::Chain& chain : model.chains)
+    for (const gemmi::Residue& residue : chain.residues) {
+      ChainName name{kind == ChainNames::label ? residue.segment : chain.name, residue.subchain};
+      // Usually the residues of a chain are neighbours.
+      if (!names.empty() && names.back() == name) continue;
+      if (!gemmi::in_vector(name, names)) names.push_back(std::move(name));
+    }
+  return names;
+}
+
 }  // namespace
 
 std::string_view gemmi_version() { return GEMMI_VERSION; }
@@ -217,10 +232,13 @@ AtomFile read_structure(StructureText text,
   text.text = checked_text(text.text, text.name, text.format, text.is_chosen);
   if (text.format == AtomFormat::pdb && !text.is_chosen) refuse_pqr_records(text.text, text.name);
   const StructureOptions& options = text.options.structure;
+  if (options.chain_names == ChainNames::label && text.format == AtomFormat::pdb)
+    throw Error(formatted("{}: PDB files have no chain names label_asym_id; use the mmCIF file",
+                          text.name));
   const RadiiSet radii = find_radii_set(options.radii);
   text.require_memory(expected_bytes(text.text, text.format));
   text.check();
-  ParsedStructure parsed = parse(text);
+  ParsedStructure parsed = parse(text, radii.is_occupancy);
   AtomFile result;
   StructureReport& report = result.structure.emplace();
   select_atoms(parsed, options, keeps_hydrogens(options.hydrogens, radii), text.name, report);
@@ -243,6 +261,9 @@ AtomFile read_structure(StructureText text,
   text.require_memory(atoms.size() * (sizeof(Atom) + sizeof(std::uint64_t) +
                                       (keeps_labels ? sizeof(AtomLabel) : 0)));
   result.diagnostics = find_one_atom_residues(atoms);
+  report.chain_names = options.chain_names;
+  if (parsed.has_label_chains)
+    report.chains = names_of_chains(structure.models.front(), options.chain_names);
   report.segment_chains = std::move(parsed.segment_chains);
   assign_radii(atoms, radii, parsed.guessed_elements, text, result, after_part);
   for (const std::uint64_t line : parsed.unread_records) add_unread_record(line, result);
