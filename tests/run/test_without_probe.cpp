@@ -94,7 +94,7 @@ TEST_CASE("without a probe, options that need one are refused", "[api]") {
                   std::invalid_argument);
 }
 
-TEST_CASE("--surface sas and vdw have area and volume of the closed form", "[cli]") {
+TEST_CASE("surfaces: --surface sas and vdw have area and volume of the closed form", "[cli]") {
   const Sandbox sandbox;
   const auto check = [&](const std::string& surface, double a, double b, double distance,
                          double growth) {
@@ -115,8 +115,10 @@ TEST_CASE("--surface sas and vdw have area and volume of the closed form", "[cli
   check("sas", 1.7, 1.2, 7, 1.4);
 }
 
-TEST_CASE("--surface names the surface in report and JSON, with the radii of the file in warnings",
-          "[cli]") {
+TEST_CASE(
+    "surfaces: --surface names the surface in report and JSON, with the radii of the file in "
+    "warnings",
+    "[cli]") {
   const Sandbox sandbox;
   write_file(sandbox.directory() / "a.xyzr", "0 0 0 3\n0.1 0 0 2.9\n");
   const Outcome sas = sandbox.run({"a.xyzr", "1.2", "--surface", "sas", "--write", "none"});
@@ -131,7 +133,7 @@ TEST_CASE("--surface names the surface in report and JSON, with the radii of the
   check_json(sandbox, vdw.out, "r['parameters']['probe_radius']", "0");
 }
 
-TEST_CASE("--surface refuses what needs the solvent excluded surface", "[cli]") {
+TEST_CASE("surfaces: --surface refuses what needs the solvent excluded surface", "[cli]") {
   const Sandbox sandbox;
   check_usage_error(sandbox, {"atom.xyzr", "1.4", "--surface", "vdw"},
                     "--surface vdw cannot be combined with PROBE; it has no probe");

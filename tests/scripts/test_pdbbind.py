@@ -174,7 +174,7 @@ class Results(PdbbindTest):
         self.run_pdbbind("--spacing", "0.5", "--block-size", "9", "--", "--probe-radius", "1.2")
         report = json.loads((self.output / "c60" / "status.json").read_text())["report"]
         self.assertEqual(report["parameters"],
-                         {"probe_radius": 1.2, "spacing": 0.5, "margin": 0.8,
+                         {"surface": "ses", "probe_radius": 1.2, "spacing": 0.5, "margin": 0.8,
                           "fill_cavities": None})
         self.assertEqual(report["blocks"]["size"], [9, 9, 9])
 
