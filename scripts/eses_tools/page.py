@@ -20,6 +20,8 @@ try:
     import numpy
 except ImportError:
     numpy = None  # fill() needs none
+else:
+    from eses_tools import patch_borders
 
 FOLDER = pathlib.Path(__file__).resolve().parent / "pages"  # head.html is the head of all pages
 PARTS = FOLDER / "viewer"
@@ -243,6 +245,10 @@ def describe(molecule):
         info["voids"] = list(molecule.voids)
     if molecule.patch is not None:
         arrays.add("patch", molecule.patch, 1)
+        if molecule.atom is not None:
+            arrays.add("border", patch_borders.border_heights(
+                points, numpy.asarray(molecule.normals, float), numpy.asarray(molecule.triangles),
+                numpy.asarray(molecule.patch), numpy.asarray(molecule.atom)), 1)
     if molecule.color is not None:
         arrays.add("color_of_file", molecule.color, 1)
     if molecule.component is not None:

@@ -1,4 +1,4 @@
-"""Divides the triangles of a coloured mesh at the borders between patches of the surface.
+"""Finds the borders between patches of the surface in a mesh, and divides triangles at them.
 
 A vertex names its kind of patch and its first adjacent atom. Its probe is at x + p n. The spheres
 and the probe radius p follow from the vertices: on a convex patch x = a + r n, and elsewhere the
@@ -14,6 +14,7 @@ CONVEX, SADDLE, CONCAVE = 1, 2, 3
 TOLERANCE = 1e-3  # angstrom; normals of PLY files have single precision
 MIN_GAP = 0.02  # angstrom; nearer to a contact circle the probe radius is inexact
 BATCH = 200000  # divided triangles at once, which bounds the memory
+HALVINGS = 5  # of an edge, to find a border on it
 CELL = 4.0  # angstrom; side of the cells in which spheres are looked up
 
 
@@ -97,16 +98,17 @@ def grid_of(pieces):
 
 
 def nearest_corner(places, kind, probe, touched, centers, radii, weights):
-    """Returns the corner of its triangle to whose patch each place belongs.
+    """Returns the corner of its triangle, or the end of its edge, to whose patch each place belongs.
 
     places: triangle, place, xyz. kind, probe and touched are of the triangles' corners. The patch
     of each corner gives a position of the probe for the place: on the sphere of its atom, on the circle of
     both, or the probe of a concave patch. Positions inside another sphere are impossible. The
     nearest one decides, or the nearest corner if none is possible.
     """
-    spheres_near = touched.reshape(len(touched), 9)
-    distance = numpy.full((*places.shape[:2], 3), numpy.inf)
-    for corner in range(3):
+    spheres_near = touched.reshape(len(touched), -1)
+    corners = kind.shape[1]
+    distance = numpy.full((*places.shape[:2], corners), numpy.inf)
+    for corner in range(corners):
         first, second = touched[:, corner, 0], touched[:, corner, 1]
         a, b = centers[first][:, None], centers[second][:, None]
         toward = places - a
@@ -133,7 +135,7 @@ def nearest_corner(places, kind, probe, touched, centers, radii, weights):
         distance[..., corner] = numpy.where(
             is_known, numpy.linalg.norm(position - places, axis=2), numpy.inf)
     chosen = numpy.argmin(distance, axis=2)
-    return numpy.where(numpy.isfinite(distance.min(axis=2)), chosen, numpy.argmax(weights, axis=1))
+    return numpy.where(numpy.isfinite(distance.min(axis=2)), chosen, numpy.argmax(weights, axis=-1))
 
 
 def index_of(values, ordered):
@@ -142,12 +144,9 @@ def index_of(values, ordered):
     return numpy.where(ordered[at] == values, at, -1)
 
 
-def divide(points, normals, triangles, kinds, atoms, colors, pieces):
-    """Returns points, normals, triangles and the colour of each triangle, with the triangles at
-    borders of colours divided into `pieces` squared parts."""
-    corner_colors = colors[triangles]
-    is_mixed = (corner_colors != corner_colors[:, :1]).any(axis=(1, 2))
-    whole, mixed = triangles[~is_mixed], triangles[is_mixed]
+def contacts(points, normals, kinds, atoms, used):
+    """Returns centres and radii of the SAS spheres, and the probes of the `used` vertices with the
+    spheres that they touch."""
     centers, radii, numbers = spheres(points, normals, kinds, atoms)
     if len(numbers) == 0:  # no borders can be found
         centers, radii, numbers = numpy.zeros((1, 3)), numpy.zeros(1), numpy.full(1, -1)
@@ -155,16 +154,59 @@ def divide(points, normals, triangles, kinds, atoms, colors, pieces):
     is_bent = (kinds != CONVEX) & (own >= 0)
     probe = probe_radius(points[is_bent] - centers[own[is_bent]], normals[is_bent],
                          radii[own[is_bent]]) or 0.0
-    weights, small = grid_of(pieces)
-    middles = weights[small].mean(axis=1)
     radii = radii + probe
-    used, corner = numpy.unique(mixed, return_inverse=True)
-    corner = corner.reshape(mixed.shape)
     probes = points[used] + probe * normals[used]
     touched = touching(probes, centers, radii)
     is_convex = kinds[used] == CONVEX
     touched[is_convex] = -1
     touched[is_convex, 0] = own[used[is_convex]]
+    return centers, radii, probes, touched
+
+
+def border_heights(points, normals, triangles, kinds, atoms):
+    """Returns two bytes for each vertex: the heights at it of the next kind of patch (1, 2, 3, 1) and
+    of the one after that. Its own kind has 255, and a kind that no neighbour has 0. If heights are
+    interpolated in the triangles, two kinds are equally high where their border meets an edge."""
+    edges = numpy.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]])
+    edges = numpy.unique(numpy.sort(edges[kinds[edges[:, 0]] != kinds[edges[:, 1]]], axis=1), axis=0)
+    heights = numpy.zeros((len(points), 2), "u1")
+    if len(edges) == 0:
+        return heights
+    used, end = numpy.unique(edges, return_inverse=True)
+    end = end.reshape(edges.shape)
+    centers, radii, probes, touched = contacts(points, normals, kinds, atoms, used)
+    shares = numpy.empty(len(edges))  # of each edge, from its first end to the border
+    for part in numpy.array_split(numpy.arange(len(edges)), len(edges) // BATCH + 1):
+        here, ends = edges[part], end[part]
+        low, high = numpy.zeros(len(part)), numpy.ones(len(part))
+        for _ in range(HALVINGS):
+            middle = (low + high) / 2
+            weights = numpy.stack([1 - middle, middle], axis=1)[:, None]
+            is_first = nearest_corner(numpy.einsum("emc,ecx->emx", weights, points[here]), kinds[here],
+                                      probes[ends], touched[ends], centers, radii, weights)[:, 0] == 0
+            low, high = numpy.where(is_first, middle, low), numpy.where(is_first, high, middle)
+        shares[part] = (low + high) / 2
+    lengths = numpy.linalg.norm(points[edges[:, 0]] - points[edges[:, 1]], axis=1)
+    nearest = numpy.full((len(points), 2), numpy.inf)
+    for vertex, other, share in ((edges[:, 0], edges[:, 1], shares), (edges[:, 1], edges[:, 0], 1 - shares)):
+        which = (kinds[other].astype(int) - kinds[vertex]) % 3 - 1
+        numpy.minimum.at(nearest, (vertex, which), share * lengths)
+    is_near = numpy.isfinite(nearest)
+    heights[is_near] = numpy.clip(numpy.rint(255 * (1 - nearest[is_near] / lengths.max())), 1, 254)
+    return heights
+
+
+def divide(points, normals, triangles, kinds, atoms, colors, pieces):
+    """Returns points, normals, triangles and the colour of each triangle, with the triangles at
+    borders of colours divided into `pieces` squared parts."""
+    corner_colors = colors[triangles]
+    is_mixed = (corner_colors != corner_colors[:, :1]).any(axis=(1, 2))
+    whole, mixed = triangles[~is_mixed], triangles[is_mixed]
+    weights, small = grid_of(pieces)
+    middles = weights[small].mean(axis=1)
+    used, corner = numpy.unique(mixed, return_inverse=True)
+    corner = corner.reshape(mixed.shape)
+    centers, radii, probes, touched = contacts(points, normals, kinds, atoms, used)
     all_points, all_normals = [points], [normals]
     all_triangles, all_colors = [whole], [colors[whole[:, 0]]]
     count = len(points)

@@ -310,6 +310,26 @@ class Page(TestCase):
         self.assertGreater(colored, 20000)
         self.assertLess(between / colored, 0.015)
 
+    def test_borders_of_patches_are_exact(self):
+        """Between two atoms, the saddle ends where the probe leaves the contact circle."""
+        half, probe = 1.6, 1.4
+        self.atoms.write_text(TWO_ATOMS.replace("-6 0 0", f"{-half} 0 0").replace(" 6 0 0", f" {half} 0 0"))
+        self.open(self.atoms, "--color", "patch")
+        ends = self.bytes_of_picture("""
+          const scale = viewer.scaleIn(width, height), ends = [];
+          for (let y = Math.round(height / 2 - 0.8 * scale); y < height / 2 + 0.8 * scale; y++) {
+            const saddle = [];
+            for (let x = 0; x < width; x++) {
+              const [r, g, b] = bytes.subarray(4 * (y * width + x));
+              if (r > 1.2 * b && g > 1.2 * b) saddle.push((x + 0.5 - width / 2) / scale);
+            }
+            ends.push(saddle[0], saddle[saddle.length - 1]);
+          }
+          return ends""")
+        border = half * probe / (RADIUS + probe)
+        self.assertGreater(len(ends), 100)
+        self.assertLess(max(abs(abs(end) - border) for end in ends), 0.06)
+
     def test_potential_is_red_where_negative_and_blue_where_positive(self):
         field = write_map(self.folder / "x.dx", 5)
         self.open(self.atoms, "--potential", field)

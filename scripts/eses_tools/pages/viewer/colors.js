@@ -57,7 +57,8 @@ function largestArea(molecules) {
 const SCHEMES = {
   patch: {
     label: "patch", has: (one) => one.patch,
-    paint: (one, { patches }) => (vertex) => patches[one.patch[vertex] - 1],
+    paint: (one, { patches }) => Object.assign((vertex) => patches[one.patch[vertex] - 1],
+      { isByPatch: one.border !== undefined }),
     entries: (_, { patches }) => patches.map((color, i) => [PATCHES[i + 1], color]),
   },
   potential: {
@@ -146,6 +147,10 @@ function paintVertices(molecule, scheme, limits, areCavitiesShown) {
   colors.forEach((color, vertex) => put(vertex, classes.get(color) ?? 0, color, 255));
   if (paint.isByAtom) raiseNeighbors(molecule, colors, (vertex, color, height) =>
     put(vertex, classes.get(color), color, height));
+  if (paint.isByPatch) raiseOtherPatches(molecule, isCavity, limits, (vertex, color, height) => {
+    const [packed] = new Uint32Array(Uint8Array.from([...color, 0]).buffer);
+    if (classes.has(packed)) put(vertex, classes.get(packed), packed, height);
+  });
   return bytes;
 }
 
@@ -159,6 +164,16 @@ function raiseNeighbors(molecule, colors, raise) {
       if (colors[vertex] === colors[other]) continue;
       const lower = power(molecule, vertex, atom[other]) - power(molecule, vertex, atom[vertex]);
       raise(vertex, colors[other], Math.round(Math.min(Math.max(255 * (1 - lower / REACH), 1), 255)));
+    }
+}
+
+// Patches meet at their borders, which page.py has found on the edges of triangles: gives each vertex
+// the colours of other kinds of patches that a neighbour has.
+function raiseOtherPatches({ patch, border, vertices }, isCavity, { patches }, raise) {
+  for (let vertex = 0; vertex < vertices; vertex++)
+    for (const step of [0, 1]) {
+      const height = border[2 * vertex + step];
+      if (height > 0 && !isCavity(vertex)) raise(vertex, patches[(patch[vertex] + step) % 3], height);
     }
 }
 
