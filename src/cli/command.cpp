@@ -50,14 +50,13 @@ void reserve_standard_streams() {
 /// A command of the program.
 struct Command {
   std::string_view name;  ///< first argument that chooses the command; empty for the surface
-  int (*perform)(const Arguments& arguments, const Processes& processes);
+  int (*perform)(const Arguments& arguments) = nullptr;  ///< null for the surface
   int failure_code = exit_failure;
-  bool only_prints = false;     ///< whether a closed pipe ends it quietly, as a filter
-  bool is_linked = false;       ///< whether a link to the program, such as eses-msms, chooses it
-  bool is_distributed = false;  ///< whether all processes perform it, or only the first one
+  bool only_prints = false;  ///< whether a closed pipe ends it quietly, as a filter
+  bool is_linked = false;    ///< whether a link to the program, such as eses-msms, chooses it
 };
 
-constexpr Command surface_command{.name = "", .perform = perform_surface, .is_distributed = true};
+constexpr Command surface_command;
 constexpr std::array named_commands{
     Command{.name = "diff", .perform = perform_diff, .failure_code = exit_trouble},
     Command{.name = "interface", .perform = perform_interface, .only_prints = true},
@@ -96,8 +95,8 @@ int end_all(const Processes& processes, int code) {
 
 int perform_or_notify(const Command& command, const Arguments& arguments,
                       const Processes& processes) try {
-  if (!command.is_distributed && !processes.is_first()) return exit_done;
-  return command.perform(arguments, processes);
+  if (command.perform == nullptr) return perform_surface(arguments, processes);
+  return processes.is_first() ? command.perform(arguments) : exit_done;
 } catch (const Notice& notice) {
   if (processes.is_first()) print(notice.text);
   return exit_done;

@@ -44,12 +44,12 @@ using Arguments = std::vector<std::string>;
 /// std::exception for other errors. All processes must call `perform_surface`; the first one calls
 /// the others.
 int perform_surface(const Arguments& arguments, const Processes& processes);
-int perform_diff(const Arguments& arguments, const Processes& processes);
-int perform_interface(const Arguments& arguments, const Processes& processes);
-int perform_measure(const Arguments& arguments, const Processes& processes);
-int perform_msms(const Arguments& arguments, const Processes& processes);
-int perform_pdb_to_xyzr(const Arguments& arguments, const Processes& processes);
-int perform_pdb_to_xyzrn(const Arguments& arguments, const Processes& processes);
+int perform_diff(const Arguments& arguments);
+int perform_interface(const Arguments& arguments);
+int perform_measure(const Arguments& arguments);
+int perform_msms(const Arguments& arguments);
+int perform_pdb_to_xyzr(const Arguments& arguments);
+int perform_pdb_to_xyzrn(const Arguments& arguments);
 
 /// Runs the program: performs the command that the command line chooses. Prints results to standard
 /// output, and errors, warnings and the progress bar to standard error. Throws nothing. Returns the

@@ -308,7 +308,7 @@ std::string report_text(const DiffOptions& options, const Differences& found) {
 
 }  // namespace
 
-int perform_diff(const Arguments& arguments, const Processes& /*processes*/) {
+int perform_diff(const Arguments& arguments) {
   const DiffOptions options = parse_options(arguments);
   const Differences found = compare_directories(options.directories, options.tolerance);
   print(options.is_json ? diff_json(options, found) : report_text(options, found));

@@ -74,7 +74,7 @@ void report_interfaces(const InterfaceOptions& options, std::size_t input) {
 
 }  // namespace
 
-int perform_interface(const Arguments& arguments, const Processes& /*processes*/) {
+int perform_interface(const Arguments& arguments) {
   end_on_signals();
   const InterfaceOptions options = parse_interface_arguments(arguments);
   require_standard_output();

@@ -260,7 +260,7 @@ void expand_models(MeasureCommandOptions& options) {
 
 }  // namespace
 
-int perform_measure(const Arguments& arguments, const Processes& /*processes*/) {
+int perform_measure(const Arguments& arguments) {
   end_on_signals();
   MeasureCommandOptions options = parse_measure_arguments(arguments);
   require_standard_output();

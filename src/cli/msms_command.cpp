@@ -411,7 +411,7 @@ void write_areas(const Input& input, const MsmsSurface& surface,
 
 }  // namespace
 
-int perform_msms(const Arguments& arguments, const Processes& /*processes*/) {
+int perform_msms(const Arguments& arguments) {
   end_on_signals();
   const MsmsOptions options = parse_msms_arguments(arguments);
   require_standard_output();

@@ -105,12 +105,8 @@ int print_spheres(bool has_names, const Arguments& arguments) {
 
 }  // namespace
 
-int perform_pdb_to_xyzr(const Arguments& arguments, const Processes& /*processes*/) {
-  return print_spheres(false, arguments);
-}
+int perform_pdb_to_xyzr(const Arguments& arguments) { return print_spheres(false, arguments); }
 
-int perform_pdb_to_xyzrn(const Arguments& arguments, const Processes& /*processes*/) {
-  return print_spheres(true, arguments);
-}
+int perform_pdb_to_xyzrn(const Arguments& arguments) { return print_spheres(true, arguments); }
 
 }  // namespace eses::detail::cli

@@ -1,15 +1,32 @@
 #include "output/area_table_writer.hpp"
 
+#include <map>
+#include <vector>
+
+#include "system/resources.hpp"
+
 namespace eses::detail {
 namespace {
 
 constexpr std::string_view atom_header =
     "serial,name,residue,residue_number,chain,element,radius,area\n";
 
-void append_residue(BufferedText& text, const ResidueArea& residue) {
-  const AtomLabel& label = residue.label;
-  text.append("{},{},{},{},{:.6f}\n", csv_field(label.chain), csv_field(label.residue_number),
-              csv_field(label.residue), residue.atoms, residue.area);
+struct ChainArea {
+  std::string_view chain;
+  std::int64_t residues = 0;
+  std::uint64_t atoms = 0;
+  double area = 0;  // square angstrom
+};
+
+// Calls `action(label, atoms, area)` for each residue.
+template <class Action>
+void for_each_residue(const ResidueRuns& runs, std::span<const double> areas, Action&& action) {
+  for (std::size_t run = 0; run < runs.labels.size(); ++run) {
+    double sum = 0;
+    for (const double area : areas.first(runs.atoms[run])) sum += area;
+    areas = areas.subspan(runs.atoms[run]);
+    action(runs.labels[run], runs.atoms[run], sum);
+  }
 }
 
 }  // namespace
@@ -24,45 +41,31 @@ std::string csv_field(std::string_view text) {
   return quoted + '"';
 }
 
-void ChainAreas::add(const ChainArea& part) {
-  auto index = indices_.find(part.chain);
-  if (index == indices_.end()) {
-    index = indices_.emplace(part.chain, chains_.size()).first;
-    chains_.push_back({index->first, 0, 0, 0});
-  }
-  ChainArea& chain = chains_[index->second];
-  chain.residues += part.residues;
-  chain.atoms += part.atoms;
-  chain.area += part.area;
+double chain_table_memory(double chains, double name_bytes) {
+  constexpr double copies_of_name = 4;
+  return (list_growth * sizeof(ChainArea) + 64 + 4 * sizeof(std::string)) * chains +
+         copies_of_name * name_bytes;
 }
 
-void append_residue_header(BufferedText& text) {
+void append_residues(BufferedText& text, const ResidueRuns& runs, std::span<const double> areas) {
   text.append("chain,residue_number,residue,atoms,area\n");
+  for_each_residue(runs, areas, [&](const AtomLabel& label, std::uint64_t atoms, double area) {
+    text.append("{},{},{},{},{:.6f}\n", csv_field(label.chain), csv_field(label.residue_number),
+                csv_field(label.residue), atoms, area);
+  });
 }
 
-void add_residues(AreaTables& tables, const ResidueRuns& runs, std::span<const double> areas,
-                  BufferedText& text) {
-  for (std::size_t run = 0; run < runs.labels.size(); ++run) {
-    const AtomLabel& label = runs.labels[run];
-    if (!tables.open || !is_same_residue(tables.open->label, label)) {
-      end_residues(tables, text);
-      tables.open = {label, 0, 0};
-    }
-    ResidueArea& residue = *tables.open;
-    residue.atoms += static_cast<std::int64_t>(runs.atoms[run]);
-    for (const double area : areas.first(runs.atoms[run])) residue.area += area;
-    areas = areas.subspan(runs.atoms[run]);
-  }
-}
-
-void end_residues(AreaTables& tables, BufferedText& text) {
-  if (!tables.open) return;
-  append_residue(text, *tables.open);
-  tables.chains.add({tables.open->label.chain, 1, tables.open->atoms, tables.open->area});
-  tables.open.reset();
-}
-
-void append_chains(BufferedText& text, std::span<const ChainArea> chains) {
+void append_chains(BufferedText& text, const ResidueRuns& runs, std::span<const double> areas) {
+  std::vector<ChainArea> chains;  // in the order of first occurrence
+  std::map<std::string_view, std::size_t> indices;
+  for_each_residue(runs, areas, [&](const AtomLabel& label, std::uint64_t atoms, double area) {
+    const auto [index, is_new] = indices.try_emplace(label.chain, chains.size());
+    if (is_new) chains.push_back({label.chain});
+    ChainArea& chain = chains[index->second];
+    ++chain.residues;
+    chain.atoms += atoms;
+    chain.area += area;
+  });
   text.append("chain,residues,atoms,area\n");
   for (const ChainArea& chain : chains)
     text.append("{},{},{},{:.6f}\n", csv_field(chain.chain), chain.residues, chain.atoms,

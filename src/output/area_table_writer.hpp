@@ -13,9 +13,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <functional>
-#include <map>
-#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -23,7 +20,6 @@
 
 #include "input/residue_runs.hpp"
 #include "output/buffered_text.hpp"
-#include "system/resources.hpp"
 
 namespace eses::detail {
 
@@ -31,64 +27,14 @@ namespace eses::detail {
 /// ends.
 std::string csv_field(std::string_view text);
 
-struct ChainArea {
-  std::string_view chain;
-  std::int64_t residues = 0;
-  std::int64_t atoms = 0;
-  double area = 0;  ///< square angstrom
-};
+/// Returns the estimated memory in bytes of chain_area.csv for chains with names of this total
+/// length.
+double chain_table_memory(double chains, double name_bytes);
 
-/// Adds up areas by chain.
-class ChainAreas {
- public:
-  ChainAreas() = default;
-  ChainAreas(ChainAreas&&) = default;
-  ChainAreas& operator=(ChainAreas&&) = default;
-
-  void add(const ChainArea& part);
-  /// Returns the chains in the order of first occurrence.
-  std::span<const ChainArea> chains() const { return chains_; }
-
-  /// Returns the estimated memory in bytes of chains with names of this total length, including the
-  /// messages between ranks.
-  static double memory_bytes(double chains, double name_bytes) {
-    constexpr double copies_of_name = 4;
-    return (list_growth * sizeof(ChainArea) + 64 + 4 * sizeof(std::string)) * chains +
-           copies_of_name * name_bytes;
-  }
-
- private:
-  std::vector<ChainArea> chains_;
-  std::map<std::string, std::size_t, std::less<>> indices_;  // by name
-};
-
-/// Atoms of one residue, and the sum of their areas (square angstrom).
-struct ResidueArea {
-  AtomLabel label;
-  std::int64_t atoms = 0;
-  double area = 0;
-};
-
-/// The sums over the atoms that have been added so far. The last residue stays open, because the
-/// next atoms may belong to it.
-struct AreaTables {
-  std::optional<ResidueArea> open;
-  ChainAreas chains;
-};
-
-/// Appends the header line of residue_area.csv.
-void append_residue_header(BufferedText& text);
-
-/// Adds consecutive atoms with their areas. Appends a line of residue_area.csv for each residue
-/// that ends.
-void add_residues(AreaTables& tables, const ResidueRuns& runs, std::span<const double> areas,
-                  BufferedText& text);
-
-/// Ends the last residue and appends its line.
-void end_residues(AreaTables& tables, BufferedText& text);
-
-/// Appends the whole of chain_area.csv.
-void append_chains(BufferedText& text, std::span<const ChainArea> chains);
+/// Appends residue_area.csv, and chain_area.csv, for runs of atoms with these areas (square
+/// angstrom).
+void append_residues(BufferedText& text, const ResidueRuns& runs, std::span<const double> areas);
+void append_chains(BufferedText& text, const ResidueRuns& runs, std::span<const double> areas);
 
 /// The data of an atom in atoms.csv.
 struct AtomRow {

@@ -86,10 +86,7 @@ struct MapLayout {
   std::uint64_t value_bytes = 0;
   std::uint64_t points = 0;
 
-  std::uint64_t value_offset(std::uint64_t index) const {
-    return header.size() + index * value_bytes;
-  }
-  std::uint64_t file_bytes() const { return value_offset(points) + footer.size(); }
+  std::uint64_t file_bytes() const { return header.size() + points * value_bytes + footer.size(); }
 };
 
 /// Returns the layout of the map of a region. Coordinates and indices refer to the whole grid.

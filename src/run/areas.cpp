@@ -50,14 +50,10 @@ std::uint64_t write_areas(std::span<const double> areas, bool gzip, OutputFile& 
 
 std::uint64_t write_area_tables(std::span<const double> areas, const PlannedRun& run,
                                 OutputFile& residues, OutputFile& chains) {
-  AreaTables tables;
-  BufferedText residue_table(appender(residues));
-  append_residue_header(residue_table);
-  add_residues(tables, run.names.residues(), areas, residue_table);
-  end_residues(tables, residue_table);
+  BufferedText residue_table(appender(residues)), chain_table(appender(chains));
+  append_residues(residue_table, run.names.residues(), areas);
   residue_table.flush();
-  BufferedText chain_table(appender(chains));
-  append_chains(chain_table, tables.chains.chains());
+  append_chains(chain_table, run.names.residues(), areas);
   chain_table.flush();
   return residues.size() + chains.size();
 }

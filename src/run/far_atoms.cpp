@@ -138,20 +138,15 @@ std::optional<FarAtoms> find_far_atoms(std::span<const Atom> atoms, double probe
   return far;
 }
 
-std::string far_atoms_text(const FarAtoms& far, std::string_view file,
-                           std::span<const std::uint64_t> lines) {
-  std::vector<std::uint64_t> of_atoms;
-  for (const AtomIndex i : far.atoms) of_atoms.push_back(lines[i]);
-  return formatted("{}: {}", file, sentence(far, "line", of_atoms));
-}
-
 std::string require_dense_grid(std::span<const Atom> atoms, double probe_radius,
                                const GridOptions& grid, std::string_view file,
                                std::span<const std::uint64_t> lines, bool are_allowed,
                                std::string_view other_way) {
   const std::optional<FarAtoms> far = find_far_atoms(atoms, probe_radius, grid);
   if (!far) return "";
-  std::string text = far_atoms_text(*far, file, lines);
+  std::vector<std::uint64_t> far_lines;
+  for (const AtomIndex i : far->atoms) far_lines.push_back(lines[i]);
+  std::string text = formatted("{}: {}", file, sentence(*far, "line", far_lines));
   if (!are_allowed && far->is_refused())
     throw SparseGridError(
         formatted("{}; remove atoms that do not belong to the molecule, {}or allow far atoms", text,

@@ -21,10 +21,6 @@ namespace eses::detail {
 std::optional<FarAtoms> find_far_atoms(std::span<const Atom> atoms, double probe_radius,
                                        const GridOptions& grid);
 
-/// Returns a message about the far atoms of a file. `lines` has the line of each atom.
-std::string far_atoms_text(const FarAtoms& far, std::string_view file,
-                           std::span<const std::uint64_t> lines);
-
 /// The grid has more than 1e10 points, and few of them are near atoms.
 class SparseGridError : public Error, public Hints {
  public:

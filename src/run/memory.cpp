@@ -183,8 +183,8 @@ double expected_memory(const SurfaceSurvey& survey, const MemoryBudget& budget, 
     names += GroupNames::memory_bytes(atoms,
                                       static_cast<double>(labels.residue_runs + labels.chain_runs));
   if (outputs.residues)
-    names += ChainAreas::memory_bytes(static_cast<double>(labels.chain_runs),
-                                      static_cast<double>(labels.chain_text_bytes));
+    names += chain_table_memory(static_cast<double>(labels.chain_runs),
+                                static_cast<double>(labels.chain_text_bytes));
   const double solving = survey.patch_bytes(height, schedule.threads) +
                          GridText::memory_bytes(grid) + (outputs.mesh ? token_bytes(grid) : 0) +
                          threads * bytes_of_thread(survey, grid, schedule, outputs) +

@@ -126,8 +126,7 @@ Slab make_slab(std::span<const Atom> atoms, std::span<const mesh::GroupNumbers> 
     slab.atoms_in_file.push_back(static_cast<FileIndex>(i));
     if (!groups.empty()) slab.groups.push_back(groups[i]);
   }
-  const auto no_diagnostics = [](const Atom&) { return false; };
-  slab.molecule = Molecule::part(std::move(near), no_diagnostics, threads);
+  slab.molecule = Molecule(std::move(near), {}, threads);
   return slab;
 }
 

@@ -81,21 +81,14 @@ std::vector<Diagnostic> DiagnosticTally::found() && {
   return result;
 }
 
-DiagnosticFinder::DiagnosticFinder(std::span<const Atom> atoms,
-                                   std::function<bool(const Atom&)> is_own)
+DiagnosticFinder::DiagnosticFinder(std::span<const Atom> atoms)
     : atoms_(atoms),
-      is_own_(std::move(is_own)),
       are_small_(std::all_of(atoms.begin(), atoms.end(), has_nanometre_radius)),
       outer_(atoms.size(), no_partner) {}
 
-void DiagnosticFinder::add(DiagnosticKind kind, AtomIndex atom, AtomIndex other,
-                           DiagnosticTally& tally) const {
-  if (!is_own_ || is_own_(atoms_[atom])) tally.add(kind, atom, other);
-}
-
 void DiagnosticFinder::inspect_duplicate(AtomIndex i, AtomIndex first,
                                          DiagnosticTally& tally) const {
-  add(DiagnosticKind::duplicate, i, first, tally);
+  tally.add(DiagnosticKind::duplicate, i, first);
   inspect_radius(i, tally);
 }
 
@@ -113,16 +106,16 @@ void DiagnosticFinder::inspect(AtomIndex i, std::span<const AtomIndex> near,
       atomic_update(outer_[j], i, std::less());
     }
   }
-  if (close != no_partner) add(DiagnosticKind::close, i, close, tally);
-  if (has_neighbour && !are_small_) add(DiagnosticKind::nanometre_coordinates, i, i, tally);
+  if (close != no_partner) tally.add(DiagnosticKind::close, i, close);
+  if (has_neighbour && !are_small_) tally.add(DiagnosticKind::nanometre_coordinates, i, i);
   inspect_radius(i, tally);
 }
 
 void DiagnosticFinder::inspect_radius(AtomIndex i, DiagnosticTally& tally) const {
   const double radius = atoms_[i].radius;
-  if (are_small_) add(DiagnosticKind::small_radii, i, i, tally);
-  if (radius > max_usual_radius) add(DiagnosticKind::large_radius, i, i, tally);
-  if (radius == 0) add(DiagnosticKind::zero_radius, i, i, tally);
+  if (are_small_) tally.add(DiagnosticKind::small_radii, i, i);
+  if (radius > max_usual_radius) tally.add(DiagnosticKind::large_radius, i, i);
+  if (radius == 0) tally.add(DiagnosticKind::zero_radius, i, i);
 }
 
 // An atom may lie in a later one, so nested atoms are known only after all atoms are inspected.
@@ -131,7 +124,7 @@ DiagnosticTally DiagnosticFinder::find_nested() const {
   for (AtomIndex i = 0; i < atoms_.size(); ++i) {
     if (outer_[i] == no_partner) continue;
     const bool is_large = atoms_[i].radius > max_hydrogen_radius;
-    add(is_large ? DiagnosticKind::nested : DiagnosticKind::nested_usual, i, outer_[i], nested);
+    nested.add(is_large ? DiagnosticKind::nested : DiagnosticKind::nested_usual, i, outer_[i]);
   }
   return nested;
 }
@@ -140,7 +133,7 @@ std::vector<Diagnostic> DiagnosticFinder::found(std::span<const DiagnosticTally>
   DiagnosticTally all = find_nested();
   for (const DiagnosticTally& tally : tallies) all.append(tally);
   std::vector<Diagnostic> diagnostics = std::move(all).found();
-  if (!is_own_) decide_unit(atoms_.size(), diagnostics);
+  decide_unit(atoms_.size(), diagnostics);
   return diagnostics;
 }
 

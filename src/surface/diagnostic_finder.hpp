@@ -2,7 +2,6 @@
 /// Diagnostics of a set of atoms.
 
 #include <array>
-#include <functional>
 #include <span>
 #include <vector>
 
@@ -35,8 +34,8 @@ class DiagnosticTally {
 /// tallies.
 class DiagnosticFinder {
  public:
-  /// Keeps a view of `atoms`. If `is_own` is not empty, only atoms that it accepts are reported.
-  DiagnosticFinder(std::span<const Atom> atoms, std::function<bool(const Atom&)> is_own);
+  /// Keeps a view of `atoms`.
+  explicit DiagnosticFinder(std::span<const Atom> atoms);
 
   /// Inspects atom `i`, which has the centre and radius of the earlier atom `first`.
   void inspect_duplicate(AtomIndex i, AtomIndex first, DiagnosticTally& tally) const;
@@ -50,12 +49,10 @@ class DiagnosticFinder {
   std::vector<Diagnostic> found(std::span<const DiagnosticTally> tallies) const;
 
  private:
-  void add(DiagnosticKind kind, AtomIndex atom, AtomIndex other, DiagnosticTally& tally) const;
   void inspect_radius(AtomIndex i, DiagnosticTally& tally) const;
   DiagnosticTally find_nested() const;
 
   std::span<const Atom> atoms_;
-  std::function<bool(const Atom&)> is_own_;
   bool are_small_;                // whether all radii are as small as those in nanometres
   std::vector<AtomIndex> outer_;  // by atom: the first atom that contains it, if any
 };

@@ -219,8 +219,7 @@ int useful_threads(std::size_t atoms, int wanted) {
 }  // namespace
 
 struct Molecule::Parts {
-  Parts(std::vector<Atom> all_atoms, std::vector<AtomLabel> all_labels,
-        const std::function<bool(const Atom&)>& is_own, int wanted_threads,
+  Parts(std::vector<Atom> all_atoms, std::vector<AtomLabel> all_labels, int wanted_threads,
         const CheckCallback& check_callback)
       : atoms(std::move(all_atoms)),
         labels(std::move(all_labels)),
@@ -236,14 +235,13 @@ struct Molecule::Parts {
     cells.emplace(atoms);
     const std::vector<AtomIndex> first_equal = find_first_equal(atoms, *cells, threads, check);
     for (AtomIndex i = 0; i < atoms.size(); ++i) is_contained[i] = first_equal[i] != i;
-    inspect_atoms(first_equal, is_own, threads, check);
+    inspect_atoms(first_equal, threads, check);
   }
 
   // Marks contained atoms and finds the diagnostics.
-  void inspect_atoms(std::span<const AtomIndex> first_equal,
-                     const std::function<bool(const Atom&)>& is_own, int threads,
+  void inspect_atoms(std::span<const AtomIndex> first_equal, int threads,
                      const CheckCallback& check) {
-    DiagnosticFinder finder(atoms, is_own);
+    DiagnosticFinder finder(atoms);
     std::vector<DiagnosticTally> tallies(loop_range_count(cells->cell_count()));
     Containers containers(atoms.size(), no_container);
     const double min_radius = min_radius_of(atoms);
@@ -300,19 +298,13 @@ Molecule::Molecule(std::vector<Atom> atoms) : Molecule(std::move(atoms), {}) {}
 
 Molecule::Molecule(std::vector<Atom> atoms, std::vector<AtomLabel> labels, int threads,
                    const CheckCallback& check)
-    : Molecule(std::make_shared<const Parts>(std::move(atoms), std::move(labels), nullptr, threads,
-                                             check)) {}
+    : Molecule(std::make_shared<const Parts>(std::move(atoms), std::move(labels), threads, check)) {
+}
 
 Molecule::Molecule(std::shared_ptr<const Parts> parts)
     : parts_(std::move(parts)),
       is_contained_(parts_->is_contained),
       has_nearly_equal_(parts_->has_nearly_equal) {}
-
-Molecule Molecule::part(std::vector<Atom> atoms, const std::function<bool(const Atom&)>& is_own,
-                        int threads) {
-  return Molecule(std::make_shared<const Parts>(std::move(atoms), std::vector<AtomLabel>(), is_own,
-                                                threads, CheckCallback()));
-}
 
 std::span<const Atom> Molecule::atoms() const { return parts_->atoms; }
 std::span<const AtomLabel> Molecule::labels() const { return parts_->labels; }

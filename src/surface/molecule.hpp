@@ -2,7 +2,6 @@
 /// Atoms with a spatial index and diagnostics.
 
 #include <cstdint>
-#include <functional>
 #include <memory>
 #include <span>
 #include <vector>
@@ -32,11 +31,6 @@ class Molecule {
   /// it is not empty, is called from time to time, and at least once.
   Molecule(std::vector<Atom> atoms, std::vector<AtomLabel> labels, int threads = 1,
            const CheckCallback& check = {});
-
-  /// Makes a part of a larger molecule. Diagnostics are reported for the atoms that `is_own`
-  /// accepts; the other atoms are their surroundings. All threads call `is_own`.
-  static Molecule part(std::vector<Atom> atoms, const std::function<bool(const Atom& atom)>& is_own,
-                       int threads = 1);
 
   /// The atoms in input order.
   std::span<const Atom> atoms() const;

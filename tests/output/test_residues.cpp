@@ -27,11 +27,8 @@ AtomLabel label(const char* chain, const char* number, const char* residue) {
 std::string tables_of(const std::vector<AtomLabel>& labels, const std::vector<double>& areas) {
   std::string text;
   BufferedText table([&text](std::string_view part) { text += part; });
-  AreaTables tables;
-  append_residue_header(table);
-  add_residues(tables, residue_runs(labels), areas, table);
-  end_residues(tables, table);
-  append_chains(table, tables.chains.chains());
+  append_residues(table, residue_runs(labels), areas);
+  append_chains(table, residue_runs(labels), areas);
   table.flush();
   return text;
 }

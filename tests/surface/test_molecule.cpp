@@ -75,15 +75,11 @@ struct AtomProperties {
   std::vector<bool> is_contained;
 };
 
-using Ownership = std::function<bool(const Atom&)>;
-
 /// Applies the definitions in diagnostics.hpp and molecule.hpp to each atom and each atom of its
 /// set.
 class Definition {
  public:
-  Definition(const ScatteredSets& sets, const Ownership& is_own) : sets_(sets), is_own_(is_own) {
-    find_first_equal();
-  }
+  explicit Definition(const ScatteredSets& sets) : sets_(sets) { find_first_equal(); }
 
   bool is_repeated(AtomIndex i) const { return first_equal_[i] != i; }
 
@@ -94,7 +90,7 @@ class Definition {
       Diagnostic diagnostic{static_cast<DiagnosticKind>(kind), 0, {}};
       for (AtomIndex i = 0; i < count; ++i) {
         const AtomIndex other = other_of(diagnostic.kind, i);
-        if (other == none || !is_own_(sets_.atoms[i])) continue;
+        if (other == none) continue;
         if (diagnostic.count++ < Diagnostic::max_examples)
           diagnostic.examples.push_back({i, other});
       }
@@ -182,18 +178,15 @@ class Definition {
   }
 
   const ScatteredSets& sets_;
-  const Ownership& is_own_;
   std::vector<AtomIndex> first_equal_;
 };
 
-// Returns the diagnostics as tuples. A part also counts the atoms whose coordinates may be in
-// nanometres; only all parts together can tell.
+// Returns the diagnostics as tuples.
 auto comparable(std::span<const Diagnostic> diagnostics) {
   std::vector<
       std::tuple<DiagnosticKind, std::uint64_t, std::vector<std::pair<AtomIndex, AtomIndex>>>>
       result;
   for (const Diagnostic& diagnostic : diagnostics) {
-    if (diagnostic.kind == DiagnosticKind::nanometre_coordinates) continue;
     result.push_back({diagnostic.kind, diagnostic.count, {}});
     for (const auto& example : diagnostic.examples)
       std::get<2>(result.back()).emplace_back(example.atom, example.other);
@@ -208,14 +201,12 @@ std::size_t count_differences(const Molecule& molecule, const std::vector<bool>&
   return differences;
 }
 
-bool is_any(const Atom&) { return true; }
-
-void check_molecules(const ScatteredSets& sets, const Ownership& is_own) {
-  const Definition definition(sets, is_own);
+void check_molecules(const ScatteredSets& sets) {
+  const Definition definition(sets);
   const AtomProperties expected = definition.find();
   for (const int threads : {1, 2, 3, 7, 0}) {
     INFO(threads << " threads");
-    const Molecule molecule = Molecule::part(sets.atoms, is_own, threads);
+    const Molecule molecule = Molecule(sets.atoms, {}, threads);
     CHECK(comparable(molecule.diagnostics()) == comparable(expected.diagnostics));
     CHECK(count_differences(molecule, expected.is_contained) == 0);
   }
@@ -228,13 +219,8 @@ TEST_CASE("diagnostics and containment are the same with any number of threads",
     INFO(kind_name(kind));
     const ScatteredSets sets = scatter_sets({{kind}}, 3 * atoms_per_loop_range);
     REQUIRE(loop_range_count(sets.atoms.size()) > 3);
-    check_molecules(sets, is_any);
+    check_molecules(sets);
   }
-}
-
-TEST_CASE("a part reports only its own atoms, with any number of threads", "[molecule]") {
-  const ScatteredSets sets = scatter_sets({{Kind::nested, Kind::snapped}}, 20'000);
-  check_molecules(sets, [](const Atom& atom) { return std::fmod(atom.center.y, 7) < 3; });
 }
 
 TEST_CASE("radii that are all small are reported with any number of threads", "[molecule]") {
@@ -295,7 +281,6 @@ TEST_CASE("a molecule refuses atoms that are not finite or have negative radii",
           "atom " + std::to_string(place) + " (counted from 0) " + message + ";");
       CHECK_THROWS_WITH(Molecule(atoms), expected);
       CHECK_THROWS_WITH(Molecule(atoms, {}, 2), expected);
-      CHECK_THROWS_WITH(Molecule::part(atoms, is_any), expected);
       CHECK_THROWS_AS(make_plan(atoms, {}, {}), std::invalid_argument);
     }
   CHECK_NOTHROW(Molecule({{{0, 0, 0}, 0}, {{-1e6, 1e6, -0.0}, -0.0}}));
