@@ -76,8 +76,8 @@ Measures measure_surface(const Request& request, PlannedRun& run,
                                  .threads = run.process_schedule.threads,
                                  .check = check,
                                  .max_filled_void = request.parameters.max_filled_void};
-  return run.patches ? measure_kept_patches(run.patches, settings)
-                     : measure_patches(run.slab.molecule, settings);
+  return run.cavities.patches ? measure_kept_patches(run.cavities.patches, settings)
+                              : measure_patches(run.slab.molecule, settings);
 }
 
 // Compares the number of inside points with the exact volume, if the grid encloses the molecule and
@@ -187,7 +187,7 @@ RunResult execute(const Request& request, PlannedRun& run, const Callbacks& call
 
   RunResult result;
   Summary& summary = result.summary;
-  if (request.parameters.max_filled_void) summary.filled_cavities = run.cavities->filled();
+  if (request.parameters.max_filled_void) summary.filled_cavities = run.cavities.map->filled();
   if (request.parameters.verify > 0) summary.verification.emplace();
   // The sweep takes the patches that are kept.
   if (request.parameters.exact) result.exact = measure_surface(request, run, check);

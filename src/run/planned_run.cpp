@@ -1,10 +1,8 @@
 #include "run/planned_run.hpp"
 
 #include <fmt/ranges.h>
-#include <zlib.h>
 
 #include <algorithm>
-#include <bit>
 #include <span>
 #include <stdexcept>
 #include <string>
@@ -13,7 +11,6 @@
 #include <variant>
 
 #include "eses/error.hpp"
-#include "eses/version.hpp"
 #include "grid/make_grid.hpp"
 #include "input/atom_names.hpp"
 #include "input/other_formats.hpp"
@@ -22,78 +19,17 @@
 #include "output/grid_map.hpp"
 #include "output/mesh_writer.hpp"
 #include "output/output_files.hpp"
+#include "run/chunk_identity.hpp"
 #include "run/far_atoms.hpp"
-#include "surface/find_cavities.hpp"
+#include "run/run_cavities.hpp"
 #include "system/bytes_text.hpp"
 #include "system/formatted.hpp"
 #include "system/hints.hpp"
 #include "system/parallel.hpp"
 #include "system/resources.hpp"
-#include "system/splitmix64.hpp"
 
 namespace eses::detail {
 namespace {
-
-// Version of checkpoints. Must increase with each change of the results or of the format of chunks.
-constexpr int checkpoint_format = 6;
-
-// Memory of the patches of an atom, and of all patches that are kept for the sweep (bytes).
-constexpr double kept_patch_bytes = 400;
-constexpr double max_kept_bytes = 48 << 20;
-
-// Returns a hash of an atom and its index in the molecule.
-std::uint64_t hash_of(const Atom& atom, std::uint64_t index) {
-  const auto& [center, radius] = atom;
-  std::uint64_t hash = splitmix64(index);
-  for (const double value : {center.x, center.y, center.z, radius})
-    hash = splitmix64(hash ^ std::bit_cast<std::uint64_t>(value));
-  return hash;
-}
-
-// Returns a hash of all atoms and their groups, if there are groups.
-std::uint64_t hash_of(std::span<const Atom> atoms, std::span<const mesh::GroupNumbers> groups) {
-  std::uint64_t sum = 0;
-  for (std::size_t i = 0; i < atoms.size(); ++i) {
-    std::uint64_t hash = hash_of(atoms[i], i);
-    if (!groups.empty()) hash = splitmix64(hash ^ std::bit_cast<std::uint64_t>(groups[i]));
-    sum += hash;
-  }
-  return sum;
-}
-
-// Returns a hash of all names.
-std::uint64_t hash_of(const GroupNames& groups) {
-  std::uint64_t sum = 0, residue = 0;
-  for (const AtomLabel& label : groups.residues) {
-    uLong hash = 0;
-    for (const std::string* const text : {&label.chain, &label.residue, &label.residue_number})
-      hash = crc32_z(hash, reinterpret_cast<const Bytef*>(text->c_str()), text->size() + 1);
-    sum += splitmix64(hash ^ residue++ << 32);
-  }
-  return sum;
-}
-
-std::string mesh_identity(const std::optional<MeshOptions>& mesh,
-                          const std::optional<PotentialMap>& map) {
-  if (!mesh) return "none";
-  std::string identity = formatted("{} {} {}", static_cast<int>(required_mesh_format(*mesh)),
-                                   static_cast<int>(mesh->color), mesh->quality);
-  if (mesh->component) identity += formatted(" component {}", *mesh->component);
-  if (map)
-    identity += formatted(" potential {} offset {:a} limit {:a}", map->identity(),
-                          mesh->potential->offset, mesh->potential->limit);
-  return identity;
-}
-
-// Identifies the maps. The permittivities are left out, because chunks contain inside lengths of
-// edges, which do not depend on them.
-std::string map_identity(const Outputs& outputs) {
-  std::string identity;
-  for (const MapChoice& map : chosen_maps(outputs))
-    identity += formatted("{} ", static_cast<int>(map.quantity));
-  if (outputs.ion_access) identity += formatted("{:a}", outputs.ion_access->ion_radius);
-  return identity;
-}
 
 // Throws SharedError unless all processes have read the same atoms.
 void require_same_atoms(const Request& request, std::uint64_t hash, const Processes& processes) {
@@ -104,25 +40,6 @@ void require_same_atoms(const Request& request, std::uint64_t hash, const Proces
                             std::get<InputFile>(request.atoms).path.string(),
                             processes.on_machine()));
   });
-}
-
-// Returns a text that differs between runs whose chunks must not be combined.
-std::string identity_of(const Request& request, const PlannedRun& run, std::uint64_t hash) {
-  const Parameters& p = request.parameters;
-  const Grid& grid = run.plan.grid;
-  const auto* const options = std::get_if<GridOptions>(&p.grid);
-  const GridRegion& region = run.plan.tiling.region;
-  return formatted(
-      "eses-blocks {} format {} {} {}\natoms {} {:016x}\nprobe {:a} spacing {:a} margin {:a}\n"
-      "origin {:a} {:a} {:a} size {}\npoints {} {}\ngrid {} edges {} gzip {} maps {} mesh {}\n"
-      "filled {}\n",
-      version, checkpoint_format, sizeof(ChunkInfo), request.outputs.gzip ? zlibVersion() : "",
-      run.atoms, hash, p.probe_radius, grid.spacing, options != nullptr ? options->margin : 0.0,
-      grid.origin.x, grid.origin.y, grid.origin.z, fmt::join(grid.size, " "),
-      fmt::join(region.begin, " "), fmt::join(region.end, " "), request.outputs.grid,
-      request.outputs.edges, request.outputs.gzip, map_identity(request.outputs),
-      mesh_identity(request.outputs.mesh, run.potential),
-      p.max_filled_void ? formatted("{:a}", *p.max_filled_void) : "none");
 }
 
 // Whether the mesh names chains and residues, or has the colours of chains.
@@ -163,12 +80,14 @@ LabelTotals take_groups(const Outputs& outputs, PlannedRun& run,
 }
 
 // Reads the map of the potential, if the mesh needs it. Each process has the whole map.
-void take_potential(const Request& request, const Processes& processes, PlannedRun& run) {
+std::optional<PotentialMap> read_potential(const Request& request, const Processes& processes) {
   const std::optional<MeshOptions>& mesh = request.outputs.mesh;
+  std::optional<PotentialMap> potential;
   processes.all_or_throw([&] {
     if (mesh && mesh->potential)
-      run.potential.emplace(mesh->potential->file, request.parameters.max_memory);
+      potential.emplace(mesh->potential->file, request.parameters.max_memory);
   });
+  return potential;
 }
 
 // Returns the memory of labels, names, radii and the potential that this process holds during the
@@ -176,8 +95,7 @@ void take_potential(const Request& request, const Processes& processes, PlannedR
 std::uint64_t held_bytes(const PlannedRun& run) {
   std::uint64_t bytes = run.names.bytes() + run.radii.size() * sizeof(double) +
                         (run.potential ? run.potential->bytes() : 0);
-  if (run.patches)
-    bytes += static_cast<std::uint64_t>(kept_patch_bytes) * run.slab.molecule.atoms().size();
+  if (run.cavities.patches) bytes += kept_patch_memory(run.slab.molecule.atoms().size());
   for (const std::span<const AtomLabel> labels :
        {std::span<const AtomLabel>(run.groups.chains),
         std::span<const AtomLabel>(run.groups.residues),
@@ -214,12 +132,12 @@ void open_checkpoint(const Request& request, std::span<const Atom> atoms,
                      std::span<const mesh::GroupNumbers> groups, const Processes& processes,
                      PlannedRun& run) {
   if (run.is_in_place) return;
-  const std::uint64_t hash = hash_of(atoms, groups) ^ hash_of(run.groups);
+  const std::uint64_t hash = hash_of(atoms, groups, run.groups);
   require_same_atoms(request, hash, processes);
   std::vector<PlaneRange> finished;
   processes.all_or_throw([&] {
     run.checkpoint = std::make_unique<Checkpoint>(
-        request.output_directory, identity_of(request, run, hash),
+        request.output_directory, chunk_identity(request, run, hash),
         request.keeps_chunks() ? Checkpoint::Chunks::kept : Checkpoint::Chunks::temporary);
     if (!processes.is_first()) return;
     if (!request.dry_run) lock_checkpoint(request, *run.checkpoint);
@@ -268,8 +186,8 @@ void plan_slab(const Request& request, const LabelTotals& labels, std::uint64_t 
   try {
     plan();
   } catch (const LimitExceeded&) {
-    if (!run.patches) throw;
-    run.patches = {};
+    if (!run.cavities.patches) throw;
+    run.cavities.patches = {};
     release_free_memory();
     plan();
   }
@@ -308,74 +226,6 @@ void expect_chunks(const Request& request, const GridRegion& region, FileSizes& 
   for (const MapChoice& map : chosen_maps(request.outputs))
     files.text_scratch += GridMap::row_bytes(map.quantity, region);
   files.text_scratch += files.mesh_pieces;
-}
-
-// Whether cavities are filled, or the mesh has components.
-bool needs_cavities(const Request& request) {
-  const std::optional<MeshOptions>& mesh = request.outputs.mesh;
-  return request.parameters.max_filled_void ||
-         (mesh && (mesh->component || mesh->color == MeshColor::component));
-}
-
-// Whether the cavities are searched. A dry run only has to know whether the component of the mesh
-// exists, because it fails where the run would fail.
-bool searches_cavities(const Request& request) {
-  return needs_cavities(request) &&
-         (!request.dry_run || (request.outputs.mesh && request.outputs.mesh->component));
-}
-
-// Throws Error, with the path of the input file, if the component of the mesh does not exist.
-FoundCavities find_cavities_of(const Molecule& molecule, const Request& request, int threads,
-                               bool keeps_patches) {
-  const std::optional<MeshOptions>& mesh = request.outputs.mesh;
-  std::optional<ComponentNumber> kept;
-  if (mesh && mesh->component) kept = ComponentNumber{*mesh->component};
-  try {
-    return find_cavities(molecule,
-                         {.probe_radius = request.parameters.probe_radius,
-                          .threads = chosen_threads(threads),
-                          .check = request.check,
-                          .max_filled_void = request.parameters.max_filled_void,
-                          .kept_component = kept},
-                         keeps_patches);
-  } catch (const Error& error) {
-    const auto* const file = std::get_if<InputFile>(&request.atoms);
-    if (file == nullptr) throw;
-    throw Error(formatted("{}: {}", file->path.string(), error.what()));
-  }
-}
-
-// Finds the cavities of a molecule that a single process has, if they are needed. A run that needs
-// all patches several times keeps them unless there are many.
-void prepare_patches(const Molecule& molecule, const Request& request, int threads,
-                     PlannedRun& run) {
-  const Parameters& parameters = run.plan.parameters;
-  if (!needs_cavities(request) && !parameters.exact) return;
-  const double bytes = kept_patch_bytes * static_cast<double>(molecule.atoms().size());
-  const bool keeps_patches =
-      run.plan.is_whole_surface() && bytes <= max_kept_bytes &&
-      (parameters.max_memory == 0 || 8 * bytes <= static_cast<double>(parameters.max_memory));
-  if (!searches_cavities(request)) {
-    if (keeps_patches) run.patches = schedule_patches(molecule, parameters.probe_radius);
-    return;
-  }
-  FoundCavities found = find_cavities_of(molecule, request, threads, keeps_patches);
-  run.cavities = std::move(found.map);
-  run.patches = std::move(found.patches);
-}
-
-// Gives the cavities the indices of the atoms in the slab.
-std::shared_ptr<const CavityMap> with_slab_indices(std::shared_ptr<const CavityMap> cavities,
-                                                   const Slab& slab) {
-  if (slab.atoms_in_file.empty()) return cavities;
-  CavityMap renumbered = *cavities;
-  renumbered.renumber([&](AtomIndex atom) -> std::optional<AtomIndex> {
-    const auto begin = slab.atoms_in_file.begin(), end = slab.atoms_in_file.end();
-    const auto found = std::lower_bound(begin, end, static_cast<FileIndex>(atom));
-    if (found == end || *found != static_cast<FileIndex>(atom)) return std::nullopt;
-    return static_cast<AtomIndex>(found - begin);
-  });
-  return std::make_shared<const CavityMap>(std::move(renumbered));
 }
 
 // Converts labels into residues and names after each part of the text, so that few labels are in
@@ -431,25 +281,25 @@ AtomFile read_file(const InputFile& file, const Request& request, const Processe
   return atoms;
 }
 
-// Sets the diagnostics of the atoms of a file; those of radii only if nothing was added to them.
+// Returns the diagnostics of the atoms of a file; those of radii only if nothing was added to them.
 // The names of structures tell the examples.
-void take_diagnostics(const AtomFile& file, const Molecule& molecule, bool has_own_radii,
-                      bool has_names, PlannedRun& run) {
-  run.diagnostics.add(file.diagnostics, file.lines);
-  if (has_own_radii) run.diagnostics.add(molecule.diagnostics(), file.lines);
-  if (!has_names) return;
-  for (const auto& [atom, line] : run.diagnostics.lines)
-    run.diagnostics.labels[atom] = run.names.label(atom);
+FileDiagnostics diagnostics_of(const AtomFile& file, const Molecule& molecule, bool has_own_radii,
+                               const AtomNames* names) {
+  FileDiagnostics diagnostics;
+  diagnostics.add(file.diagnostics, file.lines);
+  if (has_own_radii) diagnostics.add(molecule.diagnostics(), file.lines);
+  if (names == nullptr) return diagnostics;
+  for (const auto& [atom, line] : diagnostics.lines) diagnostics.labels[atom] = names->label(atom);
+  return diagnostics;
 }
 
 // Describes atoms that make a large and empty grid. Throws SparseGridError if it is too large.
-void take_far_atoms(const AtomFile& atoms, const InputFile& file, const Parameters& parameters,
-                    PlannedRun& run) {
+std::string describe_far_atoms(const AtomFile& atoms, const InputFile& file,
+                               const Parameters& parameters) {
   const auto* const grid = std::get_if<GridOptions>(&parameters.grid);
-  if (grid == nullptr || !std::holds_alternative<std::monostate>(parameters.part)) return;
-  run.far_atoms =
-      require_dense_grid(atoms.atoms, parameters.probe_radius, *grid, input_name(file.path),
-                         atoms.lines, parameters.allow_far_atoms, "choose a part of the grid, ");
+  if (grid == nullptr || !std::holds_alternative<std::monostate>(parameters.part)) return {};
+  return require_dense_grid(atoms.atoms, parameters.probe_radius, *grid, input_name(file.path),
+                            atoms.lines, parameters.allow_far_atoms, "choose a part of the grid, ");
 }
 
 // Keeps the names that the first process writes.
@@ -478,7 +328,7 @@ void take_slab(const Molecule& whole, std::span<const Atom> atoms,
     run.slab.planes = range_around(remaining(region_planes(run.plan), run.finished_planes));
     run.slab.molecule = whole;
     run.slab.groups = std::move(groups);
-    prepare_patches(whole, request, threads, run);
+    run.cavities = prepare_patches(whole, request, run.plan, threads);
     return;
   }
   if (request.part && count > region_planes(run.plan).count())
@@ -492,8 +342,7 @@ void take_slab(const Molecule& whole, std::span<const Atom> atoms,
   run.slab = make_slab(atoms, groups, run.plan, request.outputs,
                        range_around(remaining(planes, run.finished_planes)), threads);
   if (searches_cavities(request))
-    run.cavities =
-        with_slab_indices(find_cavities_of(whole, request, threads, false).map, run.slab);
+    run.cavities.map = find_slab_cavities(whole, request, run.slab, threads);
 }
 
 // Reads the file, makes the grid, and gives this process its slab. Returns the totals of the
@@ -510,7 +359,7 @@ LabelTotals take_file(const InputFile& file, const Request& request,
   // Names take much memory. They are dropped as soon as they are not needed any more.
   if (!request.outputs.residues && !request.outputs.atoms && !has_names) run.names = {};
   processes.all_or_throw([&] {
-    take_far_atoms(atoms, file, request.parameters, run);
+    run.far_atoms = describe_far_atoms(atoms, file, request.parameters);
     run.plan = plan_grid(sphere_bounds(atoms.atoms), request.parameters);
   });
   open_checkpoint(request, atoms.atoms, groups, processes, run);
@@ -522,7 +371,8 @@ LabelTotals take_file(const InputFile& file, const Request& request,
     const std::span<const Atom> all =
         needs_whole ? whole.atoms() : std::span(std::as_const(atoms.atoms));
     if (processes.is_first())
-      take_diagnostics(atoms, whole, file.added_radius == 0, has_names, run);
+      run.diagnostics =
+          diagnostics_of(atoms, whole, file.added_radius == 0, has_names ? &run.names : nullptr);
     take_slab(whole, all, std::move(groups), request, threads, run);
     keep_written_names(request.outputs, all, processes, run);
   });
@@ -536,7 +386,7 @@ LabelTotals take_molecule(const Molecule& molecule, const Request& request, Plan
   run.plan = plan_grid(sphere_bounds(molecule.atoms()), request.parameters);
   run.slab.planes = region_planes(run.plan);
   run.slab.molecule = molecule;
-  prepare_patches(molecule, request, request.parameters.threads, run);
+  run.cavities = prepare_patches(molecule, request, run.plan, request.parameters.threads);
   if (request.outputs.residues || needs_groups(request.outputs))
     for (const AtomLabel& label : molecule.labels()) run.names.add_residue(label);
   LabelTotals labels = take_groups(request.outputs, run, run.slab.groups);
@@ -561,7 +411,7 @@ PlannedRun plan_run(const Request& request, const Processes& processes) {
       throw std::invalid_argument(
           "the mesh of one component needs a surface without filled cavities");
   }
-  take_potential(request, processes, run);
+  run.potential = read_potential(request, processes);
   const LabelTotals labels = molecule != nullptr ? take_molecule(*molecule, request, run)
                                                  : take_file(std::get<InputFile>(request.atoms),
                                                              request, machine, processes, run);

@@ -18,7 +18,7 @@
 #include "run/request.hpp"
 #include "run/slabs.hpp"
 #include "surface/cavity_map.hpp"
-#include "surface/patch_schedule.hpp"
+#include "surface/find_cavities.hpp"
 
 namespace eses::detail {
 
@@ -50,17 +50,15 @@ struct PlannedRun {
   std::optional<StructureReport> structure;
   /// Checkpoint of the chunks, null if `is_in_place`. The first process locks it.
   std::unique_ptr<Checkpoint> checkpoint;
-  /// The cavities, with the atoms of the slab; null if the run does not need them.
-  std::shared_ptr<const CavityMap> cavities;
-  /// The surface, if its patches are kept: those of the search for cavities, or of exact measures.
-  /// Else null.
-  std::shared_ptr<ScheduledSurface> patches;
+  /// The cavities, with the atoms of the slab, if the run needs them; and the surface, if its
+  /// patches are kept: those of the search for cavities, or of exact measures.
+  FoundCavities cavities;
   /// Planes of the chunks of an earlier run, ascending and disjoint.
   std::vector<PlaneRange> finished_planes;
 
   /// Returns the cavities if some component is filled, else null.
   std::shared_ptr<const CavityMap> filled() const {
-    return cavities && cavities->has_filled() ? cavities : nullptr;
+    return cavities.map && cavities.map->has_filled() ? cavities.map : nullptr;
   }
 };
 

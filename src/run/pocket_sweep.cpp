@@ -57,10 +57,10 @@ class ProbeSweep {
     if (finds_covered) request.outputs.ion_access = IonAccessMap{"covered.dx", probe_radius};
     extras_ = extras_of(request.outputs);
     run_ = plan_run(request, Processes());
-    patches_ = std::move(run_.patches);
+    patches_ = std::move(run_.cavities.patches);
     if (patches_) return;
     SurfaceModel surface(molecule, probe_radius);
-    surface.cavities = run_.cavities;
+    surface.cavities = run_.cavities.map;
     patches_ = std::make_shared<ScheduledSurface>(std::move(surface),
                                                   HeightRange{grid.origin.z, grid.upper().z});
   }

@@ -38,7 +38,7 @@ void write_header(const mesh::MeshText& text, const GroupNames& names, const Mes
 // Returns a function without a target if the mesh has no components.
 mesh::ComponentOfCrossing component_of_crossing(const PlannedRun& run, MeshColor color) {
   if (color != MeshColor::component) return {};
-  return [&cavities = *run.cavities, atoms = run.slab.molecule.atoms(),
+  return [&cavities = *run.cavities.map, atoms = run.slab.molecule.atoms(),
           probe = run.plan.parameters.probe_radius](const BlockCrossing& crossing, Vec3 position) {
     return as_number(cavities.number_at(atoms, std::span(crossing.atoms).first(crossing.atom_count),
                                         position + probe * crossing.normal));

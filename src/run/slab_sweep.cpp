@@ -64,7 +64,7 @@ SlabSweep::SlabSweep(const Request& request, PlannedRun& run, std::span<const Pl
       mesh_(mesh),
       callbacks_(callbacks),
       report_(report),
-      surface_(run.patches),
+      surface_(run.cavities.patches),
       all_planes_(plane_count(ranges)) {
   const Share share = run.share;
   const auto checks_before = [&](std::int64_t i) {
