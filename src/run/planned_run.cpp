@@ -253,10 +253,13 @@ void require_readable_by_all(const std::filesystem::path& path, int processes) {
 }
 
 // Adds the added radius to all atoms, after their diagnostics.
-void grow_radii(const InputFile& file, const Processes& processes, AtomFile& atoms,
-                PlannedRun& run) {
-  if (processes.is_first()) run.diagnostics.add(Molecule(atoms.atoms).diagnostics(), atoms.lines);
-  for (Atom& atom : atoms.atoms) atom.radius += file.added_radius;
+void grow_radii(double added_radius, const Processes& processes, AtomFile& atoms) {
+  if (processes.is_first()) {
+    const Molecule molecule(atoms.atoms);
+    const std::span<const Diagnostic> found = molecule.diagnostics();
+    atoms.diagnostics.insert(atoms.diagnostics.end(), found.begin(), found.end());
+  }
+  for (Atom& atom : atoms.atoms) atom.radius += added_radius;
 }
 
 // Reads the atoms and their names. Each process reads the whole file.
@@ -276,7 +279,7 @@ AtomFile read_file(const InputFile& file, const Request& request, const Processe
          .structure = file.structure},
         [&](AtomFile& part) { take_labels(part, format, is_named || outputs.atoms, run.names); });
     require_memory_for(atoms.atoms.size(), file, request.parameters.max_memory);
-    if (file.added_radius > 0) grow_radii(file, processes, atoms, run);
+    if (file.added_radius > 0) grow_radii(file.added_radius, processes, atoms);
   });
   return atoms;
 }

@@ -17,7 +17,7 @@ void find_cutters(const PlacementIndex& placements, ConcaveScratch& scratch, Con
   right_find_cutters(placements, scratch, patch);
   const char* const text = std::getenv("ESES_SPOIL");
   if (text == nullptr || std::string_view(text) != "cutter") return;
-  if (patch.number % 5 != 0 || patch.cutters.empty()) return;
+  if (as_number(patch.number) % 5 != 0 || patch.cutters.empty()) return;
   patch.cutters.pop_back();
   patch.caps.pop_back();
 }
