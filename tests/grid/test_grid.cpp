@@ -329,7 +329,7 @@ TEST_CASE("a run writes the chosen files, counts their bytes and leaves nothing 
 
 TEST_CASE("a plan refuses parameters out of their range") {
   const std::vector<Atom> atoms{{{0, 0, 0}, 1.5}};
-  for (const double radius : {0.0, -1.4, infinity, not_a_number}) {
+  for (const double radius : {0.009, -1.4, infinity, not_a_number}) {
     Parameters parameters;
     parameters.probe_radius = radius;
     CHECK_THROWS_AS(make_plan(atoms, parameters, {}), std::invalid_argument);
