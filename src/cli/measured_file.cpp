@@ -21,14 +21,14 @@ namespace {
 
 /// Some atoms of a file.
 struct AtomSubset {
-  std::vector<std::size_t> indices;  ///< in the surface of the file
+  std::vector<AtomIndex> indices;  ///< in the surface of the file
   std::vector<Atom> atoms;
 };
 
 /// Returns the atoms for whose part `is_chosen` returns true.
 AtomSubset atoms_of(const MeasuredFile& file, const auto& is_chosen) {
   AtomSubset subset;
-  for (std::size_t i = 0; i < file.part_of_atom.size(); ++i) {
+  for (AtomIndex i = 0; i < file.part_of_atom.size(); ++i) {
     if (!is_chosen(file.part_of_atom[i])) continue;
     subset.indices.push_back(i);
     subset.atoms.push_back(file.surface.atoms()[i]);
@@ -39,8 +39,12 @@ AtomSubset atoms_of(const MeasuredFile& file, const auto& is_chosen) {
 /// Replaces the surface by the surface of some of its atoms.
 void keep_only(AtomSubset subset, const SurfaceOptions& indexing, MeasuredFile& file) {
   std::vector<AtomLabel> labels;
-  for (const std::size_t i : subset.indices) labels.push_back(file.surface.labels()[i]);
-  file.file_indices.assign(subset.indices.begin(), subset.indices.end());
+  std::vector<FileIndex> file_indices;
+  for (const AtomIndex i : subset.indices) {
+    labels.push_back(file.surface.labels()[i]);
+    file_indices.push_back(FileIndices(file.file_indices)[i]);
+  }
+  file.file_indices = std::move(file_indices);
   file.surface = Surface(std::move(subset.atoms), std::move(labels), indexing);
 }
 
@@ -62,13 +66,13 @@ void take_place(const PlaceChoice& choice, double probe_radius, const DividedFil
   if (choice.box || choice.point) return;
   const std::vector<bool> is_in = atoms_in(choice.part, divided, "--at");
   AtomSubset others;
-  for (std::size_t i = 0; i < is_in.size(); ++i) {
+  for (AtomIndex i = 0; i < is_in.size(); ++i) {
     const Atom& atom = file.surface.atoms()[i];
     if (!is_in[i]) {
       others.indices.push_back(i);
       others.atoms.push_back(atom);
     } else if (choice.part.ligand.empty()) {
-      found.place.atoms.push_back(static_cast<AtomIndex>(i));
+      found.place.atoms.push_back(i);
     } else {
       found.place.balls.push_back(atom);
     }
@@ -86,8 +90,8 @@ void take_far_atoms(const MeasureCommandOptions& options, std::span<const std::u
                     MeasuredFile& file) {
   const std::span<const Atom> atoms = file.surface.atoms();
   std::vector<std::uint64_t> lines_of_atoms;
-  for (std::size_t i = 0; i < atoms.size(); ++i)
-    lines_of_atoms.push_back(lines[file.file_indices.empty() ? i : file.file_indices[i]]);
+  for (AtomIndex i = 0; i < atoms.size(); ++i)
+    lines_of_atoms.push_back(lines[as_number(FileIndices(file.file_indices)[i])]);
   const GridOptions grid = pocket_grid(options.pocket_options.spacing);
   std::string text =
       require_dense_grid(atoms, options.pocket_options.large_probe_radius, grid,
@@ -175,7 +179,7 @@ ReportedTable::ReportedTable(const MeasuredFile& file) : reference_(file.referen
   for (const AtomIndex i : indices) {
     atoms_.push_back(file.surface.atoms()[i]);
     labels_.push_back(file.surface.labels()[i]);
-    file_indices_.push_back(i);
+    file_indices_.push_back(FileIndices(file.file_indices)[i]);
     for (const Areas kind : {&eses::AtomAreas::sas, &eses::AtomAreas::convex,
                              &eses::AtomAreas::saddle, &eses::AtomAreas::concave})
       if (!(all.*kind).empty()) (areas_.*kind).push_back((all.*kind)[i]);
@@ -183,7 +187,7 @@ ReportedTable::ReportedTable(const MeasuredFile& file) : reference_(file.referen
 }
 
 MeasuredAtoms ReportedTable::table() const {
-  MeasuredAtoms atoms{atoms_, labels_, file_indices_, areas_, gradients_, {}, {}, {}};
+  MeasuredAtoms atoms{atoms_, labels_, FileIndices(file_indices_), areas_, gradients_, {}, {}, {}};
   atoms.reference = reference_;
   return atoms;
 }
@@ -195,8 +199,9 @@ double MeasuredFile::buried(double Measures::*area) const {
 }
 
 MeasuredAtoms MeasuredFile::table() const {
-  MeasuredAtoms atoms{surface.atoms(),    surface.labels(),  file_indices,    measures.by_atom,
-                      measures.gradients, measures.cavities, measures.pieces, pockets.pockets};
+  MeasuredAtoms atoms{surface.atoms(),  surface.labels(),   FileIndices(file_indices),
+                      measures.by_atom, measures.gradients, measures.cavities,
+                      measures.pieces,  pockets.pockets};
   atoms.reference = reference;
   if (parts.empty()) return atoms;
   atoms.areas_alone = &areas_alone;

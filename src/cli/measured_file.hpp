@@ -58,8 +58,8 @@ struct MeasuredFile {
 
   // For tables.
   std::optional<AreaReference> reference = {};
-  std::vector<std::uint64_t> file_indices = {};  ///< empty if all atoms are in parts
-  eses::AtomAreas areas_alone = {};              ///< areas of each atom in its part alone
+  std::vector<FileIndex> file_indices = {};  ///< by atom; empty if the surface has all atoms
+  eses::AtomAreas areas_alone = {};          ///< areas of each atom in its part alone
   std::vector<std::uint32_t> part_of_atom = {};
   std::vector<std::string> part_names = {};
 
@@ -80,7 +80,7 @@ class ReportedTable {
  private:
   std::vector<Atom> atoms_;
   std::vector<AtomLabel> labels_;
-  std::vector<std::uint64_t> file_indices_;
+  std::vector<FileIndex> file_indices_;
   eses::AtomAreas areas_;
   Gradients gradients_;
   std::optional<AreaReference> reference_;

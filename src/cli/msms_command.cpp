@@ -43,11 +43,12 @@ constexpr double radius_tolerance = 1e-6;  // angstrom; radii have at most six d
 struct Input {
   SphereFile file;
   std::vector<Atom> used;
-  std::vector<AtomIndex> file_indices;  ///< by index of a used sphere
+  std::vector<FileIndex> file_indices;  ///< by index of a used sphere
   std::size_t hydrogen_count = 0, empty_count = 0;
 
   std::string_view name(AtomIndex used_index) const {
-    return file.names.empty() ? std::string_view() : file.names[file_indices[used_index]];
+    return file.names.empty() ? std::string_view()
+                              : file.names[as_number(file_indices[used_index])];
   }
 };
 
@@ -63,7 +64,7 @@ Input read_input(const MsmsOptions& options) {
       ++input.hydrogen_count;
     } else {
       input.used.push_back(sphere);
-      input.file_indices.push_back(i);
+      input.file_indices.push_back(FileIndex{i});
     }
   }
   if (input.used.empty())
@@ -76,7 +77,7 @@ Input read_input(const MsmsOptions& options) {
 /// Names spheres that make the grid large and empty, or refuses them.
 void warn_about_far_spheres(const MsmsOptions& options, const Input& input) {
   std::vector<std::uint64_t> lines;
-  for (const AtomIndex i : input.file_indices) lines.push_back(input.file.lines[i]);
+  for (const FileIndex i : input.file_indices) lines.push_back(input.file.lines[as_number(i)]);
   if (const std::string text = require_dense_grid(
           input.used, options.probe_radius, msms_grid(options), input_name(options.input), lines,
           options.allow_far_atoms, "use a lower -density, ");
@@ -88,13 +89,15 @@ void warn_about_far_spheres(const MsmsOptions& options, const Input& input) {
 std::vector<AtomIndex> used_indices(const std::vector<std::uint64_t>& wanted, const Input& input) {
   std::vector<AtomIndex> indices;
   for (const std::uint64_t atom : wanted) {
-    const auto found = std::lower_bound(input.file_indices.begin(), input.file_indices.end(), atom);
-    if (found == input.file_indices.end() || *found != atom)
-      throw Error(
-          formatted("-one_cavity names atom {}, {}", atom,
-                    atom < input.file.spheres.size()
-                        ? std::string("which is ignored")
-                        : formatted("and the last one is {}", input.file.spheres.size() - 1)));
+    const bool is_in_file = atom < input.file.spheres.size();
+    const auto index = static_cast<FileIndex>(atom);
+    const auto found =
+        std::lower_bound(input.file_indices.begin(), input.file_indices.end(), index);
+    if (!is_in_file || found == input.file_indices.end() || *found != index)
+      throw Error(formatted(
+          "-one_cavity names atom {}, {}", atom,
+          is_in_file ? std::string("which is ignored")
+                     : formatted("and the last one is {}", input.file.spheres.size() - 1)));
     indices.push_back(static_cast<AtomIndex>(found - input.file_indices.begin()));
   }
   return indices;
@@ -349,7 +352,7 @@ struct ComponentWriter {
       const mesh::Vertex& vertex = surface.vertices[i];
       const char* const end =
           mesh::put_msms_vertex(line.data(), vertex.position, vertex.normal, vertex.patch,
-                                FileIndex{input.file_indices[closest]}, name);
+                                input.file_indices[closest], name);
       text.append("{}", std::string_view(line.data(), end));
     }
     text.flush();
@@ -393,7 +396,7 @@ void write_areas(const Input& input, const MsmsSurface& surface,
   text.append("\n");
   AtomIndex next = 0;  // index of the next used sphere
   for (AtomIndex i = 0; i < input.file.spheres.size(); ++i) {
-    const bool is_used = next < input.used.size() && input.file_indices[next] == i;
+    const bool is_used = next < input.used.size() && input.file_indices[next] == FileIndex{i};
     text.append("{:5}", i);
     for (const std::uint32_t component : components) {
       MsmsAreas areas;

@@ -80,7 +80,7 @@ std::string relative_sas(const MeasuredAtoms& atoms, const AtomLabel& label, dou
 }  // namespace
 
 std::uint64_t serial_number(const MeasuredAtoms& atoms, AtomIndex i) {
-  return (atoms.file_indices.empty() ? std::uint64_t{i} : atoms.file_indices[i]) + 1;
+  return std::uint64_t{as_number(atoms.file_indices[i])} + 1;
 }
 
 std::vector<std::uint64_t> serial_numbers(const MeasuredAtoms& atoms,

@@ -34,6 +34,7 @@
 #include "eses/measure.hpp"
 #include "eses/pockets.hpp"
 #include "eses/residue_areas.hpp"
+#include "input/file_index.hpp"
 #include "output/buffered_text.hpp"
 
 namespace eses::detail {
@@ -53,8 +54,8 @@ struct TableChoice {
 /// they are not empty.
 struct MeasuredAtoms {
   std::span<const Atom> atoms;
-  std::span<const AtomLabel> labels;            ///< empty if there are no names
-  std::span<const std::uint64_t> file_indices;  ///< empty if they equal the indices of the atoms
+  std::span<const AtomLabel> labels;  ///< empty if there are no names
+  FileIndices file_indices;
   const eses::AtomAreas& areas;
   const Gradients& gradients;
   std::span<const Cavity> cavities;
