@@ -48,7 +48,7 @@ constexpr ChunkText text_of(MapQuantity quantity) {
 struct ChunkInfo {
   PlaneRange planes;
   std::array<std::uint64_t, chunk_text_count> bytes{};      ///< length of each text
-  std::array<std::uint32_t, chunk_text_count> checksums{};  ///< crc32; only in a checkpoint
+  std::array<std::uint32_t, chunk_text_count> checksums{};  ///< crc32
   std::int64_t verified_points = 0, verified_edges = 0;
   MeshCounts mesh;
   RegionTotals totals;
@@ -60,9 +60,9 @@ struct ChunkInfo {
 /// A chunk of planes.
 struct PlaneChunk {
   ChunkInfo info;
-  /// Shares of the atoms with a share that is not 0, ascending; only for a checkpoint.
+  /// Shares of the atoms with a share that is not 0, ascending.
   std::vector<AtomSum> sums;
-  /// Scratch files of the texts. In a checkpoint they are closed when the chunk is complete.
+  /// Scratch files of the texts. They are closed when the chunk is complete.
   std::array<std::unique_ptr<ScratchFile>, chunk_text_count> texts;
 
   /// The scratch file of a text, or null.

@@ -146,7 +146,9 @@ void finish(const Request& request, PlannedRun& run, std::optional<SweepSums>& s
   }
   set_results(request, run, sums, summary);
   if (result.exact && summary.verification) verify_volume(request, run, check, summary);
-  if (!has_faults(summary)) files.finish(merge ? &*merge : nullptr, check, summary);
+  if (has_faults(summary)) return;
+  if (merge) files.join(*merge, check);
+  files.finish(check, summary);
 }
 
 }  // namespace
@@ -189,7 +191,7 @@ RunResult execute(const Request& request, PlannedRun& run, const Callbacks& call
   Summary& summary = result.summary;
   if (request.parameters.max_filled_void) summary.filled_cavities = run.cavities.map->filled();
   if (request.parameters.verify > 0) summary.verification.emplace();
-  // The sweep takes the patches that are kept.
+  // The sweep takes the patches that these measures have made.
   if (request.parameters.exact) result.exact = measure_surface(request, run, check);
   std::optional<SweepSums> swept =
       sweep_ranges(request, run, ranges, *files, callbacks, report, summary);

@@ -51,28 +51,12 @@ void RunFiles::add_sinks() {
   if (mesh_) sinks_.add(mesh_->sink());
 }
 
-// These functions return the length of the files in bytes.
-
-std::uint64_t RunFiles::write_text(Merge* merge, RunFile which, ChunkText text,
-                                   const PieceTextSink* sink) {
-  const std::uint64_t bytes =
-      merge != nullptr ? merge->write_text(file(which), text) : sink->size();
-  return request_.outputs.gzip && bytes == 0 ? write_empty_member(file(which)) : bytes;
+void RunFiles::finish_text(RunFile which, std::uint64_t bytes) {
+  bytes_ += request_.outputs.gzip && bytes == 0 ? write_empty_member(file(which)) : bytes;
 }
 
-std::uint64_t RunFiles::write_maps(Merge* merge, const std::function<void()>& check) {
-  std::uint64_t bytes = 0;
-  const auto write = [&](GridMap& map) {
-    bytes += map.write(file(file_of(map.quantity())), run_.process_schedule.threads, check);
-  };
-  for (GridMap& map : maps_) write(map);
-  if (merge == nullptr) return bytes;
-  for (const MapChoice& choice : chosen_maps(request_.outputs)) {
-    GridMap map(choice, run_.plan.grid, run_.plan.tiling.region);
-    merge->add_rows(map);
-    write(map);
-  }
-  return bytes;
+void RunFiles::write(GridMap& map, const std::function<void()>& check) {
+  bytes_ += map.write(file(file_of(map.quantity())), run_.process_schedule.threads, check);
 }
 
 std::uint64_t RunFiles::write_areas_of(std::span<const double> areas,
@@ -97,26 +81,35 @@ std::uint64_t RunFiles::write_box() {
   return box->size();
 }
 
-void RunFiles::finish(Merge* merge, const std::function<void()>& check, Summary& summary) {
-  if (mesh_) {
-    if (merge != nullptr) merge->add_pieces(*mesh_);
-    mesh_->finish(summary);
+void RunFiles::join(Merge& chunks, const std::function<void()>& check) {
+  const Outputs& outputs = request_.outputs;
+  if (outputs.grid)
+    finish_text(RunFile::grid, chunks.write_text(file(RunFile::grid), ChunkText::grid));
+  if (outputs.edges)
+    finish_text(RunFile::edges, chunks.write_text(file(RunFile::edges), ChunkText::edges));
+  for (const MapChoice& choice : chosen_maps(outputs)) {
+    GridMap map(choice, run_.plan.grid, run_.plan.tiling.region);
+    chunks.add_rows(map);
+    write(map, check);
   }
+  if (mesh_) chunks.add_pieces(*mesh_);
+}
+
+void RunFiles::finish(const std::function<void()>& check, Summary& summary) {
+  if (mesh_) mesh_->finish(summary);
   if (!files_) return;
-  std::uint64_t bytes = 0;
-  if (request_.outputs.grid) bytes += write_text(merge, RunFile::grid, ChunkText::grid, grid_);
-  if (request_.outputs.edges) bytes += write_text(merge, RunFile::edges, ChunkText::edges, edges_);
-  if (mesh_) bytes += mesh_->write(check);
-  bytes += write_maps(merge, check);
-  bytes += write_areas_of(summary.atom_areas, check);
-  bytes += write_box();
+  if (grid_ != nullptr) finish_text(RunFile::grid, grid_->size());
+  if (edges_ != nullptr) finish_text(RunFile::edges, edges_->size());
+  if (mesh_) bytes_ += mesh_->write(check);
+  for (GridMap& map : maps_) write(map, check);
+  bytes_ += write_areas_of(summary.atom_areas, check) + write_box();
   require_memory_within(request_.parameters.max_memory);
   files_->commit(check);
   if (run_.checkpoint)
     run_.checkpoint->remove();
   else
     files_->remove_checkpoint();
-  summary.bytes_written = bytes;
+  summary.bytes_written = bytes_;
 }
 
 }  // namespace eses::detail

@@ -30,17 +30,20 @@ class RunFiles {
   RunMesh* mesh() { return mesh_ ? &*mesh_ : nullptr; }
   /// The sink of a sweep in place.
   Sink& sink() { return sinks_; }
-  /// Finishes the mesh, completes all files, and gives them their final names. `merge` has the
-  /// chunks of the run; it is null after a sweep in place. Sets the number of written bytes and the
-  /// counts of the mesh in the summary, whose areas are written. `check` is called repeatedly, and
-  /// may end the run by an exception.
-  void finish(Merge* merge, const std::function<void()>& check, Summary& summary);
+
+  // `check` is called repeatedly, and may end the run by an exception.
+
+  /// Takes the contents of all chunks, in place of those of a sweep.
+  void join(Merge& chunks, const std::function<void()>& check);
+  /// Finishes the mesh, completes all files, and gives them their final names. Sets the number of
+  /// written bytes and the counts of the mesh in the summary, whose areas are written.
+  void finish(const std::function<void()>& check, Summary& summary);
 
  private:
   OutputFile& file(RunFile which) { return *files_->find(which); }
   void add_sinks();
-  std::uint64_t write_text(Merge* merge, RunFile which, ChunkText text, const PieceTextSink* sink);
-  std::uint64_t write_maps(Merge* merge, const std::function<void()>& check);
+  void finish_text(RunFile which, std::uint64_t bytes);
+  void write(GridMap& map, const std::function<void()>& check);
   std::uint64_t write_areas_of(std::span<const double> areas, const std::function<void()>& check);
   std::uint64_t write_box();
 
@@ -49,8 +52,10 @@ class RunFiles {
   std::unique_ptr<OutputFiles> files_;
   std::optional<RunMesh> mesh_;
   Sinks sinks_;
+  // Of a sweep in place.
   PieceTextSink *grid_ = nullptr, *edges_ = nullptr;
-  std::deque<GridMap> maps_;  // of a sweep in place; with chunks, one after the other is made
+  std::deque<GridMap> maps_;
+  std::uint64_t bytes_ = 0;  // written so far
 };
 
 }  // namespace eses::detail
