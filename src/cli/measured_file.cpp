@@ -171,6 +171,7 @@ void add_reports(const MeasureCommandOptions& options, const ReadOptions& readin
 }  // namespace
 
 ReportedTable::ReportedTable(const MeasuredFile& file) : reference_(file.reference) {
+  chains_.assign(file.label_chains().begin(), file.label_chains().end());
   std::set<AtomIndex> indices;
   for (const ReportedAtoms& report : file.reports)
     indices.insert(report.atoms.begin(), report.atoms.end());
@@ -189,6 +190,7 @@ ReportedTable::ReportedTable(const MeasuredFile& file) : reference_(file.referen
 MeasuredAtoms ReportedTable::table() const {
   MeasuredAtoms atoms{atoms_, labels_, FileIndices(file_indices_), areas_, gradients_, {}, {}, {}};
   atoms.reference = reference_;
+  atoms.chains = chains_;
   return atoms;
 }
 
@@ -198,11 +200,17 @@ double MeasuredFile::buried(double Measures::*area) const {
   return sum;
 }
 
+std::span<const ChainName> MeasuredFile::label_chains() const {
+  if (!structure || structure->chain_names != ChainNames::label) return {};
+  return structure->chains;
+}
+
 MeasuredAtoms MeasuredFile::table() const {
   MeasuredAtoms atoms{surface.atoms(),  surface.labels(),   FileIndices(file_indices),
                       measures.by_atom, measures.gradients, measures.cavities,
                       measures.pieces,  pockets.pockets};
   atoms.reference = reference;
+  atoms.chains = label_chains();
   if (parts.empty()) return atoms;
   atoms.areas_alone = &areas_alone;
   atoms.parts = part_of_atom;

@@ -66,6 +66,9 @@ struct MeasuredFile {
   /// Sum of an area of the parts minus the area of the complex, in square angstrom.
   double buried(double Measures::*area) const;
 
+  /// Both names of the chains, if the labels have those of label_asym_id.
+  std::span<const ChainName> label_chains() const;
+
   MeasuredAtoms table() const;
 };
 
@@ -84,6 +87,7 @@ class ReportedTable {
   eses::AtomAreas areas_;
   Gradients gradients_;
   std::optional<AreaReference> reference_;
+  std::vector<ChainName> chains_;
 };
 
 /// Reads and measures an input. Throws Error if it cannot be read, or if it lacks a chain of a

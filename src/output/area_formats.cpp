@@ -195,12 +195,14 @@ void append_cif(const MeasuredAtoms& atoms, BufferedText& text) {
     const Vec3 center = atoms.atoms[i].center;
     const auto [number, icode] = split_number(label.residue_number);
     const std::string name = cif_text(label.atom_name), residue = cif_text(label.residue),
-                      chain = cif_text(label.chain);
+                      chain = cif_text(label.chain),
+                      auth = atoms.chains.empty() ? chain
+                                                  : cif_text(std::string(auth_chain(atoms, label)));
     text.append("{} {} {} {} . {} {} . . {} {:.3f} {:.3f} {:.3f} 1.00 {:.6f} {} {} {} {} 1\n",
                 record_of(label), serial_number(atoms, static_cast<AtomIndex>(i)),
                 label.element.empty() ? "X" : label.element, name, residue, chain,
                 icode.empty() ? "?" : icode, center.x, center.y, center.z, atoms.areas.sas[i],
-                number.empty() ? "." : number, residue, chain, name);
+                number.empty() ? "." : number, residue, auth, name);
   }
   text.append("#\n");
 }

@@ -77,7 +77,20 @@ std::string relative_sas(const MeasuredAtoms& atoms, const AtomLabel& label, dou
   return max ? formatted("{:.6f}", sas_area / *max) : "";
 }
 
+std::string_view auth_column(const MeasuredAtoms& atoms) {
+  return atoms.chains.empty() ? "" : ",auth_chain";
+}
+
+std::string auth_field(const MeasuredAtoms& atoms, const AtomLabel& label) {
+  return atoms.chains.empty() ? "" : "," + csv_field(auth_chain(atoms, label));
+}
+
 }  // namespace
+
+std::string_view auth_chain(const MeasuredAtoms& atoms, const AtomLabel& label) {
+  const auto found = std::ranges::find(atoms.chains, label.chain, &ChainName::label);
+  return found == atoms.chains.end() ? std::string_view() : std::string_view(found->auth);
+}
 
 std::uint64_t serial_number(const MeasuredAtoms& atoms, AtomIndex i) {
   return std::uint64_t{as_number(atoms.file_indices[i])} + 1;
@@ -114,33 +127,34 @@ std::optional<double> max_sas_area(const MeasuredAtoms& atoms, std::string_view 
 }
 
 void append_measured_atoms(const MeasuredAtoms& atoms, BufferedText& text) {
-  text.append("serial,name,residue,residue_number,chain,element,x,y,z,radius,{}{}\n",
-              area_columns(atoms), part_columns(atoms));
+  text.append("serial,name,residue,residue_number,chain,element,x,y,z,radius,{}{}{}\n",
+              area_columns(atoms), part_columns(atoms), auth_column(atoms));
   for (std::size_t i = 0; i < atoms.atoms.size(); ++i) {
     AreaSums sums;
     sums.add(atoms, i);
     const AtomLabel label = atoms.labels.empty() ? AtomLabel() : atoms.labels[i];
     const auto& [center, radius] = atoms.atoms[i];
-    text.append("{},{},{},{},{},{},{},{},{},{},{}{}\n",
+    text.append("{},{},{},{},{},{},{},{},{},{},{}{}{}\n",
                 serial_number(atoms, static_cast<AtomIndex>(i)), csv_field(label.atom_name),
                 csv_field(label.residue), csv_field(label.residue_number), csv_field(label.chain),
                 csv_field(label.element), center.x, center.y, center.z, radius,
-                area_fields(atoms, sums), part_fields(atoms, sums));
+                area_fields(atoms, sums), part_fields(atoms, sums), auth_field(atoms, label));
   }
 }
 
 void append_measured_residues(const MeasuredAtoms& atoms, BufferedText& text) {
-  text.append("chain,residue_number,residue,atoms,{},relative_sas_area{}\n", area_columns(atoms),
-              part_columns(atoms));
+  text.append("chain,residue_number,residue,atoms,{},relative_sas_area{}{}\n", area_columns(atoms),
+              part_columns(atoms), auth_column(atoms));
   const ResidueRuns runs = residue_runs(atoms.labels);
   std::size_t atom = 0;
   for (std::size_t run = 0; run < runs.labels.size(); ++run) {
     AreaSums sums;
     for (const std::size_t end = atom + runs.atoms[run]; atom < end; ++atom) sums.add(atoms, atom);
     const AtomLabel& label = runs.labels[run];
-    text.append("{},{},{},{},{},{}{}\n", csv_field(label.chain), csv_field(label.residue_number),
+    text.append("{},{},{},{},{},{}{}{}\n", csv_field(label.chain), csv_field(label.residue_number),
                 csv_field(label.residue), runs.atoms[run], area_fields(atoms, sums),
-                relative_sas(atoms, label, sums.sas), part_fields(atoms, sums));
+                relative_sas(atoms, label, sums.sas), part_fields(atoms, sums),
+                auth_field(atoms, label));
   }
 }
 

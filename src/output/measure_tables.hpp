@@ -15,6 +15,8 @@
 /// atoms with the same chain, number and name. `relative_sas_area` is empty for other residues than
 /// the 20 amino acids of max_sas_area.
 ///
+/// If MeasuredAtoms::chains is not empty, the last column of atoms and residues is `auth_chain`.
+///
 /// Chains: `chain,residues,atoms,...`, a line for each chain, in the order of first occurrence.
 ///
 /// Derivatives: `serial`, and for each of SES area, SES volume, SAS area and SAS volume the
@@ -33,6 +35,7 @@
 #include "eses/cavities.hpp"
 #include "eses/measure.hpp"
 #include "eses/pockets.hpp"
+#include "eses/read_atoms.hpp"
 #include "eses/residue_areas.hpp"
 #include "input/file_index.hpp"
 #include "output/buffered_text.hpp"
@@ -67,7 +70,13 @@ struct MeasuredAtoms {
   std::span<const std::string> part_names = {};
   /// Maxima of relative areas; nothing if the probe is not theirs.
   std::optional<AreaReference> reference = AreaReference::tien;
+  /// Both names of the chains, if the labels have those of label_asym_id; else empty.
+  std::span<const ChainName> chains = {};
 };
+
+/// Returns the chain of a label in auth_asym_id; empty if it is unknown, as of copies in an
+/// assembly.
+std::string_view auth_chain(const MeasuredAtoms& atoms, const AtomLabel& label);
 
 /// Returns the maximum area of a residue by the reference of a table; nothing if there is none.
 std::optional<double> max_sas_area(const MeasuredAtoms& atoms, std::string_view residue);

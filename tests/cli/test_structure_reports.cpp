@@ -194,6 +194,29 @@ TEST_CASE("diagnostics name the atoms of PDB files", "[structure][cli]") {
   check_json(sandbox, json.out, "r['diagnostics'][0]['first'][0]['other_label']", "'A/ALA 33/CA'");
 }
 
+TEST_CASE("tables with chains by label_asym_id have both names", "[structure][cli]") {
+  const Sandbox sandbox;
+  write_file(sandbox.directory() / "m.cif", mmcif_head +
+                                                "ATOM 1 C CA . ALA A 1 1 ? 1 2 3 1.0 20 1 H 1\n"
+                                                "HETATM 2 ZN ZN . ZN B 2 . ? 9 2 3 1.0 20 2 H 1\n");
+  const auto residues = [&](const std::string& names) {
+    const Outcome outcome = sandbox.run(
+        {"measure", "--surface", "sas", "m.cif", "--table", "residues", "--chain-names", names});
+    REQUIRE(outcome.code == 0);
+    return outcome.out;
+  };
+  const std::string auth = residues("auth"), label = residues("label");
+  CHECK(contains(auth, "relative_sas_area\nH,1,ALA,1,"));
+  CHECK(contains(label, "relative_sas_area,auth_chain\nA,1,ALA,1,"));
+  CHECK(contains(label, ",H\nB,2,ZN,1,"));
+  const Outcome json = sandbox.run({"measure", "--chain-names", "label", "--json", "m.cif"});
+  check_json(sandbox, json.out, "r['structure']['chains'][1]", "{'auth': 'H', 'label': 'B'}");
+  REQUIRE(sandbox.run({"measure", "m.cif", "--write", "cif", "--chain-names", "label"}).code == 0);
+  const std::string written = read_file(sandbox.directory() / "m.areas.cif");
+  CHECK(contains(written, "ZN . ZN B . . ? "));
+  CHECK(contains(written, " 2 ZN H ZN 1\n"));
+}
+
 TEST_CASE("options of structure files are refused for xyzr files", "[structure][cli]") {
   const Sandbox sandbox;
   write_file(sandbox.directory() / "a.xyzr", "0 0 0 1\n");
