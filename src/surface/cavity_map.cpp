@@ -50,6 +50,7 @@ CavityMap::CavityMap(const SurfaceModel& surface, const Components& components,
   add_atoms(surface, components, number_of);
   add_placements(surface, components, number_of);
   add_surroundings(surface, components);
+  index_boxes();
 }
 
 // A probe centre that is extreme in some direction touches an atom whose centre is farther in this
@@ -87,11 +88,16 @@ void CavityMap::add_atoms(const SurfaceModel& surface, const Components& compone
 // in the cavity. Rounding would decide whether the direction to the probe is in another face.
 void CavityMap::add_placements(const SurfaceModel& surface, const Components& components,
                                std::span<const ComponentNumber> number_of) {
+  struct Placement {
+    Vec3 center;
+    ComponentNumber component{};
+  };
+  std::vector<Placement> placements;
   std::vector<std::pair<AtomIndex, WallAtom::Contact>> contacts;
   for (const auto& [center, wall] : components.placements) {
     const ComponentNumber component = number_of[as_number(components[wall].component)];
     if (component == outside_component) continue;
-    placements_.push_back({center, component});
+    placements.push_back({center, component});
     box_of(component).include(center);
     for (const AtomIndex i : touched_atoms(surface, center)) {
       const WallAtom* const atom = find(i);
@@ -104,18 +110,29 @@ void CavityMap::add_placements(const SurfaceModel& surface, const Components& co
         contacts.push_back({i, {normalized(center - surface.atoms[i].center), component}});
     }
   }
-  std::sort(placements_.begin(), placements_.end(),
+  std::sort(placements.begin(), placements.end(),
             [](const Placement& a, const Placement& b) { return a.center.x < b.center.x; });
+  auto indexed = std::make_shared<Placements>();
+  for (const Placement& placement : placements) {
+    indexed->centers.push_back(placement.center);
+    indexed->components.push_back(placement.component);
+  }
+  indexed->tree.reset(indexed->centers);
+  placements_ = std::move(indexed);
   add_contacts(contacts);
 }
 
 void CavityMap::add_contacts(std::span<const std::pair<AtomIndex, WallAtom::Contact>> contacts) {
+  std::vector<AtomIndex> added;
   for (const auto& [i, contact] : contacts)
-    if (find(i) == nullptr) {
-      index_.emplace_back(i, static_cast<std::uint32_t>(atoms_.size()));
-      atoms_.emplace_back();
-      std::sort(index_.begin(), index_.end());
-    }
+    if (find(i) == nullptr) added.push_back(i);
+  std::sort(added.begin(), added.end());
+  added.erase(std::unique(added.begin(), added.end()), added.end());
+  for (const AtomIndex i : added) {
+    index_.emplace_back(i, static_cast<std::uint32_t>(atoms_.size()));
+    atoms_.emplace_back();
+  }
+  std::sort(index_.begin(), index_.end());
   for (const auto& [i, contact] : contacts) {
     const auto found =
         std::lower_bound(index_.begin(), index_.end(), std::pair(i, std::uint32_t{0}));
@@ -171,6 +188,19 @@ void CavityMap::keep_only(ComponentNumber component) {
   choose_boxes();
 }
 
+void CavityMap::index_boxes() {
+  auto indexed = std::make_shared<Middles>();
+  for (const Box& box : boxes_) {
+    const bool is_empty = box.low.x > box.high.x;
+    indexed->middles.push_back(is_empty ? Vec3{} : 0.5 * (box.low + box.high));
+    if (!is_empty)
+      indexed->max_half_diagonal =
+          std::max(indexed->max_half_diagonal, 0.5 * norm(box.high - box.low));
+  }
+  indexed->tree.reset(indexed->middles);
+  middles_ = std::move(indexed);
+}
+
 void CavityMap::choose_boxes() {
   boxes_unlike_outside_.clear();
   for (std::size_t k = 0; k < boxes_.size(); ++k)
@@ -221,9 +251,11 @@ bool CavityMap::is_filled(const WallAtom* atom) const {
 // `outside_component` if it is not near the cavities.
 ComponentNumber CavityMap::component_near(Vec3 center) const {
   const Vec3 here = center - offset_;
-  const bool is_near = std::any_of(boxes_.begin(), boxes_.end(), [&](const Box& box) {
-    return overlap(grown(box, same), {here, here});
-  });
+  bool is_near = false;
+  middles_->tree.for_each_within(
+      here, middles_->max_half_diagonal + look_up_slack, [&](std::uint32_t k) {
+        is_near = is_near || overlap(grown(boxes_[k], same), {here, here});
+      });
   std::vector<AtomIndex> found;
   return is_near ? locate(center, found).component : outside_component;
 }
@@ -247,12 +279,10 @@ ComponentNumber CavityMap::component_of(const SurfaceModel& surface, const Arc& 
 
 ComponentNumber CavityMap::component_of_placement(Vec3 center) const {
   center = center - offset_;
-  auto near =
-      std::lower_bound(placements_.begin(), placements_.end(), center.x - same,
-                       [](const Placement& placement, double x) { return placement.center.x < x; });
-  for (; near != placements_.end() && near->center.x <= center.x + same; ++near)
-    if (squared_norm(near->center - center) <= same * same) return near->component;
-  return outside_component;
+  std::uint32_t first = none;
+  placements_->tree.for_each_within(center, same,
+                                    [&](std::uint32_t k) { first = std::min(first, k); });
+  return first != none ? placements_->components[first] : outside_component;
 }
 
 // A placement in a window that a probe just fits need not be known by its centre.

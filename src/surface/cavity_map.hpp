@@ -18,6 +18,7 @@
 #include "geometry/box.hpp"
 #include "surface/atom_tree.hpp"
 #include "surface/components.hpp"
+#include "surface/point_tree.hpp"
 #include "surface/surface_model.hpp"
 
 namespace eses::detail {
@@ -120,9 +121,18 @@ class CavityMap {
  private:
   static constexpr std::uint32_t none = 0xffffffff;
 
-  struct Placement {
-    Vec3 center;
-    ComponentNumber component{};
+  // Placements of the cavities, in the order of x, with a spatial index.
+  struct Placements {
+    std::vector<Vec3> centers;
+    std::vector<ComponentNumber> components;
+    PointTree tree;
+  };
+
+  // The middles of boxes, with a spatial index.
+  struct Middles {
+    std::vector<Vec3> middles;
+    double max_half_diagonal = 0;
+    PointTree tree;
   };
 
   // SAS balls with a spatial index, which refers to them.
@@ -139,6 +149,7 @@ class CavityMap {
                       std::span<const ComponentNumber> number_of);
   void add_contacts(std::span<const std::pair<AtomIndex, WallAtom::Contact>> contacts);
   void add_surroundings(const SurfaceModel& surface, const Components& components);
+  void index_boxes();
   void choose_boxes();
   Box& box_of(ComponentNumber cavity) { return boxes_[as_number(cavity) - std::size_t{1}]; }
   ComponentNumber component_near(Vec3 center) const;
@@ -156,7 +167,8 @@ class CavityMap {
   std::vector<Box> boxes_, boxes_unlike_outside_;  // around probe centres; `boxes_` by cavity
   std::vector<WallAtom> atoms_;
   std::vector<std::pair<AtomIndex, std::uint32_t>> index_;  // indices into `atoms_`, by atom
-  std::vector<Placement> placements_;                       // of the cavities, in the order of x
+  std::shared_ptr<const Placements> placements_;
+  std::shared_ptr<const Middles> middles_;   // of `boxes_`
   std::shared_ptr<const Balls> balls_;       // of the atoms, and of other atoms that they meet
   std::vector<std::uint32_t> atom_of_ball_;  // index into `atoms_`, or `none`
 };

@@ -11,7 +11,6 @@
 #include "surface/measure_patches.hpp"
 #include "surface/near_origin.hpp"
 #include "surface/patch_sweep.hpp"
-#include "surface/void_volumes.hpp"
 
 namespace eses::detail {
 namespace {
@@ -75,13 +74,14 @@ std::shared_ptr<ScheduledSurface> schedule_patches(const Molecule& molecule, dou
 }
 
 std::shared_ptr<const CavityMap> find_cavities(const std::shared_ptr<ScheduledSurface>& surface,
-                                               const MeasureSettings& settings) {
+                                               const MeasureSettings& settings,
+                                               MeasuredVoids& measured) {
   const SurfaceModel& model = surface->surface;
   const std::optional<Components> components = sweep_components(surface, settings);
   if (!components)
     return find_cavities(schedule_patches(consistent_surface(model.molecule, settings), false),
-                         settings);
-  const std::vector<Cavity> cavities = measure_voids(model, settings, *components);
+                         settings, measured);
+  const std::vector<Cavity> cavities = measure_voids(model, settings, *components, measured);
   std::vector<ComponentNumber> number_of(components->count);
   std::vector<double> volumes;
   for (const std::size_t c : order_by_void(cavities)) {
@@ -99,7 +99,8 @@ FoundCavities find_cavities(const Molecule& molecule, const MeasureSettings& set
   if (is_far_away(molecule)) return find_far_cavities(molecule, settings, keeps_patches);
   auto surface = schedule_patches(SurfaceModel(molecule, settings.probe_radius), keeps_patches);
   if (keeps_patches) surface->schedule.keep_passed();
-  FoundCavities found{find_cavities(surface, settings), nullptr};
+  MeasuredVoids measured;
+  FoundCavities found{find_cavities(surface, settings, measured), nullptr};
   if (!keeps_patches) return found;
   surface->schedule.rewind();
   if (found.map->has_filled()) {

@@ -7,6 +7,7 @@
 #include "surface/measure_settings.hpp"
 #include "surface/molecule.hpp"
 #include "surface/patch_schedule.hpp"
+#include "surface/void_volumes.hpp"
 
 namespace eses::detail {
 
@@ -30,8 +31,9 @@ struct FoundCavities {
 FoundCavities find_cavities(const Molecule& molecule, const MeasureSettings& settings,
                             bool keeps_patches);
 
-/// Does the same for a surface whose patches have not been built.
+/// Does the same for a surface whose patches have not been built. See measure_voids for `measured`.
 std::shared_ptr<const CavityMap> find_cavities(const std::shared_ptr<ScheduledSurface>& surface,
-                                               const MeasureSettings& settings);
+                                               const MeasureSettings& settings,
+                                               MeasuredVoids& measured);
 
 }  // namespace eses::detail

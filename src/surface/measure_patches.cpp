@@ -185,24 +185,27 @@ class PatchMeasurement {
   std::vector<ClusterTerms> terms_;      // by cluster that is measured
 };
 
-// Schedules the measurement of a surface, without the cavities that are filled.
+// Schedules the measurement of a surface, without the cavities that are filled. All measurements of
+// a molecule share the voids of its cavities.
 std::unique_ptr<PatchMeasurement> make_measurement(const Molecule& molecule,
                                                    const MeasureSettings& settings,
-                                                   const Accessibility& accessibility) {
+                                                   const Accessibility& accessibility,
+                                                   MeasuredVoids& voids) {
   SurfaceModel surface(molecule, settings.probe_radius - accessibility.shrinkage);
   surface.has_slack = accessibility.has_slack;
   if (settings.max_filled_void)
-    surface.cavities = find_cavities(schedule_patches(surface, false), settings);
+    surface.cavities = find_cavities(schedule_patches(surface, false), settings, voids);
   return std::make_unique<PatchMeasurement>(schedule_patches(surface, false), settings,
                                             accessibility.same_placement);
 }
 
 // Returns the measurement without slack and with shrinkage whose patches fit together best.
 std::unique_ptr<PatchMeasurement> measure_with_shrinkage(const Molecule& molecule,
-                                                         const MeasureSettings& settings) {
+                                                         const MeasureSettings& settings,
+                                                         MeasuredVoids& voids) {
   std::unique_ptr<PatchMeasurement> best;
   for (const Accessibility& accessibility : without_slack) {
-    auto next = make_measurement(molecule, settings, accessibility);
+    auto next = make_measurement(molecule, settings, accessibility, voids);
     next->run();
     if (best && next->closure().excess() >= best->closure().excess()) continue;
     best = std::move(next);
@@ -215,10 +218,11 @@ std::unique_ptr<PatchMeasurement> measure_with_shrinkage(const Molecule& molecul
 // arcs by its square root. The exact radii have no such error. They decide, unless a gap is open
 // only with the shrinkage, or rounding decides.
 std::unique_ptr<PatchMeasurement> measure_without_slack(const Molecule& molecule,
-                                                        const MeasureSettings& settings) {
-  auto best = measure_with_shrinkage(molecule, settings);
+                                                        const MeasureSettings& settings,
+                                                        MeasuredVoids& voids) {
+  auto best = measure_with_shrinkage(molecule, settings, voids);
   best->require_closed();
-  auto with_exact_radii = make_measurement(molecule, settings, exact);
+  auto with_exact_radii = make_measurement(molecule, settings, exact, voids);
   if (!with_exact_radii->run() || !with_exact_radii->is_near(*best)) return best;
   with_exact_radii->take_gradients(*best);
   return with_exact_radii;
@@ -227,16 +231,18 @@ std::unique_ptr<PatchMeasurement> measure_without_slack(const Molecule& molecule
 // Completes a measurement with slack, or returns one without slack if a decision depends on it.
 std::unique_ptr<PatchMeasurement> measure_consistently(const Molecule& molecule,
                                                        const MeasureSettings& settings,
-                                                       std::unique_ptr<PatchMeasurement> first) {
+                                                       std::unique_ptr<PatchMeasurement> first,
+                                                       MeasuredVoids voids = {}) {
   if (first->run()) return first;
   first.reset();
-  return measure_without_slack(molecule, settings);
+  return measure_without_slack(molecule, settings, voids);
 }
 
 std::unique_ptr<PatchMeasurement> measure_consistently(const Molecule& molecule,
                                                        const MeasureSettings& settings) {
-  return measure_consistently(molecule, settings,
-                              make_measurement(molecule, settings, Accessibility()));
+  MeasuredVoids voids;
+  auto first = make_measurement(molecule, settings, Accessibility(), voids);
+  return measure_consistently(molecule, settings, std::move(first), std::move(voids));
 }
 
 }  // namespace
@@ -286,7 +292,8 @@ SurfaceModel consistent_surface(const Molecule& molecule, const MeasureSettings&
   with_cavities.cavities = true;
   with_cavities.largest_probes = false;
   with_cavities.max_filled_void.reset();
-  return measure_with_shrinkage(molecule, with_cavities)->surface();
+  MeasuredVoids voids;  // nothing is filled
+  return measure_with_shrinkage(molecule, with_cavities, voids)->surface();
 }
 
 Components find_components(const Molecule& molecule, const MeasureSettings& settings) {

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "geometry/box.hpp"
+#include "surface/point_tree.hpp"
 
 namespace eses::detail {
 namespace {
@@ -48,11 +49,32 @@ double largest_difference(const Box& a, const Box& b) {
   return largest;
 }
 
+// Measures the cavities between some atoms, unless they have been measured.
+void measure_cavities(const SurfaceModel& surface, const MeasureSettings& settings,
+                      std::vector<AtomIndex> chosen, MeasuredVoids& measured) {
+  if (measured.atoms == chosen) return;
+  std::vector<Atom> atoms;
+  for (const AtomIndex i : chosen) atoms.push_back(surface.atoms[i]);
+  measured.cavities =
+      measure_patches(Molecule(std::move(atoms)), {.probe_radius = settings.probe_radius,
+                                                   .cavities = true,
+                                                   .threads = settings.threads,
+                                                   .check = settings.check,
+                                                   .largest_probes = false})
+          .cavities;
+  for (Cavity& cavity : measured.cavities)
+    for (AtomIndex& i : cavity.atoms) i = chosen[i];
+  measured.atoms = std::move(chosen);
+}
+
+// The lowest corner of a box. All empty boxes have the same one.
+Vec3 corner_of(const Box& box) { return std::isfinite(box.low.x) ? box.low : Vec3{}; }
+
 }  // namespace
 
 // Only atoms with faces in a cavity matter for it: without the others, it is still a component.
 std::vector<Cavity> measure_voids(const SurfaceModel& surface, const MeasureSettings& settings,
-                                  const Components& components) {
+                                  const Components& components, MeasuredVoids& measured) {
   const std::vector<ComponentShape> shapes = shapes_of(surface, components);
   std::vector<AtomIndex> chosen;
   for (const ComponentShape& shape : shapes)
@@ -60,17 +82,13 @@ std::vector<Cavity> measure_voids(const SurfaceModel& surface, const MeasureSett
   std::sort(chosen.begin(), chosen.end());
   chosen.erase(std::unique(chosen.begin(), chosen.end()), chosen.end());
   if (chosen.empty()) return {};
-  std::vector<Atom> atoms;
-  for (const AtomIndex i : chosen) atoms.push_back(surface.atoms[i]);
-  std::vector<Cavity> found =
-      measure_patches(Molecule(std::move(atoms)), {.probe_radius = settings.probe_radius,
-                                                   .cavities = true,
-                                                   .threads = settings.threads,
-                                                   .check = settings.check,
-                                                   .largest_probes = false})
-          .cavities;
-  for (Cavity& cavity : found)
-    for (AtomIndex& i : cavity.atoms) i = chosen[i];
+  measure_cavities(surface, settings, std::move(chosen), measured);
+  const std::vector<Cavity>& found = measured.cavities;
+  std::vector<Vec3> corners;
+  for (const Cavity& cavity : found) corners.push_back(corner_of({cavity.low, cavity.high}));
+  PointTree tree;
+  tree.reset(corners);
+  std::vector<std::uint32_t> near;
   std::vector<Cavity> cavities;
   for (std::size_t c = 1; c < shapes.size(); ++c) {
     // The void is that of the cavity with nearly the same box. Of nearly equal atoms, rounding
@@ -81,7 +99,12 @@ std::vector<Cavity> measure_voids(const SurfaceModel& surface, const MeasureSett
     Cavity& cavity = cavities.emplace_back();
     cavity.void_volume = 4 * std::numbers::pi / 3 * std::pow(settings.probe_radius, 3);
     cavity.atoms = shapes[c].atoms;
-    for (const Cavity& candidate : found) {
+    near.clear();
+    tree.for_each_within(corner_of(box), 2 * same_shape,
+                         [&](std::uint32_t k) { near.push_back(k); });
+    std::sort(near.begin(), near.end());
+    for (const std::uint32_t k : near) {
+      const Cavity& candidate = found[k];
       if (std::none_of(candidate.atoms.begin(), candidate.atoms.end(),
                        [&](AtomIndex i) { return std::binary_search(own.begin(), own.end(), i); }))
         continue;
