@@ -14,7 +14,7 @@ namespace {
 // The positions of placements nearer to each other than this are computed with more digits
 // (angstrom). The difference of rounded positions has a relative error of the rounding error
 // divided by the distance.
-constexpr double close_placements = 1e-6;
+constexpr double close_placements = 1e-4;
 
 // Placements nearer than this do not cut each other's patches if their direction is not known
 // (angstrom). doc/algorithm.md bounds the error.
@@ -24,6 +24,11 @@ constexpr double min_cutting_distance = 3e-8;
 // fraction of the distance of the placements). The values are far above rounding errors, so no cap
 // that cuts it is missed.
 constexpr double meeting_slack = 1e-9, meeting_fraction = 1e-3;
+
+// A difference smaller than this fraction of its terms has lost digits. Two placements at the ends
+// of a short arc cut each other, but their direction is almost perpendicular to the planes of both
+// cones at the arc.
+constexpr double cancelled = 1e-3;
 
 // The mean of unit vectors has a direction if their sum is longer than this.
 constexpr double min_mean_length = 0.1;
@@ -61,7 +66,10 @@ bool may_cut(Vec3 to_other, double squared, double probe, const ConcavePatch& pa
     const double height = dot(to_other, plane.axis);
     if (height <= 0) continue;
     is_within = false;
-    if ((squared - height * height) * limit <= squared * squared) return false;
+    double squared_across = squared - height * height;
+    if (squared_across < cancelled * squared)
+      squared_across = squared_norm(cross(to_other, plane.axis));
+    if (squared_across * limit <= squared * squared) return false;
   }
   if (is_within) return true;
   const double slack = std::min(meeting_slack, meeting_fraction * std::sqrt(squared));

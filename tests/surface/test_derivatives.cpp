@@ -466,6 +466,23 @@ TEST_CASE("measure: the volume around probes that almost fit has no force") {
   }
 }
 
+// Each square of the lattice holds two placements at the ends of a short arc, which cut each other.
+// Far from the origin, positions of placements have fewer digits.
+TEST_CASE("measure: the volume around a noisy lattice has no force") {
+  Random random(80);
+  for (const double noise : {1e-8, 1e-7, 3e-6}) {
+    std::vector<Atom> atoms = make_cube(3, 4, 1);
+    for (Atom& atom : atoms)
+      for (std::size_t axis = 0; axis < 3; ++axis)
+        atom.center[axis] += 43.7 + noise * random.uniform(-1, 1);
+    const Measures measures = measure_atoms(atoms, 3, {.gradients = true});
+    Vec3 force;
+    for (const Vec3 by_center : measures.gradients.ses_volume.centers) force = force + by_center;
+    INFO("noise " << noise);
+    CHECK(norm(force) < 1e-10);
+  }
+}
+
 // With SAS spheres that are smaller by the tolerance of accessibility, these meet in one point
 // within rounding errors.
 TEST_CASE("measure: the volume of a ring that a probe fits by the tolerance has no force") {
