@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <map>
 #include <optional>
@@ -65,6 +66,48 @@ struct Cell {
 struct SettledBall {
   Vec3 center;
   double radius;
+
+  bool contains(Vec3 point, double distance) const {
+    return norm(point - center) + distance <= radius;
+  }
+};
+
+// Settled balls, in lists of the cubes that they meet. The sides of the cubes are powers of two:
+// for each ball the smallest one above its radius, so that it meets at most 27 cubes.
+class SettledBalls {
+ public:
+  void add(const SettledBall& ball) {
+    const int level = std::ilogb(ball.radius) + 1;
+    if (std::find(levels_.begin(), levels_.end(), level) == levels_.end()) levels_.push_back(level);
+    const Vec3 half{ball.radius, ball.radius, ball.radius};
+    const Cube low = cube_at(ball.center - half, level), high = cube_at(ball.center + half, level);
+    for (std::int64_t x = low[1]; x <= high[1]; ++x)
+      for (std::int64_t y = low[2]; y <= high[2]; ++y)
+        for (std::int64_t z = low[3]; z <= high[3]; ++z) balls_[{level, x, y, z}].push_back(ball);
+  }
+
+  // Returns whether one of the balls contains all points within a distance.
+  bool contain(Vec3 point, double distance) const {
+    return std::any_of(levels_.begin(), levels_.end(), [&](int level) {
+      const auto found = balls_.find(cube_at(point, level));
+      return found != balls_.end() &&
+             std::any_of(found->second.begin(), found->second.end(),
+                         [&](const SettledBall& ball) { return ball.contains(point, distance); });
+    });
+  }
+
+ private:
+  using Cube = std::array<std::int64_t, 4>;  // level and position
+
+  static Cube cube_at(Vec3 point, int level) {
+    const auto along = [&](double x) {
+      return static_cast<std::int64_t>(std::floor(std::ldexp(x, -level)));
+    };
+    return {level, along(point.x), along(point.y), along(point.z)};
+  }
+
+  std::vector<int> levels_;
+  std::map<Cube, std::vector<SettledBall>> balls_;
 };
 
 // Solves the equations rows . x = right, if they are well conditioned.
@@ -154,11 +197,7 @@ class Search {
     return wall ? std::optional(components_[*wall].component) : std::nullopt;
   }
 
-  bool is_settled(Vec3 center, double size) const {
-    return std::any_of(settled_.begin(), settled_.end(), [&](const SettledBall& ball) {
-      return norm(center - ball.center) + size <= ball.radius;
-    });
-  }
+  bool is_settled(Vec3 center, double size) const { return settled_.contain(center, size); }
 
   // Sets the gaps of a cell, and the gaps of its centre to all atoms. Returns whether the cell can
   // improve the result; if not, the gaps are incomplete.
@@ -287,7 +326,7 @@ class Search {
     for (const NearAtom& atom : atoms)
       min_distance = std::min(min_distance, norm(point - atom.center));
     const SettledBall ball{point, 1.999 * depth * min_distance};
-    if (!is_settled(point, ball.radius)) settled_.push_back(ball);
+    if (!is_settled(point, ball.radius)) settled_.add(ball);
   }
 
   const SurfaceModel& surface_;
@@ -297,7 +336,7 @@ class Search {
   std::vector<NearAtom> all_;
   std::vector<Cell> open_;    // a heap
   std::vector<double> gaps_;  // scratch memory of `add`
-  std::vector<SettledBall> settled_;
+  SettledBalls settled_;
   std::map<std::array<AtomIndex, 4>, double> tried_;  // size of the last cell that tried atoms
   LargestProbe best_;
   int evaluations_ = 0;
