@@ -77,7 +77,7 @@ void check_far_atoms(const Surface& surface, const GridOptions& grid, bool are_a
     throw py::value_error(describe(*far) +
                           "; leave out atoms that do not belong to the molecule, or give "
                           "allow_far_atoms=True");
-  if (!far->atoms.empty()) warn(describe(*far));
+  warn(describe(*far));
 }
 
 }  // namespace eses::python

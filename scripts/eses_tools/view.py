@@ -36,6 +36,7 @@ meshes = open_dx = page = None  # imported after --help and the checks of the ar
 MIN_SPACING = 0.25  # angstrom, of structures without --spacing
 MAX_TRIANGLES = 1e6  # of a structure without --spacing
 MAX_NAMES = 8  # of residues in a message
+SURFACE_ONLY = {"--allow-far-atoms"}  # arguments after -- that the areas do not take
 TRIANGLES_PER_CELL = 3  # of surface whose area is the square of the spacing
 
 
@@ -213,7 +214,7 @@ def read_structure(options, path, folder, ligands=()):
     show(f"surface of {path}")
     mesh = folder / "surface.ply"
     margin = 2 * spacing  # does not cut the surface
-    messages = run_program([options.program, *reading, "--probe-radius", options.probe_radius,
+    messages = run_program([options.program, *reading, *options.surface_arguments, "--probe-radius", options.probe_radius,
                             "--spacing", spacing, "--margin", margin, "--json", "--write", "none",
                             "--independent", "-o", folder, "--mesh", mesh, "--color", "component"],
                            folder)
@@ -357,7 +358,8 @@ def parse():
                         help="path of eses-blocks (default: the one beside this script, or "
                              "build/eses-blocks)")
     options = parser.parse_args(arguments[:at])
-    options.arguments = arguments[at + 1:]
+    options.arguments = [each for each in arguments[at + 1:] if each not in SURFACE_ONLY]
+    options.surface_arguments = [each for each in arguments[at + 1:] if each in SURFACE_ONLY]
     import_modules()
     complete_options(parser, options)
     import_numpy()
@@ -376,11 +378,14 @@ def complete_options(parser, options):
         if not known and split_name(path.name) is None:
             parser.error(f"{path}: neither a structure nor a mesh; the suffixes are {KINDS}, and "
                          f"{', '.join(meshes.SUFFIXES)}")
+    if any(each.partition("=")[0] == "--surface" for each in options.arguments):
+        parser.error("structures are shown with the solvent excluded surface; to see another one, write its mesh with "
+                     "eses-blocks FILE --surface sas --mesh MESH.ply, and give that")
     if options.electrostatics and options.potential:
         parser.error("--electrostatics and --potential exclude each other")
     if options.electrostatics and any(is_mesh):
         parser.error("--electrostatics needs structures, not meshes")
-    if options.electrostatics and options.arguments:
+    if options.electrostatics and (options.arguments or options.surface_arguments):
         parser.error("--electrostatics reads the atoms that PDB2PQR has made; leave out the "
                      "arguments after --")
     if options.potential and len(options.potential) not in (1, len(options.files)):

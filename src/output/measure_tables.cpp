@@ -82,7 +82,7 @@ std::string_view auth_column(const MeasuredAtoms& atoms) {
 }
 
 std::string auth_field(const MeasuredAtoms& atoms, const AtomLabel& label) {
-  return atoms.chains.empty() ? "" : "," + csv_field(auth_chain(atoms, label));
+  return atoms.chains.empty() ? "" : formatted(",{}", csv_field(auth_chain(atoms, label)));
 }
 
 }  // namespace

@@ -151,7 +151,7 @@ std::string require_dense_grid(std::span<const Atom> atoms, double probe_radius,
     throw SparseGridError(
         formatted("{}; remove atoms that do not belong to the molecule, {}or allow far atoms", text,
                   other_way));
-  return far->atoms.empty() ? "" : text;
+  return text;
 }
 
 }  // namespace eses::detail

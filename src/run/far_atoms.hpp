@@ -28,8 +28,8 @@ class SparseGridError : public Error, public Hints {
       : Error(message), Hints({"allow_far_atoms"}) {}
 };
 
-/// Examines the grid around the atoms of a file. Returns the message about its far atoms, or
-/// nothing if there are none. Throws SparseGridError if the grid has more than 1e10 points and
+/// Examines the grid around the atoms of a file. Returns the message about its far atoms, or about
+/// a grid of which few points are near atoms; empty if there is none. Throws SparseGridError if the grid has more than 1e10 points and
 /// `are_allowed` is false. `other_way` completes the advice of the error, such as "choose a part of
 /// the grid, ".
 std::string require_dense_grid(std::span<const Atom> atoms, double probe_radius,

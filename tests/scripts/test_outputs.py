@@ -272,6 +272,9 @@ class Program(TestCase):
         self.assertIn("1 atom is far from the others and stretches the grid to", done.stderr)
         self.assertIn("line 21", done.stderr)
         self.assertEqual(self.call(DATA / "1ubq.xyzr", "--write", "none", "--dry-run").stderr, "")
+        far.write_text("0 0 0 1.5\n500 0 0 1.5\n-300 600 300 1.5\n100 -400 200 1.5\n")  # no group has half of the atoms
+        self.assertIn("the grid has 3.85e+09 points, of which at most",
+                      self.call(far, "--write", "none", "--dry-run").stderr)
 
     def test_far_atoms_of_pockets_and_msms_are_named_and_refused(self):
         far = self.folder / "far.xyzr"

@@ -181,6 +181,7 @@ class Files(TestCase):
                 ([mesh, "--electrostatics"], 2, "needs structures"),
                 ([mesh, "--potential", text], 1, "not an OpenDX map"),
                 ([self.atoms, "--", "--radii", "bondi"], 2, "--radii"),
+                ([self.atoms, "--", "--surface", "sas"], 2, "write its mesh with eses-blocks"),
                 ([self.atoms, "--opacity", "120"], 2, "expected 0 to 100")):
             with self.subTest(message=message):
                 done = run_view("-o", self.page, *arguments)
