@@ -29,9 +29,9 @@ class SparseGridError : public Error, public Hints {
 };
 
 /// Examines the grid around the atoms of a file. Returns the message about its far atoms, or about
-/// a grid of which few points are near atoms; empty if there is none. Throws SparseGridError if the grid has more than 1e10 points and
-/// `are_allowed` is false. `other_way` completes the advice of the error, such as "choose a part of
-/// the grid, ".
+/// a grid of which few points are near atoms; empty if there is none. Throws SparseGridError if the
+/// grid has more than 1e10 points and `are_allowed` is false. `other_way` completes the advice of
+/// the error, such as "choose a part of the grid, ".
 std::string require_dense_grid(std::span<const Atom> atoms, double probe_radius,
                                const GridOptions& grid, std::string_view file,
                                std::span<const std::uint64_t> lines, bool are_allowed,
