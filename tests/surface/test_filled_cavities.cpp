@@ -209,8 +209,8 @@ TEST_CASE("filled cavities: without a probe, the voids between the atoms are fil
   CHECK(filled.vdw_area == Approx(bare.ses_area).epsilon(1e-10));
 }
 
-// The force of these atoms is a rounding error above the one that ends the trials of shrinkages.
-// All trials need the voids of the same cavities.
+// Such atoms need measurements with slack, with a shrinkage and with the exact radii. All of them
+// need the voids of the same cavities.
 TEST_CASE("filled cavities: voids of a noisy lattice are measured once") {
   Random random(5);
   std::vector<Atom> atoms = make_cube(6, 3, 1);
@@ -224,7 +224,7 @@ TEST_CASE("filled cavities: voids of a noisy lattice are measured once") {
   CHECK(measure_filled(atoms, 1.4, all, {.check = [&] { ++filled; }}).filled_cavities.size() ==
         125);
   INFO(plain << " and " << filled << " calls");
-  CHECK(filled < 5 * plain);
+  CHECK(filled < 4 * plain);
 }
 
 TEST_CASE("filled cavities: the volume decides which of two is filled") {
