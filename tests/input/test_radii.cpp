@@ -272,6 +272,8 @@ TEST_CASE("radii: those in place of occupancies are read as they are written",
   CHECK(file.structure->by_element.empty());
   CHECK(pdb_error(line_of({.occupancy = -1}), options) ==
         "t.pdb:1: expected a radius from 0 to 1000 angstrom in place of the occupancy, found -1");
+  CHECK(pdb_error(line_of({}), options) ==
+        "t.pdb: no atom has an occupancy above 1, so they are no radii; choose a set of radii");
   std::string blank = line_of({});
   blank.replace(54, 6, "      ");
   CHECK(contains(pdb_error(blank, options),

@@ -150,6 +150,13 @@ std::uint64_t report_kinds(const std::vector<AtomKind>& kinds, StructureReport& 
   return unknown_line;
 }
 
+/// Throws Error if the numbers in place of the occupancies are occupancies.
+void require_radii_in_occupancies(const std::vector<Atom>& atoms, std::string_view file) {
+  if (std::none_of(atoms.begin(), atoms.end(), [](const Atom& atom) { return atom.radius > 1; }))
+    throw Error(formatted(
+        "{}: no atom has an occupancy above 1, so they are no radii; choose a set of radii", file));
+}
+
 AtomLabel label_of(const StructureAtom& atom) {
   const gemmi::Element element = atom.atom->element;
   return {*atom.chain, atom.residue->name, atom.residue->seqid.str(), atom.atom->name,
@@ -180,6 +187,7 @@ void assign_radii(const std::vector<StructureAtom>& atoms, const RadiiSet& radii
     if (text.options.with_labels) result.labels.push_back(label_of(atom));
     if (result.atoms.size() % part_atoms == 0) end_part();
   }
+  if (radii.is_occupancy) require_radii_in_occupancies(result.atoms, text.name);
   std::move(foreign).append_to(result.diagnostics);
   result.structure->radii = radii.name;
   const std::uint64_t unknown_line = report_kinds(kinds.all(), *result.structure);
