@@ -14,7 +14,7 @@ import numpy.typing as npt
 
 from . import _core, _molecule
 from ._files import model_numbers, output_path, write_structure
-from ._references import CLASSES, MAIN_CHAIN, REFERENCE_PROBE_RADIUS, REFERENCES, SYNONYMS
+from ._references import CLASSES, MAIN_CHAIN, REFERENCE_PROBE_RADIUS, REFERENCES, is_amino_acid
 
 _Doubles = npt.NDArray[np.float64]
 _Bools = npt.NDArray[np.bool_]
@@ -290,7 +290,7 @@ class Measurement:
         maximum = np.array([reference.maximum(name) if is_known else np.nan for name in names.tolist()])
         is_main = np.isin(molecule.name, list(MAIN_CHAIN))
         main = np.add.reduceat(np.where(is_main, np.nan_to_num(self._sas), 0), starts)
-        main[~np.isin(names, [*reference.areas, *SYNONYMS, "MSE"])] = np.nan
+        main[[name != "MSE" and not is_amino_acid(name) for name in names.tolist()]] = np.nan
         columns = {"chain": molecule.chain[starts], **self._other_chain(starts),
                    "residue_number": molecule.residue_number[starts], "icode": molecule.icode[starts], "residue": names, **sums, "sas_main_chain": main,
                    "sas_side_chain": sums["sas"] - main, "relative_sas": sums["sas"] / maximum}
@@ -503,6 +503,7 @@ def measure(molecule: Any, radii: Any = None, *, probe_radius: float = 1.4, repo
     found, select = _molecule._read(molecule, radii, waters, hydrogens, unknown_radius, frame, options)
     reported = _mask_of(report, len(found), select)
     surface = _core.Surface(found.centers, found.radii, probe_radius, fill_cavities=fill_cavities, threads=threads)
+    _molecule.remember_files(surface, *found.files)
     measures = surface.measure(ses="ses" in chosen, van_der_waals=van_der_waals or "vdw" in chosen, by_atom=True,
                                derivatives=derivatives, threads=threads)
     return Measurement(found, surface, measures, reported, reference)

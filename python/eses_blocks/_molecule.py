@@ -15,6 +15,7 @@ import numpy.typing as npt
 
 from . import _core, _foreign, adaptors
 from ._files import values_in_lines
+from ._references import NUCLEOTIDES, is_amino_acid
 
 _Texts = npt.NDArray[np.str_]
 _Bools = npt.NDArray[np.bool_]
@@ -145,13 +146,18 @@ def name_of(found: Any) -> str:
     return os.fsdecode(name) if isinstance(name, (str, bytes, os.PathLike)) else "text"
 
 
-# The paths of the files from which atoms were read.
-_files_of: weakref.WeakKeyDictionary[_core.Atoms, tuple[str, ...]] = weakref.WeakKeyDictionary()
+# The paths of the files from which atoms and surfaces were read.
+_files_of: weakref.WeakKeyDictionary[Union[_core.Atoms, _core.Surface], tuple[str, ...]] = weakref.WeakKeyDictionary()
 
 
-def remember_files(atoms: _core.Atoms, *paths: Union[str, bytes]) -> None:
-    """Remembers the files from which atoms were read, as far as the paths are those of files."""
-    _files_of[atoms] = tuple(os.path.abspath(os.fsdecode(path)) for path in paths if os.path.exists(path))
+def remember_files(found: Union[_core.Atoms, _core.Surface], *paths: Union[str, bytes]) -> None:
+    """Remembers the files from which an object was read, as far as the paths are those of files."""
+    _files_of[found] = tuple(os.path.abspath(os.fsdecode(path)) for path in paths if os.path.exists(path))
+
+
+def files_of(found: Union[_core.Atoms, _core.Surface]) -> tuple[str, ...]:
+    """Returns the paths of the files from which an object was read."""
+    return _files_of.get(found, ())
 
 
 def read_content(found: Any, layout: str) -> tuple[bytes, str, str]:
@@ -193,7 +199,7 @@ def _read_file(found: Any, radii: str, unknown: Optional[float], waters: bool, h
     _core._warn_about(atoms, name_of(found))
     source = _of_atoms(atoms)
     remember_files(atoms, name_of(found), radii)
-    source.files = _files_of[atoms]
+    source.files = files_of(atoms)
     if layout == "mmcif" and atoms.labels is not None:
         if data is None:
             with open(found, "rb") as opened:
@@ -249,10 +255,11 @@ def _source_of(found: Any, radii: Any, unknown: Optional[float], waters: bool, h
         return source
     if isinstance(found, _core.Atoms):
         source = _of_atoms(found)
-        source.files = _files_of.get(found, ())
+        source.files = files_of(found)
         return source
     if isinstance(found, _core.Surface):
-        return _Source(adaptors.Columns(centers=found.centers, radii=found.radii), are_read=True, set_name="given")
+        return _Source(adaptors.Columns(centers=found.centers, radii=found.radii), are_read=True, set_name="given",
+                       files=files_of(found))
     if adaptors.find_adaptor(found):
         columns = adaptors.columns_of(found, frame)
         return _Source(columns, select=columns.select, files=files)
@@ -489,7 +496,10 @@ def _choose_atoms(named: _Named, columns: adaptors.Columns, which: str, waters: 
             _complain(is_unknown, named.residue, named.name, named.element, set_name)
         else:
             choice.radii = np.where(np.isnan(values), unknown, values)
-    choice.guessed = np.flatnonzero((by_element | by_name) & choice.keep & ~is_unknown)
+    # The names of amino acids and nucleotides leave no doubt about the element.
+    polymer = [name for name in set(named.residue.tolist()) if name in NUCLEOTIDES or is_amino_acid(name)]
+    is_guessed = by_element | (by_name & ~np.isin(named.residue, polymer))
+    choice.guessed = np.flatnonzero(is_guessed & choice.keep & ~is_unknown)
     choice.unknown = np.flatnonzero(is_unknown)
     return choice
 

@@ -320,30 +320,32 @@ py::tuple atoms_state(const py::object& atoms) {
   const py::object labels = atoms.attr("labels");
   return py::make_tuple(atoms.attr("centers"), atoms.attr("radii"), atoms.attr("lines"),
                         labels.is_none() ? labels : label_state(labels.cast<const Labels&>()),
-                        atoms.attr("charge"), atoms.attr("diagnostics"), atoms.attr("left_out"));
+                        atoms.attr("charge"), atoms.attr("diagnostics"), atoms.attr("left_out"),
+                        files_of(atoms));
 }
 
-std::shared_ptr<AtomFile> atoms_of_state(const py::tuple& state) {
-  const auto [centers, radii, lines, labels, charges, diagnostics, left_out] = unpack_state<
+void set_atoms_state(py::detail::value_and_holder& self, const py::tuple& state) {
+  const auto [centers, radii, lines, labels, charges, diagnostics, left_out, files] = unpack_state<
       std::tuple<py::object, py::object, StateArray<std::uint64_t>, std::optional<py::tuple>,
-                 std::optional<StateArray<double>>, std::vector<Diagnostic>, LeftOut>>(state);
-  auto file = std::make_shared<AtomFile>();
-  file->atoms = make_atoms(centers, radii);
-  file->diagnostics = diagnostics;
-  if (!left_out.empty()) file->structure.emplace();
+                 std::optional<StateArray<double>>, std::vector<Diagnostic>, LeftOut, py::tuple>>(
+      state);
+  AtomFile file;
+  file.atoms = make_atoms(centers, radii);
+  file.diagnostics = diagnostics;
+  if (!left_out.empty()) file.structure.emplace();
   for (const auto& [name, member] : left_out_counts)
     if (const auto count = left_out.find(name); count != left_out.end())
-      (*file->structure).*member = count->second;
-  require_shape(lines, file->atoms.size());
-  file->lines.assign(lines.data(), lines.data() + lines.size());
-  if (labels) file->labels = labels_of_state(*labels);
-  if (labels && file->labels.size() != file->atoms.size())
+      (*file.structure).*member = count->second;
+  require_shape(lines, file.atoms.size());
+  file.lines.assign(lines.data(), lines.data() + lines.size());
+  if (labels) file.labels = labels_of_state(*labels);
+  if (labels && file.labels.size() != file.atoms.size())
     throw py::value_error("the numbers of atoms and names of the state differ");
   if (charges) {
-    require_shape(*charges, file->atoms.size());
-    file->charges.assign(charges->data(), charges->data() + charges->size());
+    require_shape(*charges, file.atoms.size());
+    file.charges.assign(charges->data(), charges->data() + charges->size());
   }
-  return file;
+  construct(self, std::move(file), files);
 }
 
 }  // namespace
@@ -437,7 +439,8 @@ void bind_atoms(py::module_& module) {
           },
           "(N,) float64 or None: charges of a PQR file, in elementary charges; None for other "
           "formats.")
-      .def(py::pickle(&atoms_state, &atoms_of_state));
+      .def("__getstate__", &atoms_state)
+      .def("__setstate__", &set_atoms_state, py::detail::is_new_style_constructor());
   bind_atoms_frame(atoms);
   protect_instances(atoms);
 

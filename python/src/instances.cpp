@@ -26,6 +26,14 @@ void protect_instances(py::handle type) {
       py::cpp_function(&reduce, py::name("__reduce_ex__"), py::is_method(type));
 }
 
+py::object files_of(const py::object& object) {
+  return py::module_::import("eses_blocks._molecule").attr("files_of")(object);
+}
+
+void remember_files(py::handle object, const py::object& files) {
+  py::module_::import("eses_blocks._molecule").attr("remember_files")(object, *files);
+}
+
 void require_shape(const py::array& array, std::size_t rows, std::size_t columns) {
   const py::ssize_t dimensions = columns == 0 ? 1 : 2;
   if (array.ndim() != dimensions || array.shape(0) != static_cast<py::ssize_t>(rows) ||

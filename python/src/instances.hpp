@@ -6,6 +6,7 @@
 #include <pybind11/stl.h>
 
 #include <cstddef>
+#include <utility>
 
 namespace eses::python {
 
@@ -29,6 +30,21 @@ Values unpack_state(const py::tuple& state) {
   } catch (const py::cast_error&) {
     throw py::value_error("the state is not one that this class has pickled");
   }
+}
+
+/// Returns the paths of the files from which an object was read, as a tuple.
+py::object files_of(const py::object& object);
+
+/// Remembers the paths of the files from which an object was read.
+void remember_files(py::handle object, const py::object& files);
+
+/// Gives an object its value, in an `__init__` or `__setstate__` that is bound with
+/// py::detail::is_new_style_constructor, and remembers the files from which it was read, so that
+/// `save` does not overwrite them.
+template <class Value>
+void construct(py::detail::value_and_holder& self, Value value, const py::object& files) {
+  self.value_ptr() = new Value(std::move(value));
+  if (py::len(files) > 0) remember_files(reinterpret_cast<PyObject*>(self.inst), files);
 }
 
 /// Raises ValueError unless an array of a state has the shape (rows,), or (rows, columns) if

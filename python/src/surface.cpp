@@ -200,11 +200,6 @@ Surface make_surface(const py::object& centers, const py::object& radii, double 
                      const std::string& kind, const py::object& fill_cavities, int threads) {
   if (kind != "ses" && kind != "sas" && kind != "vdw")
     throw py::value_error("surface must be 'ses', 'sas' or 'vdw', not '" + kind + "'");
-  if (radii.is_none()) {  // a molecule of another library, or a file
-    const py::object molecule = py::module_::import("eses_blocks").attr("read_molecule")(centers);
-    return make_surface(molecule.attr("centers"), molecule.attr("radii"), probe_radius, kind,
-                        fill_cavities, threads);
-  }
   std::vector<Atom> atoms = make_atoms(centers, radii);
   const std::optional<double> max_void = max_filled_void(fill_cavities);
   if (kind == "sas") grow_radii(probe_radius, atoms);
@@ -217,17 +212,36 @@ Surface make_surface(const py::object& centers, const py::object& radii, double 
 }
 
 // Makes a surface, and warns of suspicious atoms.
-Surface make_checked_surface(const py::object& centers, const py::object& radii,
-                             double probe_radius, const std::string& kind,
-                             const py::object& fill_cavities, int threads) {
-  Surface surface = make_surface(centers, radii, probe_radius, kind, fill_cavities, threads);
+void construct_surface(py::detail::value_and_holder& self, const py::object& centers,
+                       const py::object& radii, double probe_radius,
+                       const std::string& kind, const py::object& fill_cavities, int threads) {
+  py::object its_centers = centers, its_radii = radii, files = py::tuple();
+  if (radii.is_none()) {  // a molecule of another library, or a file
+    const py::object molecule = py::module_::import("eses_blocks").attr("read_molecule")(centers);
+    its_centers = molecule.attr("centers");
+    its_radii = molecule.attr("radii");
+    files = molecule.attr("files");
+  }
+  Surface surface = make_surface(its_centers, its_radii, probe_radius, kind, fill_cavities, threads);
   std::vector<Diagnostic> diagnostics(surface.diagnostics().begin(), surface.diagnostics().end());
   // The radii of the solvent accessible surface are large.
   if (kind == "sas")
     std::erase_if(diagnostics,
                   [](const Diagnostic& d) { return d.kind == DiagnosticKind::large_radius; });
   warn_about(diagnostics);
-  return surface;
+  construct(self, std::move(surface), files);
+}
+
+py::tuple surface_state(const py::object& surface) {
+  return py::make_tuple(surface.attr("centers"), surface.attr("radii"),
+                        surface.attr("probe_radius"), surface.attr("fill_cavities"),
+                        files_of(surface));
+}
+
+void set_surface_state(py::detail::value_and_holder& self, const py::tuple& state) {
+  const auto [centers, radii, probe_radius, fill_cavities, files] =
+      unpack_state<std::tuple<py::object, py::object, double, py::object, py::tuple>>(state);
+  construct(self, make_surface(centers, radii, probe_radius, "ses", fill_cavities, 1), files);
 }
 
 Grid make_surface_grid(const Surface& surface, double spacing, std::optional<double> margin,
@@ -328,7 +342,7 @@ void bind_diagnostic(py::module_& module) {
           "``one_atom_residue``: it is alone in its residue, as in most residues of the file. "
           "``foreign_residue``: its residue has atoms that an amino acid or nucleotide of this "
           "name "
-          "cannot have, or no backbone. ``nanometre_coordinates``: most atoms are within 0.3 "
+          "cannot have, or no backbone. ``nanometre_coordinates``: most atoms are within 0.45 "
           "angstrom "
           "of their neighbours, as if in nanometres. ``unread_record``: a line with coordinates "
           "has "
@@ -380,9 +394,9 @@ void bind_surface(py::module_& module) {
   bind_diagnostic(module);
   py::class_<Surface> type(module, "Surface", class_text);
   type.attr("__module__") = "eses_blocks";
-  type.def(py::init(&make_checked_surface), init_text, py::arg("centers"),
-           py::arg("radii") = py::none(), py::arg("probe_radius") = 1.4, py::kw_only(),
-           py::arg("surface") = "ses", py::arg("fill_cavities") = false, py::arg("threads") = 0)
+  type.def("__init__", &construct_surface, py::detail::is_new_style_constructor(), init_text,
+           py::arg("centers"), py::arg("radii") = py::none(), py::arg("probe_radius") = 1.4,
+           py::kw_only(), py::arg("surface") = "ses", py::arg("fill_cavities") = false, py::arg("threads") = 0)
       .def("__len__", [](const Surface& self) { return self.atoms().size(); })
       .def("__repr__",
            [](const Surface& self) {
@@ -423,16 +437,8 @@ void bind_surface(py::module_& module) {
       .def("blocks", &stream_blocks, blocks_text, py::arg("grid"), py::kw_only(),
            py::arg("threads") = 0, py::arg("block_size") = 0, py::arg("blocks") = py::none(),
            py::arg("region") = py::none(), py::arg("max_memory") = 0)
-      .def(py::pickle(
-          [](const py::object& self) {
-            return py::make_tuple(self.attr("centers"), self.attr("radii"),
-                                  self.attr("probe_radius"), self.attr("fill_cavities"));
-          },
-          [](const py::tuple& state) {
-            const auto [centers, radii, probe_radius, fill_cavities] =
-                unpack_state<std::tuple<py::object, py::object, double, py::object>>(state);
-            return make_surface(centers, radii, probe_radius, "ses", fill_cavities, 1);
-          }));
+      .def("__getstate__", &surface_state)
+      .def("__setstate__", &set_surface_state, py::detail::is_new_style_constructor());
   protect_instances(type);
   bind_measures(module, type);
   bind_cavities(type);

@@ -1,5 +1,6 @@
 """Warnings about suspicious input, files that are not overwritten, and arguments that are refused by name."""
 
+import copy
 import os
 import pickle
 import warnings
@@ -107,7 +108,11 @@ def test_files_that_were_read_are_not_overwritten(protein, tmp_path):
     names = [protein, tmp_path / "link.pdb", tmp_path / "hard.pdb", os.fsencode(protein), str(protein)]
     os.symlink(protein, names[1])
     os.link(protein, names[2])
-    measured = [eses.measure(protein), measure_opened(protein), eses.measure(eses.read_atoms(protein)),
+    surface, atoms = eses.Surface(protein), eses.read_atoms(protein)
+    measured = [eses.measure(protein), measure_opened(protein), eses.measure(atoms),
+                *map(eses.measure, (surface, copy.copy(surface), copy.deepcopy(surface), pickle.loads(pickle.dumps(surface)),
+                                    eses.Surface(surface), eses.Surface(atoms), copy.deepcopy(atoms),
+                                    pickle.loads(pickle.dumps(atoms)), eses.measure(protein).surface)),
                 pickle.loads(pickle.dumps(eses.measure(protein))), eses.interface(protein, "A", "B")]
     for name in names:
         for result in (*measured, measured[0].atoms, measured[0].residues, measured[0].chains,
