@@ -27,7 +27,7 @@ std::string_view source_of(AreaReference reference);
 
 /// Returns the maximum area on the solvent accessible surface of a residue X in a peptide
 /// Gly-X-Gly, such as ALA, in square angstrom. Nothing for names other than those of the 20 amino
-/// acids.
+/// acids and of their forms in force fields, such as HIE.
 std::optional<double> max_sas_area(std::string_view residue,
                                    AreaReference reference = AreaReference::tien);
 

@@ -40,7 +40,7 @@ def _read_mol2(path: pathlib.Path, frame: int) -> Any:
     return chem.MolFromMol2Block("@<TRIPOS>MOLECULE" + blocks[frame], removeHs=False) if frame < len(blocks) else None
 
 
-_READERS = {".bcif": _read_binary_cif, ".sdf": _read_sdf, ".mol": _read_sdf, ".mol2": _read_mol2}
+_READERS = {".bcif": _read_binary_cif, ".sdf": _read_sdf, ".sd": _read_sdf, ".mol": _read_sdf, ".mol2": _read_mol2}
 
 
 def _suffix(name: str) -> str:

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import dataclasses
+import functools
 
 from . import _core
 
 NAMES = "ALA ARG ASN ASP CYS GLN GLU GLY HIS ILE LEU LYS MET PHE PRO SER THR TRP TYR VAL".split()
-# Names of force fields for other states of protonation.
-SYNONYMS = {"ASH": "ASP", "CYM": "CYS", "CYX": "CYS", "GLH": "GLU", "HID": "HIS", "HIE": "HIS", "HIP": "HIS",
-            "HSD": "HIS", "HSE": "HIS", "HSP": "HIS", "LYN": "LYS"}
+NUCLEOTIDES = frozenset("A C G U I DA DC DG DT DU DI".split())
 
 
 @dataclasses.dataclass(frozen=True)
@@ -21,8 +20,19 @@ class Reference:
     areas: dict[str, float]
 
     def maximum(self, residue: str) -> float:
-        """Returns the maximum area of a residue; not a number if it has none."""
-        return self.areas.get(SYNONYMS.get(residue, residue), float("nan"))
+        """Returns the maximum area of a residue, also by its name in a force field; not a number if it has none."""
+        return _maximum(self.name, residue)
+
+
+@functools.lru_cache(maxsize=None)
+def _maximum(reference: str, residue: str) -> float:
+    area = _core._maximum_areas(reference, [residue])[1][0]
+    return float("nan") if area is None else area
+
+
+def is_amino_acid(residue: str) -> bool:
+    """Whether a name is that of a standard amino acid, also in a force field, such as HIE."""
+    return _maximum("tien", residue) > 0
 
 
 def _reference(name: str) -> Reference:

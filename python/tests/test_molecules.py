@@ -171,6 +171,10 @@ def test_mdanalysis(pdb, expected):
     bare.add_TopologyAttr("resnames", ["CL"])
     found = eses.measure(bare)
     assert found.atoms["element"].tolist() == ["Cl"] and found.radii.guessed.tolist() == [0]
+    # Those of amino acids are certain, also by their names in force fields.
+    bare.atoms.names, bare.residues.resnames = ["CA"], ["HSD"]
+    found = eses.measure(bare)
+    assert found.atoms["radius"].tolist() == [1.88] and found.radii.guessed.tolist() == []
 
 
 def test_mdtraj(pdb):
@@ -322,6 +326,19 @@ def test_guessed_and_unknown_radii_are_named(pdb):
     result = eses.measure(structure, unknown_radius=2)
     assert result.radii.unknown.tolist() == [13] and result.atoms["radius"][13] == 2
     assert result.atoms["is_guessed"].tolist() == [i == 13 for i in range(15)]
+
+
+def test_names_of_force_fields_are_those_of_standard_residues(tmp_path):
+    serine = "".join(line for line in PDB.splitlines(True) if " SER " in line)
+    assert serine
+    path = tmp_path / "radii.config"
+    path.write_text("types:\nT 2.0 apolar\nU 1.5 polar\natoms:\nHIS CA T\nANY N U\nANY CA U\nANY CB U\nANY C U\nANY O U\nANY OG U\n")
+    for radii in ("protor", path):
+        results = [eses.measure(serine.replace(" SER ", f" {name} "), radii) for name in ("HIS", "HIE", "HSD", "HSP")]
+        for result in results[1:]:
+            assert result.atoms["radius"].tolist() == results[0].atoms["radius"].tolist()
+            np.testing.assert_array_equal(result.residues["relative_sas"], results[0].residues["relative_sas"])
+    assert np.isfinite(results[0].residues["relative_sas"]).all()
 
 
 def test_radii_from_a_file(pdb, tmp_path):

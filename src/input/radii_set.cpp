@@ -8,6 +8,7 @@
 
 #include "eses/error.hpp"
 #include "input/radii_tables.hpp"
+#include "input/residue_atoms.hpp"
 #include "input/text_fields.hpp"
 #include "input/text_source.hpp"
 #include "system/formatted.hpp"
@@ -25,11 +26,26 @@ enum class Section { none, types, atoms };
 /// residues.
 using NamedRadii = std::unordered_map<std::string, double>;
 
+/// Returns the radius `find(residue, atom)` of the names of an atom, else of the standard names in
+/// the place of those of force fields, such as HIS for HIE.
+template <class Find>
+std::optional<double> find_by_names(const AtomIdentity& atom, Find&& find) {
+  if (const std::optional<double> radius = find(atom.residue, atom.atom)) return radius;
+  const std::string_view residue = standard_residue(atom.residue);
+  if (residue != atom.residue)
+    if (const std::optional<double> radius = find(residue, atom.atom)) return radius;
+  const std::string name = standard_atom(residue, atom.atom);
+  return name == atom.atom ? std::nullopt : find(residue, name);
+}
+
 std::optional<double> find_named(const NamedRadii& radii, const AtomIdentity& atom) {
-  for (const std::string_view residue : {atom.residue, std::string_view("ANY")})
-    if (const auto found = radii.find(formatted("{} {}", residue, atom.atom)); found != radii.end())
-      return found->second;
-  return std::nullopt;
+  const auto find = [&](std::string_view residue, std::string_view name) {
+    const auto found = radii.find(formatted("{} {}", residue, name));
+    return found == radii.end() ? std::nullopt : std::optional(found->second);
+  };
+  if (const std::optional<double> radius = find_by_names(atom, find)) return radius;
+  return find_by_names(atom,
+                       [&](std::string_view, std::string_view name) { return find("ANY", name); });
 }
 
 /// Reads a configuration file line by line.
@@ -141,7 +157,7 @@ std::optional<RadiiSet> named_radii_set(std::string_view name) {
   const std::string word = lower_case(std::string(name));  // publications write ProtOr
   if (word == "protor")
     return RadiiSet{word, true,
-                    [](const AtomIdentity& atom) { return protor_radius(atom.residue, atom.atom); },
+                    [](const AtomIdentity& atom) { return find_by_names(atom, protor_radius); },
                     freesasa_element_radius};
   if (word == "bondi")
     return RadiiSet{word, false,

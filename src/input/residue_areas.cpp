@@ -4,6 +4,8 @@
 #include <array>
 #include <cstddef>
 
+#include "input/residue_atoms.hpp"
+
 namespace eses {
 
 std::string_view source_of(AreaReference reference) {
@@ -31,7 +33,8 @@ std::optional<double> max_sas_area(std::string_view residue, AreaReference refer
        {"MET", {224, 204, 188}}, {"PHE", {240, 218, 197}}, {"PRO", {159, 143, 136}},
        {"SER", {155, 122, 130}}, {"THR", {172, 146, 142}}, {"TRP", {285, 259, 227}},
        {"TYR", {263, 229, 222}}, {"VAL", {174, 160, 142}}}};
-  const auto* const found = std::ranges::find(maxima, residue, &Maximum::residue);
+  const auto* const found =
+      std::ranges::find(maxima, detail::standard_residue(residue), &Maximum::residue);
   if (found == maxima.end()) return std::nullopt;
   return found->areas[static_cast<std::size_t>(reference)];
 }

@@ -13,13 +13,16 @@ namespace eses::detail {
 namespace {
 
 // Forms of amino acids in force fields, and the standard residue with the same heavy atoms.
-constexpr std::array<std::pair<std::string_view, std::string_view>, 28> forms{{
+constexpr std::array<std::pair<std::string_view, std::string_view>, 42> forms{{
     {"HID", "HIS"},  {"HIE", "HIS"},  {"HIP", "HIS"},  {"HSD", "HIS"},  {"HSE", "HIS"},
     {"HSP", "HIS"},  {"HIN", "HIS"},  {"HDP", "HIS"},  {"HISA", "HIS"}, {"HISB", "HIS"},
     {"HISH", "HIS"}, {"HISD", "HIS"}, {"HISE", "HIS"}, {"CYX", "CYS"},  {"CYM", "CYS"},
     {"CYN", "CYS"},  {"CYSH", "CYS"}, {"CYS2", "CYS"}, {"ASH", "ASP"},  {"ASPH", "ASP"},
     {"GLH", "GLU"},  {"GLUH", "GLU"}, {"LYN", "LYS"},  {"LYSH", "LYS"}, {"ARN", "ARG"},
-    {"ARGN", "ARG"}, {"TYM", "TYR"},  {"TYRH", "TYR"},
+    {"ARGN", "ARG"}, {"TYM", "TYR"},  {"TYRH", "TYR"}, {"HSC", "HIS"},  {"HISN", "HIS"},
+    {"HISL", "HIS"}, {"HIS1", "HIS"}, {"HIS2", "HIS"}, {"CYH", "CYS"},  {"CYP", "CYS"},
+    {"CY2", "CYS"},  {"CYSD", "CYS"}, {"ASB", "ASP"},  {"ASPP", "ASP"}, {"GLUP", "GLU"},
+    {"LYP", "LYS"},  {"LYSN", "LYS"},
 }};
 
 // Further names: ends and caps of chains, isoleucine in CHARMM and GROMACS, atoms of uncertain
@@ -31,8 +34,9 @@ constexpr std::string_view of_amino_acids =
 // The same for nucleotides, with the methyl group of thymine and the oxygen of ribose.
 constexpr std::string_view of_nucleotides = "O1P O2P O3P O5T O3T O2' C5M C7 CM5";
 
-/// Returns the standard residue of a form, such as HIS for NHID, and DA for DA5.
-std::string_view standard_form(std::string_view residue) {
+}  // namespace
+
+std::string_view standard_residue(std::string_view residue) {
   const auto find = [](std::string_view name) {
     return std::find_if(forms.begin(), forms.end(),
                         [name](const auto& f) { return f.first == name; });
@@ -50,10 +54,25 @@ std::string_view standard_form(std::string_view residue) {
   return is_base ? base : residue;
 }
 
-}  // namespace
+std::string standard_atom(std::string_view residue, std::string_view atom) {
+  if (!is_named_polymer(residue)) return std::string(atom);
+  if (residue.size() > 2) {
+    if (atom == "OT" || atom == "OT1" || atom == "OC1" || atom == "O1" || atom == "O'") return "O";
+    if (atom == "OT2" || atom == "OC2" || atom == "O2" || atom == "O''" || atom == "OTX")
+      return "OXT";
+    return std::string(residue == "ILE" && atom == "CD" ? "CD1" : atom);
+  }
+  if (atom == "O1P" || atom == "O2P" || atom == "O3P") return std::string("OP").append(1, atom[1]);
+  if (atom == "O5T") return "O5'";
+  if (atom == "O3T") return "O3'";
+  if (atom == "C5M" || atom == "CM5") return "C7";
+  std::string name(atom);
+  std::replace(name.begin(), name.end(), '*', '\'');
+  return name;
+}
 
 bool may_have_atom(std::string_view residue, std::string_view atom) {
-  residue = standard_form(residue);
+  residue = standard_residue(residue);
   const bool is_amino_acid = residue.size() == 3 && protor_radius(residue, "N");
   const bool is_nucleotide = residue.size() < 3 && protor_radius(residue, "P");
   if (!is_amino_acid && !is_nucleotide) return true;

@@ -22,6 +22,7 @@
 #include "catch.hpp"
 #include "eses/error.hpp"
 #include "eses/radii.hpp"
+#include "eses/residue_areas.hpp"
 #include "input/radii_set.hpp"
 #include "support/structures.hpp"
 #include "support/temporary_directory.hpp"
@@ -306,6 +307,43 @@ TEST_CASE("atoms without a radius are named", "[structure][radii]") {
   REQUIRE(file.structure->unknown.size() == 1);
   CHECK(file.structure->unknown[0].residue == "UNX");
   CHECK(file.structure->unknown[0].radius == 1.25);
+}
+
+TEST_CASE("names of force fields have the radii of the standard residues", "[structure][radii]") {
+  using Case = std::tuple<std::string, std::string, std::string, std::string>;
+  const std::vector<Case> cases{
+      {"HIE", "CD2", "HIS", "CD2"}, {"HSD", "CA", "HIS", "CA"},  {"HSE", "ND1", "HIS", "ND1"},
+      {"HSP", "CE1", "HIS", "CE1"}, {"HID", "O", "HIS", "O"},    {"HIP", "CB", "HIS", "CB"},
+      {"CYX", "SG", "CYS", "SG"},   {"CYM", "CB", "CYS", "CB"},  {"CYS2", "SG", "CYS", "SG"},
+      {"ASH", "OD2", "ASP", "OD2"}, {"ASPP", "CG", "ASP", "CG"}, {"GLH", "OE1", "GLU", "OE1"},
+      {"LYN", "NZ", "LYS", "NZ"},   {"NHIE", "CA", "HIS", "CA"}, {"CALA", "OXT", "ALA", "OXT"},
+      {"hie", "ca", "HIS", "CA"},   {"ALA", "OT1", "ALA", "O"},  {"GLY", "OC2", "GLY", "OXT"},
+      {"ILE", "CD", "ILE", "CD1"},  {"DA5", "C8", "DA", "C8"},   {"DT", "C5M", "DT", "C7"},
+      {"RU3", "O2'", "U", "O2'"},   {"DG", "O1P", "DG", "OP1"},  {"DG", "C1*", "DG", "C1'"},
+      {"ARN", "CZ", "ARG", "CZ"},   {"HISE", "CG", "HIS", "CG"}, {"TYM", "OH", "TYR", "OH"}};
+  const RadiiSet file = parse_radii_set(
+      "types:\nA 1.11 polar\nB 1.22 polar\natoms:\nHIS CD2 A\nHIE CD2 B\nHIS CA A\nANY CA B\n"
+      "ANY OXT B\nANY O A\n",
+      "radii");
+  const RadiiSet protor = *named_radii_set("protor");
+  for (const auto& [residue, atom, same_residue, same_atom] : cases) {
+    CAPTURE(residue, atom);
+    const auto found = protor.find({residue, atom, "C"});
+    const auto expected = protor.find({same_residue, same_atom, "C"});
+    REQUIRE(found);
+    CHECK_FALSE(found->by_element);
+    CHECK(found->radius == expected->radius);
+  }
+  CHECK(file.find({"HIE", "CD2", "C"})->radius == 1.22);
+  CHECK(file.find({"HSD", "CD2", "C"})->radius == 1.11);
+  CHECK(file.find({"HSD", "CA", "C"})->radius == 1.11);
+  CHECK(file.find({"CYX", "CA", "C"})->radius == 1.22);
+  CHECK(file.find({"ALA", "OT2", "O"})->radius == 1.22);
+  // Other residues have atoms of these names, too.
+  CHECK(file.find({"GOL", "O1", "O"})->by_element);
+  CHECK(protor.find({"GOL", "O1", "O"})->by_element);
+  CHECK(max_sas_area("HSD") == max_sas_area("HIS"));
+  CHECK(max_sas_area("NCYX") == max_sas_area("CYS"));
 }
 
 TEST_CASE("find_radii: radii of named atoms, and what was guessed", "[radii]") {
