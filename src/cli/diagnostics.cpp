@@ -3,6 +3,7 @@
 #include <fmt/ranges.h>
 
 #include <map>
+#include <utility>
 
 #include "input/text_source.hpp"
 #include "system/formatted.hpp"
@@ -52,6 +53,34 @@ std::optional<std::string> label_text(const std::map<FileIndex, AtomLabel>& labe
 }
 
 }  // namespace
+
+static void to_json(Json& json, const DiagnosticText::Example& example) {
+  json = {{"atom", example.atom},
+          {"line", example.line},
+          {"other_atom", example.other_atom},
+          {"other_line", example.other_line}};
+  if (example.label) json.update({{"label", *example.label}, {"other_label", example.other_label}});
+}
+
+void to_json(Json& json, const DiagnosticText& diagnostic) {
+  json = {{"kind", diagnostic.name},
+          {"severity", diagnostic.is_usual ? "note" : "warning"},
+          {"count", diagnostic.count},
+          {"message", diagnostic.message},
+          {"first", diagnostic.examples}};
+}
+
+DiagnosticText program_warning(std::string_view name, std::string message) {
+  return {.name = name, .short_text = {}, .message = std::move(message), .examples = {}};
+}
+
+DiagnosticText describe(const FarAtomsWarning& far, const std::map<FileIndex, AtomLabel>& labels) {
+  DiagnosticText text = program_warning("far_atoms", far.message);
+  text.count = far.count;
+  for (const auto& [atom, line] : far.examples)
+    text.examples.push_back({atom, line, label_text(labels, FileIndex{atom})});
+  return text;
+}
 
 std::vector<DiagnosticText> describe(const FileDiagnostics& diagnostics,
                                      const std::filesystem::path& input) {

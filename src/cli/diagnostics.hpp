@@ -3,13 +3,16 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "cli/json.hpp"
 #include "eses/read_atoms.hpp"
 #include "eses/surface.hpp"
+#include "run/far_atoms.hpp"
 #include "run/file_diagnostics.hpp"
 
 namespace eses::detail::cli {
@@ -27,11 +30,22 @@ struct DiagnosticText {
   };
   std::string_view name;    ///< identifier in the JSON report
   bool is_usual = false;    ///< whether it is a note rather than a warning
-  std::uint64_t count = 0;  ///< number of atoms
-  std::string short_text;   ///< count and description
+  std::uint64_t count = 0;  ///< number of atoms; 0 if it is not about atoms
+  std::string short_text;   ///< count and description, of a note
   std::string message;      ///< one line: file, count, description and first few line numbers
   std::vector<Example> examples;
+  bool is_printed = false;  ///< whether the user has been told already
 };
+
+/// Returns the JSON report of a diagnostic.
+void to_json(Json& json, const DiagnosticText& diagnostic);
+
+/// Returns a warning of the program that is not about atoms.
+DiagnosticText program_warning(std::string_view name, std::string message);
+
+/// Returns the warning about atoms far from the others. `labels` has those of the examples, if the
+/// file is a PDB or mmCIF file.
+DiagnosticText describe(const FarAtomsWarning& far, const std::map<FileIndex, AtomLabel>& labels);
 
 /// Returns the texts of the diagnostics of a file.
 std::vector<DiagnosticText> describe(const FileDiagnostics& diagnostics,

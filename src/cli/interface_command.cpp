@@ -46,10 +46,9 @@ void add_interfaces(const InterfaceOptions& options, const Surface& surface,
 }
 
 /// Prints the warnings about the atoms. Throws StrictError if they are errors.
-void print_diagnostics(const InterfaceOptions& options, const InterfaceFile& file,
-                       const Surface& surface) {
+void print_diagnostics(const InterfaceOptions& options, const InterfaceFile& file) {
   std::vector<std::string> lines;
-  for (const DiagnosticText& diagnostic : describe(file.file, surface, file.path))
+  for (const DiagnosticText& diagnostic : file.diagnostics)
     if (!diagnostic.is_usual) lines.push_back(diagnostic.message);
   if (options.strict && !lines.empty()) throw StrictError{lines};
   if (options.quiet) return;
@@ -60,10 +59,14 @@ void print_diagnostics(const InterfaceOptions& options, const InterfaceFile& fil
 void report_interfaces(const InterfaceOptions& options, std::size_t input) {
   const ReadOptions reading{.format = options.format, .structure = options.structure};
   const std::filesystem::path& path = options.inputs[input];
-  InterfaceFile file{
-      .path = path, .file = read_atoms(path, reading), .are_polar = {}, .interfaces = {}};
+  InterfaceFile file{.path = path,
+                     .file = read_atoms(path, reading),
+                     .diagnostics = {},
+                     .are_polar = {},
+                     .interfaces = {}};
   const Surface surface(file.file, {.threads = options.threads});
-  print_diagnostics(options, file, surface);
+  file.diagnostics = describe(file.file, surface, path);
+  print_diagnostics(options, file);
   for (const ComplexParts& division : divisions_of(options, reading, file))
     add_interfaces(options, surface, division, file);
   std::ranges::stable_sort(file.interfaces, std::ranges::greater(),

@@ -251,6 +251,7 @@ std::string interface_json(const InterfaceOptions& options, const InterfaceFile&
                                     {"atoms", atoms_that_lose(interface)}});
   }
   if (file.file.structure) object["structure"] = *file.file.structure;
+  object["diagnostics"] = file.diagnostics;
   return text_of(object) + "\n";
 }
 

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "cli/diagnostics.hpp"
 #include "cli/interface_options.hpp"
 #include "eses/atoms.hpp"
 #include "eses/interface.hpp"
@@ -23,7 +24,8 @@ struct NamedInterface {
 /// The interfaces of a file.
 struct InterfaceFile {
   std::filesystem::path path;
-  AtomFile file;                           ///< with labels
+  AtomFile file;  ///< with labels
+  std::vector<DiagnosticText> diagnostics;
   std::vector<bool> are_polar;             ///< by atom
   std::vector<NamedInterface> interfaces;  ///< without those below InterfaceOptions::min_area
 };

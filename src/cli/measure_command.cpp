@@ -227,7 +227,7 @@ Outcome outcome_of(const MeasureCommandOptions& options, std::size_t input, int 
     std::vector<std::string>& lines = options.strict ? outcome.errors : outcome.warnings;
     if (options.strict || !options.quiet)
       for (const DiagnosticText& diagnostic : file.diagnostics)
-        if (!diagnostic.is_usual) lines.push_back(diagnostic.message);
+        if (!diagnostic.is_usual && !diagnostic.is_printed) lines.push_back(diagnostic.message);
     if (!outcome.errors.empty()) return with_failure(options, input, std::move(outcome));
     if (directory != nullptr) write_tables(options, input, file, *directory);
     outcome.text = measured_text(options, file);

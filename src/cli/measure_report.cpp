@@ -450,6 +450,7 @@ std::string measure_json(const MeasureCommandOptions& options, const MeasuredFil
       object[name] = file.buried(area);
   }
   if (file.structure) object["structure"] = *file.structure;
+  object["diagnostics"] = file.diagnostics;
   return text_of(object) + "\n";
 }
 

@@ -1,6 +1,8 @@
 #include "cli/measured_file.hpp"
 
 #include <cstddef>
+#include <map>
+#include <optional>
 #include <set>
 #include <span>
 #include <utility>
@@ -93,16 +95,20 @@ void take_far_atoms(const MeasureCommandOptions& options, std::span<const std::u
   for (AtomIndex i = 0; i < atoms.size(); ++i)
     lines_of_atoms.push_back(lines[as_number(FileIndices(file.file_indices)[i])]);
   const GridOptions grid = pocket_grid(options.pocket_options.spacing);
-  std::string text =
+  std::optional<FarAtomsWarning> far =
       require_dense_grid(atoms, options.pocket_options.large_probe_radius, grid,
                          input_name(file.path), lines_of_atoms, options.allow_far_atoms);
-  if (text.empty()) return;
+  if (!far) return;
+  std::map<FileIndex, AtomLabel> labels;
+  for (auto& [atom, line] : far->examples) {
+    const FileIndex in_file = FileIndices(file.file_indices)[atom];
+    if (!file.surface.labels().empty()) labels[in_file] = file.surface.labels()[atom];
+    atom = static_cast<AtomIndex>(as_number(in_file));
+  }
+  DiagnosticText& diagnostic = file.diagnostics.emplace_back(describe(*far, labels));
   // The search takes long, so the user should know before it.
-  if (options.inputs.size() == 1 && !options.strict && !options.quiet)
-    print_message("warning", text);
-  else
-    file.diagnostics.push_back(
-        {.name = "far_atoms", .short_text = {}, .message = std::move(text), .examples = {}});
+  diagnostic.is_printed = options.inputs.size() == 1 && !options.strict && !options.quiet;
+  if (diagnostic.is_printed) print_message("warning", far->message);
 }
 
 /// Finds the pockets, at a place if there is one.

@@ -78,11 +78,10 @@ Input read_input(const MsmsOptions& options) {
 void warn_about_far_spheres(const MsmsOptions& options, const Input& input) {
   std::vector<std::uint64_t> lines;
   for (const FileIndex i : input.file_indices) lines.push_back(input.file.lines[as_number(i)]);
-  if (const std::string text = require_dense_grid(
-          input.used, options.probe_radius, msms_grid(options), input_name(options.input), lines,
-          options.allow_far_atoms, "use a lower -density, ");
-      !text.empty())
-    print_message("warning", text);
+  if (const auto far = require_dense_grid(input.used, options.probe_radius, msms_grid(options),
+                                          input_name(options.input), lines, options.allow_far_atoms,
+                                          "use a lower -density, "))
+    print_message("warning", far->message);
 }
 
 /// Returns the indices of used spheres that the file numbers so.

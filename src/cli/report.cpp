@@ -82,22 +82,6 @@ static void to_json(Json& json, const ProcessFigures& figures) {
 
 namespace eses::detail::cli {
 
-static void to_json(Json& json, const DiagnosticText::Example& example) {
-  json = {{"atom", example.atom},
-          {"line", example.line},
-          {"other_atom", example.other_atom},
-          {"other_line", example.other_line}};
-  if (example.label) json.update({{"label", *example.label}, {"other_label", example.other_label}});
-}
-
-static void to_json(Json& json, const DiagnosticText& diagnostic) {
-  json = {{"kind", diagnostic.name},
-          {"severity", diagnostic.is_usual ? "note" : "warning"},
-          {"count", diagnostic.count},
-          {"message", diagnostic.message},
-          {"first", diagnostic.examples}};
-}
-
 namespace {
 
 // A smaller probe with a coarser grid is probably a pair of swapped arguments (angstrom).
@@ -513,20 +497,27 @@ std::string json_text(const Report& report) {
   return text_of(document, ",\n ") + "\n";
 }
 
+void add_run_diagnostics(Report& report) {
+  const auto add = [&](std::string_view name, std::string message) {
+    report.diagnostics.push_back(program_warning(name, std::move(message)));
+  };
+  const Options& options = report.options;
+  if (const double spacing = report.plan.grid.spacing, probe = options.probe_radius;
+      options.surface == SurfaceKind::ses && probe < min_usual_probe && spacing > max_usual_spacing)
+    add("swapped_lengths",
+        formatted("a probe radius of {} with a spacing of {} is unusual; are they swapped? PROBE "
+                  "comes first",
+                  probe, spacing));
+  if (report.far_atoms) report.diagnostics.push_back(*report.far_atoms);
+  if (report.plan.cut_depth >= 0) add("cut_surface", cut_warning(report.plan));
+  for (const DiskSpace& disk : report.disk)
+    if (disk.expected > disk.available) add("disk_space", disk_warning(disk));
+}
+
 std::vector<std::string> warnings(const Report& report) {
   std::vector<std::string> lines;
   for (const DiagnosticText& diagnostic : report.diagnostics)
     if (!diagnostic.is_usual) lines.push_back(diagnostic.message);
-  const Options& options = report.options;
-  if (const double spacing = report.plan.grid.spacing, probe = options.probe_radius;
-      options.surface == SurfaceKind::ses && probe < min_usual_probe && spacing > max_usual_spacing)
-    lines.push_back(formatted(
-        "a probe radius of {} with a spacing of {} is unusual; are they swapped? PROBE comes first",
-        probe, spacing));
-  if (!report.far_atoms.empty()) lines.push_back(report.far_atoms);
-  if (report.plan.cut_depth >= 0) lines.push_back(cut_warning(report.plan));
-  for (const DiskSpace& disk : report.disk)
-    if (disk.expected > disk.available) lines.push_back(disk_warning(disk));
   return lines;
 }
 

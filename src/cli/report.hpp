@@ -19,8 +19,8 @@ namespace eses::detail::cli {
 struct Report {
   Options options;
   std::size_t atoms = 0;
-  std::vector<DiagnosticText> diagnostics;
-  std::string far_atoms = {};  ///< a warning about atoms that stretch the grid, or empty
+  std::vector<DiagnosticText> diagnostics;  ///< of the atoms, and those of add_run_diagnostics
+  std::optional<DiagnosticText> far_atoms = {};
   std::optional<StructureReport> structure;  ///< only for PDB and mmCIF files
   Plan plan;
   PlaneRange planes;  ///< of this process
@@ -54,8 +54,11 @@ std::string part_text(const Report& report, bool is_locked);
 /// Returns plan and results as one JSON object; for a dry run and for a part, without the surface.
 std::string json_text(const Report& report);
 
-/// Returns the warnings, one line each: diagnostics of the input, a grid that cuts the surface (see
-/// eses::detail::cut_depth), and insufficient disk space.
+/// Adds the diagnostics of the plan and the disk: lengths that may be swapped, far atoms, a grid
+/// that cuts the surface (see eses::detail::cut_depth), and insufficient disk space.
+void add_run_diagnostics(Report& report);
+
+/// Returns the diagnostics that are warnings, one line each.
 std::vector<std::string> warnings(const Report& report);
 
 }  // namespace eses::detail::cli

@@ -101,7 +101,9 @@ Report report_of(const Options& options, const PlannedRun& run, const Processes&
   return {.options = options,
           .atoms = run.atoms,
           .diagnostics = describe(run.diagnostics, options.input().path),
-          .far_atoms = run.far_atoms,
+          .far_atoms = run.far_atoms
+                           ? std::optional(describe(*run.far_atoms, run.diagnostics.labels))
+                           : std::nullopt,
           .structure = run.structure,
           .plan = run.plan,
           .planes = run.slab.planes,
@@ -132,6 +134,7 @@ void present_plan(Report& report) {
   const Options& options = report.options;
   report.disk = require_disk_space(report.plan.files, options.request.outputs,
                                    options.request.output_directory);
+  add_run_diagnostics(report);
   if (options.request.dry_run) {
     print(options.json ? json_text(report) : plan_text(report));
     warn(report);
@@ -150,19 +153,19 @@ std::string final_text(const Report& report) {
   return report.options.quiet ? result : result + summary_text(report);
 }
 
-// Prints a warning if no point is inside the surface.
-void warn_if_empty(const Report& report) {
+// Returns whether no point of the grid around the atoms is inside the surface.
+bool is_empty(const Report& report) {
   const Parameters& parameters = report.options.request.parameters;
-  const bool is_whole =
-      std::holds_alternative<std::monostate>(parameters.part) && !parameters.has_custom_grid();
-  if (report.summary.inside_points > 0 || !is_whole) return;
-  if (!report.options.quiet)
-    print_message("warning", "no grid point is inside the surface; use a smaller spacing");
+  return report.summary.inside_points == 0 &&
+         std::holds_alternative<std::monostate>(parameters.part) && !parameters.has_custom_grid();
 }
 
-void present_result(const Report& report) {
+void present_result(Report& report) {
+  constexpr std::string_view empty = "no grid point is inside the surface; use a smaller spacing";
+  if (is_empty(report))
+    report.diagnostics.push_back(program_warning("empty_surface", std::string(empty)));
   print(final_text(report));
-  warn_if_empty(report);
+  if (is_empty(report) && !report.options.quiet) print_message("warning", std::string(empty));
   for (const std::string& fault : fault_lines(report.summary)) print_message("error", fault);
 }
 

@@ -138,20 +138,25 @@ std::optional<FarAtoms> find_far_atoms(std::span<const Atom> atoms, double probe
   return far;
 }
 
-std::string require_dense_grid(std::span<const Atom> atoms, double probe_radius,
-                               const GridOptions& grid, std::string_view file,
-                               std::span<const std::uint64_t> lines, bool are_allowed,
-                               std::string_view other_way) {
+std::optional<FarAtomsWarning> require_dense_grid(std::span<const Atom> atoms, double probe_radius,
+                                                  const GridOptions& grid, std::string_view file,
+                                                  std::span<const std::uint64_t> lines,
+                                                  bool are_allowed, std::string_view other_way) {
   const std::optional<FarAtoms> far = find_far_atoms(atoms, probe_radius, grid);
-  if (!far) return "";
-  std::vector<std::uint64_t> far_lines;
-  for (const AtomIndex i : far->atoms) far_lines.push_back(lines[i]);
-  std::string text = formatted("{}: {}", file, sentence(*far, "line", far_lines));
+  if (!far) return std::nullopt;
+  FarAtomsWarning warning{.message = {}, .count = far->atoms.size(), .examples = {}};
+  std::vector<std::uint64_t> lines_of_atoms;
+  for (const AtomIndex i : far->atoms) {
+    lines_of_atoms.push_back(lines[i]);
+    if (warning.examples.size() < FarAtomsWarning::max_examples)
+      warning.examples.emplace_back(i, lines[i]);
+  }
+  warning.message = formatted("{}: {}", file, sentence(*far, "line", lines_of_atoms));
   if (!are_allowed && far->is_refused())
     throw SparseGridError(
-        formatted("{}; remove atoms that do not belong to the molecule, {}or allow far atoms", text,
-                  other_way));
-  return text;
+        formatted("{}; remove atoms that do not belong to the molecule, {}or allow far atoms",
+                  warning.message, other_way));
+  return warning;
 }
 
 }  // namespace eses::detail

@@ -1,13 +1,17 @@
 #pragma once
 /// Grids that atoms far from the others make large and empty; see eses/far_atoms.hpp.
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 #include "eses/atoms.hpp"
+#include "eses/diagnostics.hpp"
 #include "eses/error.hpp"
 #include "eses/far_atoms.hpp"
 #include "eses/grid.hpp"
@@ -21,6 +25,16 @@ namespace eses::detail {
 std::optional<FarAtoms> find_far_atoms(std::span<const Atom> atoms, double probe_radius,
                                        const GridOptions& grid);
 
+/// A warning about atoms that stretch the grid.
+struct FarAtomsWarning {
+  static constexpr std::size_t max_examples = Diagnostic::max_examples;
+
+  std::string message;  ///< file, count, numbers of points, and lines
+  std::uint64_t count = 0;
+  /// The first of the atoms: indices in the file, and lines.
+  std::vector<std::pair<AtomIndex, std::uint64_t>> examples;
+};
+
 /// The grid has more than 1e10 points, and few of them are near atoms.
 class SparseGridError : public Error, public Hints {
  public:
@@ -28,13 +42,15 @@ class SparseGridError : public Error, public Hints {
       : Error(message), Hints({"allow_far_atoms"}) {}
 };
 
-/// Examines the grid around the atoms of a file. Returns the message about its far atoms, or about
-/// a grid of which few points are near atoms; empty if there is none. Throws SparseGridError if the
-/// grid has more than 1e10 points and `are_allowed` is false. `other_way` completes the advice of
-/// the error, such as "choose a part of the grid, ".
-std::string require_dense_grid(std::span<const Atom> atoms, double probe_radius,
-                               const GridOptions& grid, std::string_view file,
-                               std::span<const std::uint64_t> lines, bool are_allowed,
-                               std::string_view other_way = "");
+/// Examines the grid around the atoms of a file. Returns the warning about its far atoms, or about a
+/// grid of which few points are near atoms; nothing if there is none. The examples are indices of
+/// `atoms`. `lines` has the line of each atom. Throws SparseGridError if the grid has more than 1e10
+/// points and `are_allowed` is false. `other_way` completes the advice of the error, such as "choose
+/// a part of the grid, ".
+std::optional<FarAtomsWarning> require_dense_grid(std::span<const Atom> atoms, double probe_radius,
+                                                  const GridOptions& grid, std::string_view file,
+                                                  std::span<const std::uint64_t> lines,
+                                                  bool are_allowed,
+                                                  std::string_view other_way = "");
 
 }  // namespace eses::detail

@@ -285,22 +285,27 @@ AtomFile read_file(const InputFile& file, const Request& request, const Processe
 }
 
 // Returns the diagnostics of the atoms of a file; those of radii only if nothing was added to them.
-// The names of structures tell the examples.
+// The names of structures tell the examples, also those of the far atoms.
 FileDiagnostics diagnostics_of(const AtomFile& file, const Molecule& molecule, bool has_own_radii,
-                               const AtomNames* names) {
+                               const AtomNames* names,
+                               const std::optional<FarAtomsWarning>& far_atoms) {
   FileDiagnostics diagnostics;
   diagnostics.add(file.diagnostics, file.lines);
   if (has_own_radii) diagnostics.add(molecule.diagnostics(), file.lines);
   if (names == nullptr) return diagnostics;
   for (const auto& [atom, line] : diagnostics.lines) diagnostics.labels[atom] = names->label(atom);
+  if (!far_atoms) return diagnostics;
+  for (const auto& [atom, line] : far_atoms->examples)
+    diagnostics.labels[FileIndex{atom}] = names->label(FileIndex{atom});
   return diagnostics;
 }
 
 // Describes atoms that make a large and empty grid. Throws SparseGridError if it is too large.
-std::string describe_far_atoms(const AtomFile& atoms, const InputFile& file,
-                               const Parameters& parameters) {
+std::optional<FarAtomsWarning> describe_far_atoms(const AtomFile& atoms, const InputFile& file,
+                                                  const Parameters& parameters) {
   const auto* const grid = std::get_if<GridOptions>(&parameters.grid);
-  if (grid == nullptr || !std::holds_alternative<std::monostate>(parameters.part)) return {};
+  if (grid == nullptr || !std::holds_alternative<std::monostate>(parameters.part))
+    return std::nullopt;
   return require_dense_grid(atoms.atoms, parameters.probe_radius, *grid, input_name(file.path),
                             atoms.lines, parameters.allow_far_atoms, "choose a part of the grid, ");
 }
@@ -375,7 +380,8 @@ LabelTotals take_file(const InputFile& file, const Request& request,
         needs_whole ? whole.atoms() : std::span(std::as_const(atoms.atoms));
     if (processes.is_first())
       run.diagnostics =
-          diagnostics_of(atoms, whole, file.added_radius == 0, has_names ? &run.names : nullptr);
+          diagnostics_of(atoms, whole, file.added_radius == 0,
+                         has_names ? &run.names : nullptr, run.far_atoms);
     take_slab(whole, all, std::move(groups), request, threads, run);
     keep_written_names(request.outputs, all, processes, run);
   });

@@ -12,6 +12,7 @@
 #include "input/atom_names.hpp"
 #include "input/potential_map.hpp"
 #include "run/checkpoint.hpp"
+#include "run/far_atoms.hpp"
 #include "run/file_diagnostics.hpp"
 #include "run/group_names.hpp"
 #include "run/plan.hpp"
@@ -34,8 +35,7 @@ struct PlannedRun {
   /// region as one range. Otherwise each range becomes a chunk of the checkpoint.
   bool is_in_place = true;
   std::uint64_t atoms = 0;  ///< number of atoms of the file or molecule
-  /// A warning about atoms that stretch the grid; empty if there are none.
-  std::string far_atoms;
+  std::optional<FarAtomsWarning> far_atoms;
   FileDiagnostics diagnostics;  ///< of all atoms; only in the first process
   GroupNames groups;            ///< if the mesh names or colours them
   /// Residues of the atoms, if tables of residues are written. Also names of the atoms, if

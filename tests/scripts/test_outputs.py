@@ -4,6 +4,7 @@ devices stay, an old file stays if the new one cannot be written, and signals le
 import contextlib
 import ctypes
 import gzip
+import json
 import os
 import pathlib
 import shutil
@@ -266,6 +267,9 @@ class Program(TestCase):
         done = self.call(far, "--write", "none", "--dry-run", "--allow-far-atoms")
         self.assertIn("warning: ", done.stderr)
         self.assertIn("lines 21, 22", done.stderr)
+        found, = json.loads(self.call(far, "--write", "none", "--dry-run", "--allow-far-atoms", "--json").stdout)["diagnostics"]
+        self.assertEqual([found[key] for key in ("kind", "severity", "count")], ["far_atoms", "warning", 2])
+        self.assertEqual([(each["atom"], each["line"]) for each in found["first"]], [(20, 21), (21, 22)])
         self.call(far, "--write", "none", "--dry-run", "--region=0,0,0,9,9,9")
         far.write_text("\n".join([*atoms, "200 200 200 1.7"]) + "\n")  # 1e8 to 1e10 points
         done = self.call(far, "--write", "none", "--dry-run")
@@ -290,6 +294,31 @@ class Program(TestCase):
         far.write_text(near)
         for command in (["measure", far, "--pockets"], ["msms", "-if", far]):
             self.assertEqual(self.call(*command, "--allow-far-atoms").stderr, "")
+
+    def test_diagnostics_of_json_have_all_warnings(self):
+        """Each line of a warning is the message of an entry, whatever the command."""
+        far = self.folder / "far.pdb"
+        far.write_text("".join(
+            f"ATOM  {i:5d}  CA  ALA A{i:4d}    {x:8.3f}{x:8.3f}{x:8.3f}  1.00  0.00           C\n"
+            for i, x in enumerate([*range(0, 40, 2), 400], 1)))
+        close = self.folder / "close.xyzr"
+        close.write_text("0 0 0 1.7\n0.1 0 0 1.7\n0.1 0 0 1.7\n")
+        tiny = self.folder / "tiny.xyzr"
+        tiny.write_text("0.55 0.55 0.55 0.3\n")
+        kinds = set()
+        for command in ([far, "--write", "none", "--dry-run"], ["measure", far, "--pockets"], ["measure", far],
+                        ["interface", far], [close, "--write", "none"], [close, "--write", "none", "0.5", "1.2"],
+                        [tiny, "0.5", "1.1", "--write", "none"],
+                        [close, "--write", "none", "--region=0,0,0,3,3,3", "1.4", "0.5"]):
+            with self.subTest(command=command):
+                done = self.call(*command, "--json")
+                found = json.loads(done.stdout)["diagnostics"]
+                printed = [line.partition("warning: ")[2] for line in done.stderr.splitlines()]
+                self.assertEqual(sorted(each["message"] for each in found if each["severity"] == "warning"), sorted(printed))
+                kinds.update(each["kind"] for each in found)
+        self.assertLessEqual({"far_atoms", "one_atom_residue", "close", "duplicate", "swapped_lengths"}, kinds)
+        found = json.loads(self.call("measure", far, "--pockets", "--json").stdout)["diagnostics"][-1]
+        self.assertEqual((found["kind"], found["first"][0]["label"]), ("far_atoms", "A/ALA 21/CA"))
 
     def test_the_table_of_results_is_printed(self):
         self.call("measure", DATA / "c60.xyzr", DATA / "1ubq.xyzr", "--csv", self.folder / "t.csv")
