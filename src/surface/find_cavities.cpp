@@ -15,6 +15,11 @@
 namespace eses::detail {
 namespace {
 
+// Called between steps that take tenths of a second for a million atoms.
+void check(const MeasureSettings& settings) {
+  if (settings.check) settings.check();
+}
+
 // Finds the components of a surface, without the sums over faces. Returns nothing if a decision
 // about its patches depends on the slack. All patches pass in any case.
 std::optional<Components> sweep_components(const std::shared_ptr<ScheduledSurface>& surface,
@@ -44,6 +49,7 @@ std::optional<Components> sweep_components(const std::shared_ptr<ScheduledSurfac
     return true;
   });
   if (!is_consistent) return std::nullopt;
+  check(settings);
   return finder.finish({});
 }
 
@@ -81,7 +87,9 @@ std::shared_ptr<const CavityMap> find_cavities(const std::shared_ptr<ScheduledSu
   if (!components)
     return find_cavities(schedule_patches(consistent_surface(model.molecule, settings), false),
                          settings, measured);
+  check(settings);
   const std::vector<Cavity> cavities = measure_voids(model, settings, *components, measured);
+  check(settings);
   std::vector<ComponentNumber> number_of(components->count);
   std::vector<double> volumes;
   for (const std::size_t c : order_by_void(cavities)) {
@@ -89,6 +97,7 @@ std::shared_ptr<const CavityMap> find_cavities(const std::shared_ptr<ScheduledSu
     number_of[c + 1] = static_cast<ComponentNumber>(volumes.size());
   }
   const auto map = std::make_shared<CavityMap>(model, *components, number_of, std::move(volumes));
+  check(settings);
   if (settings.max_filled_void) map->fill(*settings.max_filled_void);
   if (settings.kept_component) map->keep_only(*settings.kept_component);
   return map;
@@ -97,7 +106,9 @@ std::shared_ptr<const CavityMap> find_cavities(const std::shared_ptr<ScheduledSu
 FoundCavities find_cavities(const Molecule& molecule, const MeasureSettings& settings,
                             bool keeps_patches) {
   if (is_far_away(molecule)) return find_far_cavities(molecule, settings, keeps_patches);
+  check(settings);
   auto surface = schedule_patches(SurfaceModel(molecule, settings.probe_radius), keeps_patches);
+  check(settings);
   if (keeps_patches) surface->schedule.keep_passed();
   MeasuredVoids measured;
   FoundCavities found{find_cavities(surface, settings, measured), nullptr};
