@@ -22,6 +22,9 @@ struct OtherFormat {
 };
 
 constexpr std::string_view open_babel = "convert it with `obabel FILE -O FILE.pdb`";
+constexpr std::string_view open_babel_or_python =
+    "convert it with `obabel FILE -O FILE.pdb`, or use `eses.measure` in Python, which reads it "
+    "with RDKit (doc/molecules.md)";
 // Such files are often named .pdb, and must not be overwritten.
 constexpr std::string_view open_babel_pdbqt =
     "convert it with `obabel -ipdbqt FILE -O FILE.converted.pdb`";
@@ -41,8 +44,8 @@ constexpr std::string_view trajectory =
     "write one frame with `mdconvert FILE -t TOPOLOGY -i 0 -o FILE.pdb`";
 
 constexpr std::array other_formats{
-    OtherFormat{"Tripos MOL2", ".mol2", open_babel},
-    OtherFormat{"MDL molfile or SDF", ".sdf .mol .sd", open_babel},
+    OtherFormat{"Tripos MOL2", ".mol2", open_babel_or_python},
+    OtherFormat{"MDL molfile or SDF", ".sdf .mol .sd", open_babel_or_python},
     OtherFormat{"Amber topology", ".prmtop .parm7", amber_topology},
     OtherFormat{"Amber restart", ".inpcrd .rst7 .rst", amber_coordinates},
     OtherFormat{"Amber NetCDF", ".nc .ncrst .ncdf", cpptraj},
@@ -64,7 +67,7 @@ constexpr std::array other_formats{
                 "convert it with `pymol -cq FILE -d 'save FILE.cif'`, or get the entry as .cif"},
     OtherFormat{"BinaryCIF", ".bcif",
                 "get the entry as .cif or .cif.gz, which are read directly, or use "
-                "`eses.measure` in Python"},
+                "`eses.measure` in Python, which reads it with Biotite (doc/molecules.md)"},
     OtherFormat{"AutoDock PDBQT", ".pdbqt", open_babel_pdbqt},
     OtherFormat{"PyMOL session", ".pse", pymol},
     OtherFormat{"ChimeraX session", ".cxs",
@@ -161,7 +164,7 @@ void refuse_other_suffix(std::string_view name, std::string_view suffix) {
     while (!suffixes.empty())
       if (take_first(suffixes) == suffix) {
         // Open Babel needs the format of a file whose suffix is another one.
-        const bool is_misnamed = format.advice == open_babel && !name.starts_with('<') &&
+        const bool is_misnamed = format.advice.starts_with(open_babel) && !name.starts_with('<') &&
                                  input_suffix(std::string(name)) != suffix;
         const std::string advice =
             is_misnamed ? formatted("convert it with `obabel -i{} FILE -O FILE.converted.pdb`",

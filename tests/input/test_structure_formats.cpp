@@ -165,11 +165,15 @@ TEST_CASE("formats that are not read are refused with a command that converts th
     return error_of([&] { refuse_other_suffix(name); });
   };
   CHECK(by_suffix("a.mol2") ==
-        "a.mol2: Tripos MOL2 files are not read; convert it with `obabel a.mol2 -O a.pdb`");
+        "a.mol2: Tripos MOL2 files are not read; convert it with `obabel a.mol2 -O a.pdb`, or use "
+        "`eses.measure` in Python, which reads it with RDKit (doc/molecules.md)");
   CHECK(by_suffix("-x 1.mol2") ==
         "-x 1.mol2: Tripos MOL2 files are not read; convert it with `obabel './-x 1.mol2' -O './-x "
-        "1.pdb'`");
-  CHECK(contains(by_suffix("a.SDF.gz"), "obabel"));
+        "1.pdb'`, or use `eses.measure` in Python, which reads it with RDKit (doc/molecules.md)");
+  for (const std::string name : {"a.SDF.gz", "a.mol", "a.sd"}) {
+    CHECK(contains(by_suffix(name), "`obabel " + name + " -O a.pdb`"));
+    CHECK(contains(by_suffix(name), "or use `eses.measure` in Python, which reads it with RDKit"));
+  }
   CHECK(contains(by_suffix("a.bcif"), "or use `eses.measure` in Python"));
   CHECK(contains(by_suffix("a.gro"), "gmx editconf"));
   CHECK(contains(by_suffix("a.xtc"), "gmx trjconv"));
