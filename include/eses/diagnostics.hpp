@@ -27,7 +27,7 @@ enum class DiagnosticKind : std::uint8_t {
   /// atoms that it cannot have or without its backbone, as in coarse-grained models. Elements and
   /// radii are guesses.
   foreign_residue,
-  /// Most atoms are within 0.3 angstrom of their nearest neighbour, and their radii are not those
+  /// Most atoms are within 0.45 angstrom of their nearest neighbour, and their radii are not those
   /// of small_radii: the coordinates are probably in nanometres. It replaces close and nested.
   nanometre_coordinates,
   unread_record,  ///< A line with coordinates has neither the name ATOM nor HETATM; see `line`.

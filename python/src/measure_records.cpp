@@ -203,7 +203,9 @@ void bind_measure_records(py::module_& module) {
   bind_record<FrameMeasuresKind>(module)
       .def("__len__", [](const Record<FrameMeasuresKind>& self) { return py::len(self.values[0]); })
       .def("__repr__", [](const Record<FrameMeasuresKind>& self) {
-        return py::str("<eses_blocks.FrameMeasures: {} frames>").format(py::len(self.values[0]));
+        const std::size_t count = py::len(self.values[0]);
+        return py::str("<eses_blocks.FrameMeasures: {} {}>")
+            .format(count, count == 1 ? "frame" : "frames");
       });
 }
 

@@ -181,6 +181,7 @@ def test_all_results_have_a_representation(chain):
 def test_representation():
     assert repr(eses.Surface([[0, 0, 0]], [1]).measure()) == "<eses_blocks.Measures: SES area 12.5664, SES volume 4.18879>"
     assert repr(eses.measure_frames(np.zeros((3, 1, 3)), [1])) == "<eses_blocks.FrameMeasures: 3 frames>"
+    assert repr(eses.measure_frames(np.zeros((1, 1, 3)), [1])) == "<eses_blocks.FrameMeasures: 1 frame>"
 
 
 def moving_pairs(distances):

@@ -31,8 +31,8 @@ constexpr std::array<Wording, diagnostic_kinds> wordings{{
      "coarse-grained models; its elements and radii are guesses",
      "residues are no amino acids or nucleotides of their names: they have other atoms or no "
      "backbone, as in coarse-grained models; their elements and radii are guesses"},
-    {"nanometre_coordinates", "atom is within 0.3 angstrom of its nearest neighbour",
-     "atoms are within 0.3 angstrom of their nearest neighbours, but their radii are in angstrom; "
+    {"nanometre_coordinates", "atom is within 0.45 angstrom of its nearest neighbour",
+     "atoms are within 0.45 angstrom of their nearest neighbours, but their radii are in angstrom; "
      "coordinates look like nanometres; multiply them by 10"},
     {"unread_record",
      "line has coordinates, but its record name is neither ATOM nor HETATM; it is not read",

@@ -135,7 +135,15 @@ bool is_decimal(std::string_view field) {
 /// Returns whether a further number comes before the last five, which are not part of `leading`.
 /// Such a record is ambiguous: ESES reads the last two numbers as charge and radius, APBS the
 /// fourth and fifth.
-bool has_extra_number(std::string_view leading) { return is_decimal(take_last(leading)); }
+/// A number without a decimal point is one more if a residue number precedes it.
+bool has_extra_number(std::string_view leading) {
+  constexpr std::size_t max_leading_fields = 6;  // record, serial, atom, residue, chain, number
+  const bool has_more = count_fields(leading) > max_leading_fields;
+  const std::string_view last = take_last(leading);
+  if (is_decimal(last)) return true;
+  int value = 0;
+  return has_more && parse_integer(last, value) && parse_integer(take_last(leading), value);
+}
 
 Problem parse_pqr_fields(std::string_view line, Record& record) {
   PqrFields fields;

@@ -13,7 +13,9 @@ namespace {
 constexpr double max_usual_radius = 4;       // angstrom
 constexpr double nanometre_radius = 0.4;     // radius of a large atom in nanometres
 constexpr double max_hydrogen_radius = 1.4;  // angstrom
-constexpr double nanometre_distance = 0.3;   // angstrom; the length of a bond is 0.1 to 0.2 nm
+// Angstrom. The length of a bond is 0.1 to 0.2 nm, that of a step from one C-alpha atom to the next
+// is 0.38 nm.
+constexpr double nanometre_distance = 0.45;
 constexpr std::uint64_t min_nanometre_atoms = 3;
 constexpr AtomIndex no_partner = std::numeric_limits<AtomIndex>::max();
 

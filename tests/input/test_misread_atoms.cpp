@@ -146,6 +146,11 @@ TEST_CASE("elements beside their columns are read", "[structure]") {
   CHECK(element(" N1 ", " N1+") == "N");
   CHECK(element("CL1 ", "CL1-") == "Cl");
   CHECK(element(" C1 ", " C  ") == "C");
+  // Such a letter in column 76 is no segment, which would be a residue of its own.
+  const std::string record = line_of({.name = "BR1 ", .residue = "LIG"}).substr(0, 66);
+  const std::string carbon = line_of({.name = " C1 ", .residue = "LIG", .x = 3}).substr(0, 66);
+  const AtomFile shifted = read_bondi(record + "         BR\n" + carbon + "          C\n");
+  CHECK(names_of(shifted) == Names{"A LIG 1 BR1", "A LIG 1 C1"});
   // Segments and line numbers are no elements.
   CHECK(element(" C1 ", "PROA    ") == "C");
   CHECK(element(" C1 ", "1HPV 168") == "C");
@@ -183,12 +188,18 @@ TEST_CASE("coordinates in nanometres give one warning", "[cli]") {
     INFO(command);
     CHECK(outcome.code == 0);
     CHECK(contains(outcome.err,
-                   "nm.xyzr: 12 atoms are within 0.3 angstrom of their nearest "
+                   "nm.xyzr: 12 atoms are within 0.45 angstrom of their nearest "
                    "neighbours, but their radii are in angstrom; coordinates look "
                    "like nanometres; multiply them by 10: lines 1, 2, 3, 4, 5 and "
                    "7 more\n"));
     CHECK(std::count(outcome.err.begin(), outcome.err.end(), '\n') == 1);
   }
+  // A trace of C-alpha atoms has longer steps than bonds.
+  std::vector<Atom> trace;
+  for (int i = 0; i < 9; ++i) trace.push_back({{0.38 * i, 0.1 * (i % 2), 0}, 1.9});
+  const Surface of_trace(trace, SurfaceOptions{});
+  REQUIRE(of_trace.diagnostics().size() == 1);
+  CHECK(of_trace.diagnostics()[0].kind == DiagnosticKind::nanometre_coordinates);
   // Two of five atoms that are close are another warning.
   const Surface few({{{0, 0, 0}, 1.7},
                      {{0.2, 0, 0}, 1.7},

@@ -101,6 +101,11 @@ TEST_CASE("PQR: numbers behind the radius are refused", "[structure][pqr]") {
   CHECK(
       error_of([&] { read("ATOM 1 N ALA A 1 1.0 2.0 3.0 0.1 1.5 9.5\n"); }).starts_with(expected));
   CHECK(error_of([&] { read("ATOM 1 N ALA 1 1.0 2.0 3.0 0.1 1.5 9.5\n"); }).starts_with(expected));
+  // Coordinates without a decimal point.
+  CHECK(error_of([&] { read("ATOM 1 N ALA A 1 1 2 3 0.1 1.5 9.5\n"); }).starts_with(expected));
+  CHECK(error_of([&] { read("ATOM 1 N ALA A 1 0 0 3 1 1 9.5\n"); }).starts_with(expected));
+  CHECK(read("ATOM 1 N ALA A 1 B 2.0 3 4 0.1 1.5\n").atoms.at(0).center.x == 2);
+  CHECK(read("ATOM 1 N ALA 1 7 2 3 4 0.1 1.5\n").atoms.at(0).center.x == 2);
   // In columns, coordinates may run together.
   const std::string columns =
       "ATOM      1  N   ALA A   1    -100.000-100.000-100.000  0.1000 1.5000";

@@ -93,6 +93,20 @@ bool agrees_with_name(std::string_view symbol, std::string_view record) {
          starts_with_ignoring_case(name, lower_case(std::string(symbol)));
 }
 
+/// Returns the symbol that begins one column before those of the element; empty if there is none.
+std::string_view element_on_the_left(std::string_view record) {
+  constexpr std::size_t first = element_columns.first;
+  const auto is_letter_at = [&](std::size_t i) {
+    return i < record.size() && is_letter(record[i]);
+  };
+  if (!is_letter_at(first - 1) || !is_letter_at(first) || is_letter_at(first + 1)) return {};
+  const std::string_view symbol = record.substr(first - 1, 2);
+  const bool is_segment = !trimmed(record.substr(segment_columns.first, 3)).empty();
+  return !is_segment && !usual_spelling(symbol).empty() && agrees_with_name(symbol, record)
+             ? symbol
+             : std::string_view();
+}
+
 /// Returns the symbol in the columns of the element or, if these have none, one or two columns
 /// beside them, as some programs write it. Empty if the record has none.
 std::string_view element_of_columns(std::string_view record) {
@@ -107,9 +121,8 @@ std::string_view element_of_columns(std::string_view record) {
     return i < record.size() && is_letter(record[i]);
   };
   constexpr std::size_t first = element_columns.first;
-  const std::string_view left = text(first - 1, 2), right = text(first + 1, 2);
-  const bool has_left = is_letter_at(first - 1) && is_letter_at(first) && !is_letter_at(first + 1);
-  if (has_left && trimmed(text(segment_columns.first, 3)).empty() && is_shifted(left)) return left;
+  const std::string_view right = text(first + 1, 2);
+  if (const std::string_view left = element_on_the_left(record); !left.empty()) return left;
   if (is_letter_at(first + 1) && is_letter_at(first + 2) && is_shifted(right)) return right;
   const std::string_view field = field_of(record, element_columns);
   if (record.size() > first + 1 && std::any_of(field.begin(), field.end(), is_letter)) return field;
@@ -138,8 +151,9 @@ std::string_view segment_of(std::string_view record) {
   const std::string_view last = column_text(record, segment_columns.first + 4, 4);
   const bool has_line_number = !last.empty() && std::all_of(last.begin(), last.end(), is_digit);
   const bool follows_blanks = column_text(record, 66, segment_columns.first - 66).empty();
-  return has_line_number || !follows_blanks || is_pdbqt_record(record) ? std::string_view()
-                                                                       : segment;
+  const bool is_segment = !has_line_number && follows_blanks && !is_pdbqt_record(record) &&
+                          element_on_the_left(record).empty();
+  return is_segment ? segment : std::string_view();
 }
 
 /// Returns why the fields of an atom's record may not be in their columns; empty if it is unknown
