@@ -413,7 +413,11 @@ void ComponentFinder::find_overlaps(const std::vector<Node>& labels, Components&
                             components.overlaps.end());
 }
 
-Components ComponentFinder::finish(const std::function<FaceIntegrals(AtomIndex)>& integrals_of) {
+Components ComponentFinder::finish(const std::function<FaceIntegrals(AtomIndex)>& integrals_of,
+                                   const CheckCallback& check) {
+  const auto end_step = [&] {
+    if (check) check();
+  };
   Components components;
   const std::vector<Node> labels = sets_.labels();
   const auto max_label = std::max_element(labels.begin(), labels.end());
@@ -425,9 +429,13 @@ Components ComponentFinder::finish(const std::function<FaceIntegrals(AtomIndex)>
   }
   for (const auto& [center, node] : kept_)
     components.placements.push_back({center, WallIndex{labels[node]}});
+  end_step();
   add_faces(labels, integrals_of, components);
+  end_step();
   components.piece_of_atom = find_pieces(surface_);
+  end_step();
   connect_walls(surface_, components);
+  end_step();
   find_overlaps(labels, components);
   return components;
 }

@@ -13,6 +13,7 @@
 #include <utility>
 #include <vector>
 
+#include "eses/check.hpp"
 #include "geometry/box.hpp"
 #include "geometry/sphere_part.hpp"
 #include "surface/patch_schedule.hpp"
@@ -190,8 +191,10 @@ class ComponentFinder {
     Vec3 moment;  ///< sum of the terms of second_moment_term, for the atom's position
   };
   /// Returns the components. `integrals_of` is called for atoms with faces. If it is empty, the
-  /// sums over faces are not valid.
-  Components finish(const std::function<FaceIntegrals(AtomIndex)>& integrals_of);
+  /// sums over faces are not valid. `check` is called between steps that take tenths of a second
+  /// for a million atoms.
+  Components finish(const std::function<FaceIntegrals(AtomIndex)>& integrals_of,
+                    const CheckCallback& check);
 
  private:
   static constexpr Node no_node = 0xffffffff;

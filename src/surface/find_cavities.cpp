@@ -50,7 +50,7 @@ std::optional<Components> sweep_components(const std::shared_ptr<ScheduledSurfac
   });
   if (!is_consistent) return std::nullopt;
   check(settings);
-  return finder.finish({});
+  return finder.finish({}, settings.check);
 }
 
 // Finds the cavities of a molecule far away from the origin, as for measures. The patches of the

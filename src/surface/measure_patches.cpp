@@ -76,11 +76,13 @@ class PatchMeasurement {
     sums_.finish();
     closure_ = closure_of(sums_, surface_);
     if (finder_) {
-      components_ = finder_->finish([&](AtomIndex i) {
-        const AtomFace& face = sums_.faces()[i];
-        return ComponentFinder::FaceIntegrals{face.solid_angle, face.boundary.vector_area,
-                                              sums_.faces().moment_of(i)};
-      });
+      components_ = finder_->finish(
+          [&](AtomIndex i) {
+            const AtomFace& face = sums_.faces()[i];
+            return ComponentFinder::FaceIntegrals{face.solid_angle, face.boundary.vector_area,
+                                                  sums_.faces().moment_of(i)};
+          },
+          settings_.check);
       finder_.reset();
       closure_ = worse_of(closure_, closure_of(components_, surface_));
     }
