@@ -213,8 +213,8 @@ Surface make_surface(const py::object& centers, const py::object& radii, double 
 
 // Makes a surface, and warns of suspicious atoms.
 void construct_surface(py::detail::value_and_holder& self, const py::object& centers,
-                       const py::object& radii, double probe_radius,
-                       const std::string& kind, const py::object& fill_cavities, int threads) {
+                       const py::object& radii, double probe_radius, const std::string& kind,
+                       const py::object& fill_cavities, int threads) {
   py::object its_centers = centers, its_radii = radii, files = py::tuple();
   if (radii.is_none()) {  // a molecule of another library, or a file
     const py::object molecule = py::module_::import("eses_blocks").attr("read_molecule")(centers);
@@ -222,7 +222,8 @@ void construct_surface(py::detail::value_and_holder& self, const py::object& cen
     its_radii = molecule.attr("radii");
     files = molecule.attr("files");
   }
-  Surface surface = make_surface(its_centers, its_radii, probe_radius, kind, fill_cavities, threads);
+  Surface surface =
+      make_surface(its_centers, its_radii, probe_radius, kind, fill_cavities, threads);
   std::vector<Diagnostic> diagnostics(surface.diagnostics().begin(), surface.diagnostics().end());
   // The radii of the solvent accessible surface are large.
   if (kind == "sas")
@@ -396,7 +397,8 @@ void bind_surface(py::module_& module) {
   type.attr("__module__") = "eses_blocks";
   type.def("__init__", &construct_surface, py::detail::is_new_style_constructor(), init_text,
            py::arg("centers"), py::arg("radii") = py::none(), py::arg("probe_radius") = 1.4,
-           py::kw_only(), py::arg("surface") = "ses", py::arg("fill_cavities") = false, py::arg("threads") = 0)
+           py::kw_only(), py::arg("surface") = "ses", py::arg("fill_cavities") = false,
+           py::arg("threads") = 0)
       .def("__len__", [](const Surface& self) { return self.atoms().size(); })
       .def("__repr__",
            [](const Surface& self) {

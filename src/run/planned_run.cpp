@@ -379,9 +379,8 @@ LabelTotals take_file(const InputFile& file, const Request& request,
     const std::span<const Atom> all =
         needs_whole ? whole.atoms() : std::span(std::as_const(atoms.atoms));
     if (processes.is_first())
-      run.diagnostics =
-          diagnostics_of(atoms, whole, file.added_radius == 0,
-                         has_names ? &run.names : nullptr, run.far_atoms);
+      run.diagnostics = diagnostics_of(atoms, whole, file.added_radius == 0,
+                                       has_names ? &run.names : nullptr, run.far_atoms);
     take_slab(whole, all, std::move(groups), request, threads, run);
     keep_written_names(request.outputs, all, processes, run);
   });

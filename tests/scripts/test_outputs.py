@@ -302,7 +302,7 @@ class Program(TestCase):
             f"ATOM  {i:5d}  CA  ALA A{i:4d}    {x:8.3f}{x:8.3f}{x:8.3f}  1.00  0.00           C\n"
             for i, x in enumerate([*range(0, 40, 2), 400], 1)))
         close = self.folder / "close.xyzr"
-        close.write_text("0 0 0 1.7\n0.1 0 0 1.7\n0.1 0 0 1.7\n")
+        close.write_text("0 0 0 1.7\n0.1 0 0 1.7\n9 0 0 1.7\n9 0 0 1.7\n18 0 0 1.7\n")
         tiny = self.folder / "tiny.xyzr"
         tiny.write_text("0.55 0.55 0.55 0.3\n")
         kinds = set()
