@@ -366,6 +366,7 @@ std::string advice_for_command(const Arguments& arguments, std::string_view mess
   if (!message.starts_with(start)) return {};
   message.remove_prefix(start.size());
   const std::string value(message.substr(0, message.find('\'')));
+  if (value.starts_with("--")) return "; options must come before '--' and FILE";
   return std::filesystem::exists(value, ignored)
              ? "; one file at a time, or 'eses-blocks measure FILE...' for many"
              : "";

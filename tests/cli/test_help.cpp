@@ -133,6 +133,9 @@ TEST_CASE("mistyped options and commands have suggestions", "[cli]") {
       {{"pair.xyzr", "atom.xyzr"},
        "PROBE is 'atom.xyzr', expected a number from 0.01 to 1000, in angstrom; one file at a "
        "time, or 'eses-blocks measure FILE...' for many"},
+      {{"--", "pair.xyzr", "--mesh", "a.ply"},
+       "PROBE is '--mesh', expected a number from 0.01 to 1000, in angstrom; options must come "
+       "before '--' and FILE"},
   };
   for (const auto& [arguments, message] : expected) check_usage_error(sandbox, arguments, message);
   const Outcome swapped = sandbox.run({"pair.xyzr", "0.4", "1.4", "--write", "none"});
