@@ -42,11 +42,11 @@ class SparseGridError : public Error, public Hints {
       : Error(message), Hints({"allow_far_atoms"}) {}
 };
 
-/// Examines the grid around the atoms of a file. Returns the warning about its far atoms, or about a
-/// grid of which few points are near atoms; nothing if there is none. The examples are indices of
-/// `atoms`. `lines` has the line of each atom. Throws SparseGridError if the grid has more than 1e10
-/// points and `are_allowed` is false. `other_way` completes the advice of the error, such as "choose
-/// a part of the grid, ".
+/// Examines the grid around the atoms of a file. Returns the warning about its far atoms, or about
+/// a grid of which few points are near atoms; nothing if there is none. The examples are indices of
+/// `atoms`. `lines` has the line of each atom. Throws SparseGridError if the grid has more than
+/// 1e10 points and `are_allowed` is false. `other_way` completes the advice of the error, such as
+/// "choose a part of the grid, ".
 std::optional<FarAtomsWarning> require_dense_grid(std::span<const Atom> atoms, double probe_radius,
                                                   const GridOptions& grid, std::string_view file,
                                                   std::span<const std::uint64_t> lines,
