@@ -151,6 +151,10 @@ TEST_CASE("elements beside their columns are read", "[structure]") {
   const std::string carbon = line_of({.name = " C1 ", .residue = "LIG", .x = 3}).substr(0, 66);
   const AtomFile shifted = read_bondi(record + "         BR\n" + carbon + "          C\n");
   CHECK(names_of(shifted) == Names{"A LIG 1 BR1", "A LIG 1 C1"});
+  // The first letter of an element, two columns too far to the right.
+  CHECK(element(" CL1", "          C") == "Cl");
+  CHECK(element(" BR2", "          B") == "Br");
+  CHECK(element(" C1 ", "          C") == "C");
   // Segments and line numbers are no elements.
   CHECK(element(" C1 ", "PROA    ") == "C");
   CHECK(element(" C1 ", "1HPV 168") == "C");

@@ -128,9 +128,14 @@ std::string_view element_of_columns(std::string_view record) {
   if (record.size() > first + 1 && std::any_of(field.begin(), field.end(), is_letter)) return field;
   const std::string_view last = trimmed(text(first + 2, 2)).substr(0, 2);
   const bool is_one = last.size() == 1 || (last.size() == 2 && !is_letter(last[1]));
-  if (field.empty() && is_shifted(last.substr(0, is_one ? 1 : 2)))
-    return last.substr(0, is_one ? 1 : 2);
-  return {};
+  if (!field.empty() || !is_shifted(last.substr(0, is_one ? 1 : 2))) return {};
+  // Names such as CL1 say more than the first letter of the element.
+  const std::string_view residue = field_of(record, residue_columns);
+  if (is_one && element_by_name({column_text(record, name_columns.first, name_columns.width),
+                                 residue, is_polymer_residue(residue)})
+                        .size() > 1)
+    return {};
+  return last.substr(0, is_one ? 1 : 2);
 }
 
 /// Returns whether a text is digits around a decimal point, as nearly all numbers are. Such a
