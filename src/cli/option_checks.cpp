@@ -108,22 +108,20 @@ void choose_surface(const CLI::App& app, const Length& probe, Options& options) 
   parameters.probe_radius = options.probe_radius;
   if (options.surface == SurfaceKind::ses) return;
   const bool is_sas = options.surface == SurfaceKind::sas;
-  const std::string chosen = formatted("--surface {}", is_sas ? "sas" : "vdw");
+  const std::string chosen = formatted("--surface {}", names_of(options.surface).option);
   if (!is_sas && probe.is_given())
     throw UsageError(formatted("{} cannot be combined with {}; it has no probe", chosen,
                                probe.option ? "--probe-radius" : "PROBE"));
+  const auto refuse_if = [&](bool is_chosen, std::string_view option) {
+    if (is_chosen)
+      throw UsageError(formatted("{} cannot be combined with {}; it needs the {}", chosen, option,
+                                 names_of(SurfaceKind::ses).name));
+  };
   for (const char* const option : {"--fill-cavities", "--component", "--verify", "--kappa"})
-    if (app.count(option) > 0)
-      throw UsageError(
-          formatted("{} cannot be combined with {}; it needs the solvent excluded "
-                    "surface",
-                    chosen, option));
-  if (options.request.outputs.mesh->color == MeshColor::component)
-    throw UsageError(
-        formatted("{} cannot be combined with --color component; it needs the solvent excluded "
-                  "surface",
-                  chosen));
+    refuse_if(app.count(option) > 0, option);
+  refuse_if(options.request.outputs.mesh->color == MeshColor::component, "--color component");
   parameters.probe_radius = 0;
+  parameters.has_grown_atoms = is_sas;
   if (is_sas) options.input().added_radius = options.probe_radius;
 }
 

@@ -20,10 +20,6 @@ struct GridChoice {
   bool has_spacing = false;  ///< whether the spacing is given
 };
 
-/// The surface of a run. The SAS is the van der Waals surface of atoms whose radii are larger by
-/// the radius of the probe.
-enum class SurfaceKind { ses, sas, vdw };
-
 /// The values of all options: the request of a run, the choice of its grid, and what is printed.
 struct Options {
   Request request;

@@ -273,16 +273,12 @@ std::string region_text(const Plan& plan) {
                    end[1], begin[2], end[2], plan.tiling.region.point_count());
 }
 
-std::string_view surface_name(SurfaceKind surface) {
-  return surface == SurfaceKind::ses ? "ses" : (surface == SurfaceKind::sas ? "sas" : "vdw");
-}
-
 /// Returns the radius of the probe, and the surface unless it is the solvent excluded one.
 std::string probe_text(const Options& options) {
-  if (options.surface == SurfaceKind::vdw) return "van der Waals surface";
-  return formatted("{}probe radius {}",
-                   options.surface == SurfaceKind::sas ? "solvent accessible surface, " : "",
-                   options.probe_radius);
+  const std::string probe = formatted("probe radius {}", options.probe_radius);
+  if (options.surface == SurfaceKind::ses) return probe;
+  const std::string name(names_of(options.surface).name);
+  return options.surface == SurfaceKind::vdw ? name : name + ", " + probe;
 }
 
 std::string workers_text(const Report& report) {
@@ -297,7 +293,7 @@ Json parameters_json(const Options& options, const Plan& plan) {
   const auto* const grid = std::get_if<GridOptions>(&plan.parameters.grid);
   const std::optional<double>& max_filled_void = plan.parameters.max_filled_void;
   const bool is_vdw = options.surface == SurfaceKind::vdw;
-  return {{"surface", surface_name(options.surface)},
+  return {{"surface", names_of(options.surface).option},
           {"probe_radius", is_vdw ? 0 : options.probe_radius},
           {"spacing", plan.grid.spacing},
           {"margin", grid != nullptr ? Json(grid->margin) : Json()},
@@ -503,7 +499,7 @@ void add_run_diagnostics(Report& report) {
   };
   const Options& options = report.options;
   if (const double spacing = report.plan.grid.spacing, probe = options.probe_radius;
-      options.surface == SurfaceKind::ses && probe < min_usual_probe && spacing > max_usual_spacing)
+      options.surface != SurfaceKind::vdw && probe < min_usual_probe && spacing > max_usual_spacing)
     add("swapped_lengths",
         formatted("a probe radius of {} with a spacing of {} is unusual; are they swapped? PROBE "
                   "comes first",

@@ -53,9 +53,9 @@ struct GridMap::Slice {
   std::int64_t x = 0, y_begin = 0, y_end = 0;
 };
 
-GridMap::GridMap(MapChoice map, const Grid& grid, const GridRegion& region)
+GridMap::GridMap(MapChoice map, SurfaceKind surface, const Grid& grid, const GridRegion& region)
     : map_(std::move(map)),
-      layout_(map_layout(map_, grid, region)),
+      layout_(map_layout(map_, surface, grid, region)),
       size_(region.size()),
       texts_(value_texts(map_)),
       bits_(static_cast<std::size_t>(cells_along(size_) * size_[1] * size_[2])) {}

@@ -22,7 +22,7 @@ namespace eses::detail {
 /// transposed.
 class GridMap {
  public:
-  GridMap(MapChoice map, const Grid& grid, const GridRegion& region);
+  GridMap(MapChoice map, SurfaceKind surface, const Grid& grid, const GridRegion& region);
 
   MapQuantity quantity() const { return map_.quantity; }
   /// Adds consecutive rows. A row has words_of_row words: one bit for each point, or the inside

@@ -14,10 +14,10 @@ namespace {
 std::string scientific(Vec3 v) { return formatted("{:.12e} {:.12e} {:.12e}", v.x, v.y, v.z); }
 
 // Returns the title of a map. That of the dielectric has the values inside and outside.
-std::string title_of(const MapChoice& map) {
+std::string title_of(const MapChoice& map, SurfaceKind surface) {
   switch (map.quantity) {
     case MapQuantity::inside:
-      return "Inside of the solvent excluded surface: 1 inside, 0 outside";
+      return formatted("Inside of the {}: 1 inside, 0 outside", names_of(surface).name);
     case MapQuantity::ion_access:
       return "Access of ions: 1 where the centre of an ion may be, 0 elsewhere";
     default:
@@ -34,7 +34,8 @@ void require_between(double value, double min, double max, std::string_view what
 
 // Header of an OpenDX file as APBS writes it. Some readers depend on its line breaks and words, and
 // some accept at most 84 characters a line.
-MapLayout dx_layout(const MapChoice& map, const Grid& grid, const GridRegion& region) {
+MapLayout dx_layout(const MapChoice& map, SurfaceKind surface, const Grid& grid,
+                    const GridRegion& region) {
   const MapQuantity quantity = map.quantity;
   MapLayout layout;
   layout.format = MapFormat::dx;
@@ -50,8 +51,8 @@ MapLayout dx_layout(const MapChoice& map, const Grid& grid, const GridRegion& re
       "origin {}\ndelta {}\ndelta {}\ndelta {}\n"
       "object 2 class gridconnections counts {}\n"
       "object 3 class array type double rank 0 items {} data follows\n",
-      title_of(map), counts, scientific(origin), scientific({h, 0, 0}), scientific({0, h, 0}),
-      scientific({0, 0, h}), counts, layout.points);
+      title_of(map, surface), counts, scientific(origin), scientific({h, 0, 0}),
+      scientific({0, h, 0}), scientific({0, 0, h}), counts, layout.points);
   layout.footer = formatted(
       "{}attribute \"dep\" string \"positions\"\n"
       "object \"regular positions regular connections\" class field\n"
@@ -163,8 +164,10 @@ double dielectric_of(const MapChoice& map, std::uint32_t fraction) {
   return 1 / (inside / map.solute + (1 - inside) / map.solvent);
 }
 
-MapLayout map_layout(const MapChoice& map, const Grid& grid, const GridRegion& region) {
-  return map.format == MapFormat::dx ? dx_layout(map, grid, region) : vti_layout(grid, region);
+MapLayout map_layout(const MapChoice& map, SurfaceKind surface, const Grid& grid,
+                     const GridRegion& region) {
+  return map.format == MapFormat::dx ? dx_layout(map, surface, grid, region)
+                                     : vti_layout(grid, region);
 }
 
 }  // namespace eses::detail

@@ -11,6 +11,7 @@
 #include "eses/grid.hpp"
 #include "eses/outputs.hpp"
 #include "grid/inside_fraction.hpp"
+#include "output/surface_kind.hpp"
 
 namespace eses::detail {
 
@@ -90,6 +91,7 @@ struct MapLayout {
 };
 
 /// Returns the layout of the map of a region. Coordinates and indices refer to the whole grid.
-MapLayout map_layout(const MapChoice& map, const Grid& grid, const GridRegion& region);
+MapLayout map_layout(const MapChoice& map, SurfaceKind surface, const Grid& grid,
+                     const GridRegion& region);
 
 }  // namespace eses::detail

@@ -145,13 +145,14 @@ void MeshText::append_header_begin(BufferedText& text) const {
   if (is_ply(format_))
     text.append(
         "ply\nformat {} 1.0\n"
-        "comment solvent excluded surface, eses-blocks; angstrom\n"
+        "comment {}, eses-blocks; angstrom\n"
         "comment patch: 1 convex, 2 saddle, 3 concave; atom: first adjacent one, 0-based{}\n",
         format_ == MeshFormat::ascii_ply ? "ascii"
         : is_little                      ? "binary_little_endian"
                                          : "binary_big_endian",
-        comment_of(optional_fields()));
-  if (format_ == MeshFormat::vtp) append_vtp_begin(text, optional_fields(), source_.chain_count);
+        names_of(source_.surface).name, comment_of(optional_fields()));
+  if (format_ == MeshFormat::vtp)
+    append_vtp_begin(text, source_.surface, optional_fields(), source_.chain_count);
 }
 
 void MeshText::append_chain_name(BufferedText& text, std::uint64_t number,
@@ -183,14 +184,14 @@ void MeshText::append_header_end(BufferedText& text, const MeshCounts& counts,
       append_ply_end(text, counts);
       break;
     case MeshFormat::obj:
-      text.append("# solvent excluded surface, eses-blocks; angstrom\n");
+      text.append("# {}, eses-blocks; angstrom\n", names_of(source_.surface).name);
       break;
     case MeshFormat::off:
       append_off_counts(text, counts);
       break;
     case MeshFormat::msms:
-      append_msms_header(text, false, counts.vertices, source_.atom_count, source_.density,
-                         source_.probe_radius);
+      append_msms_header(text, source_.surface, false, counts.vertices, source_.atom_count,
+                         source_.density, source_.probe_radius);
       break;
     case MeshFormat::vtp:
       append_vtp_before_data(text, optional_fields(), counts);
@@ -198,8 +199,9 @@ void MeshText::append_header_end(BufferedText& text, const MeshCounts& counts,
     case MeshFormat::stl: {
       std::array<char, sizeof(std::uint32_t)> count{};
       put_little(count.data(), static_cast<std::uint32_t>(counts.triangles));
-      text.append("{:<{}}{}", "solvent excluded surface, eses-blocks; angstrom", stl_header_bytes,
-                  std::string_view(count.data(), count.size()));
+      text.append("{:<{}}{}",
+                  formatted("{}, eses-blocks; angstrom", names_of(source_.surface).name),
+                  stl_header_bytes, std::string_view(count.data(), count.size()));
       break;
     }
     case MeshFormat::glb:
@@ -209,8 +211,8 @@ void MeshText::append_header_end(BufferedText& text, const MeshCounts& counts,
 }
 
 void MeshText::append_face_header(BufferedText& text, const MeshCounts& counts) const {
-  append_msms_header(text, true, counts.triangles, source_.atom_count, source_.density,
-                     source_.probe_radius);
+  append_msms_header(text, source_.surface, true, counts.triangles, source_.atom_count,
+                     source_.density, source_.probe_radius);
 }
 
 void MeshText::append_ply_end(BufferedText& text, const MeshCounts& counts) const {

@@ -19,6 +19,7 @@
 #include "output/gltf_text.hpp"
 #include "output/mesh_format.hpp"
 #include "output/mesh_groups.hpp"
+#include "output/surface_kind.hpp"
 #include "output/text_buffer.hpp"
 #include "output/vertex_color.hpp"
 #include "output/vtp_text.hpp"
@@ -30,6 +31,7 @@ void require_vertex_count(std::uint64_t vertices);
 
 /// The data of mesh files besides vertices and triangles.
 struct MeshSource {
+  SurfaceKind surface = SurfaceKind::ses;
   bool has_groups = false;                           ///< whether vertices have chain and residue
   std::uint64_t chain_count = 0, residue_count = 0;  ///< of the whole molecule
   std::uint64_t atom_count = 0;                      ///< of the whole molecule

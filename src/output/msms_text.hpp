@@ -11,6 +11,7 @@
 #include "input/file_index.hpp"
 #include "mesh/triangulate.hpp"
 #include "output/buffered_text.hpp"
+#include "output/surface_kind.hpp"
 
 namespace eses::detail::mesh {
 
@@ -24,8 +25,9 @@ inline constexpr double quality_vertices_per_area = 0.86;
 /// Appends the three header lines of NAME.vert or NAME.face with this number of vertices or
 /// triangles, on which their length does not depend. `density` is the expected number of vertices
 /// in a square angstrom, and the probe radius is in angstrom.
-void append_msms_header(BufferedText& text, bool has_faces, std::uint64_t count,
-                        std::uint64_t atom_count, double density, double probe_radius);
+void append_msms_header(BufferedText& text, SurfaceKind surface, bool has_faces,
+                        std::uint64_t count, std::uint64_t atom_count, double density,
+                        double probe_radius);
 
 /// Upper bounds of the lengths of lines in the two files, without a name.
 inline constexpr std::size_t max_msms_vertex_bytes = 168;

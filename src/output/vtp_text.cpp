@@ -66,14 +66,15 @@ VtpColumns vtp_columns(const MeshCounts& counts, const OptionalFields& fields) {
   return columns;
 }
 
-void append_vtp_begin(BufferedText& text, const OptionalFields& fields, std::uint64_t chains) {
+void append_vtp_begin(BufferedText& text, SurfaceKind surface, const OptionalFields& fields,
+                      std::uint64_t chains) {
   constexpr bool is_little = std::endian::native == std::endian::little;
   text.append(
       "<?xml version=\"1.0\"?>\n"
       "<VTKFile type=\"PolyData\" version=\"1.0\" byte_order=\"{}Endian\" header_type=\"UInt64\">\n"
-      "<!-- solvent excluded surface, eses-blocks; angstrom; patch: 1 convex, 2 saddle, 3 concave; "
+      "<!-- {}, eses-blocks; angstrom; patch: 1 convex, 2 saddle, 3 concave; "
       "atom: first adjacent one, 0-based{} -->\n<PolyData>\n",
-      is_little ? "Little" : "Big", comment_of(fields));
+      is_little ? "Little" : "Big", names_of(surface).name, comment_of(fields));
   if (fields.has_groups)
     text.append(
         "<FieldData>\n<DataArray type=\"String\" Name=\"chain_name\" NumberOfTuples=\"{}\" "

@@ -15,6 +15,7 @@
 #include "eses/summary.hpp"
 #include "mesh/triangulate.hpp"
 #include "output/buffered_text.hpp"
+#include "output/surface_kind.hpp"
 #include "output/text_buffer.hpp"
 
 namespace eses::detail::mesh {
@@ -66,7 +67,8 @@ VtpColumns vtp_columns(const MeshCounts& counts, const OptionalFields& fields);
 /// Append the three parts of the XML before the data: up to the chain names, between the chain
 /// names and the residue names, and after the residue names. Only files with groups have names.
 /// The length of the last part does not depend on the counts.
-void append_vtp_begin(BufferedText& text, const OptionalFields& fields, std::uint64_t chains);
+void append_vtp_begin(BufferedText& text, SurfaceKind surface, const OptionalFields& fields,
+                      std::uint64_t chains);
 void append_vtp_before_residues(BufferedText& text, const OptionalFields& fields,
                                 std::uint64_t residues);
 void append_vtp_before_data(BufferedText& text, const OptionalFields& fields,

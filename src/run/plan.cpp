@@ -264,7 +264,7 @@ void expect_maps(const Outputs& outputs, const Plan& plan, FileSizes& files) {
   const GridRegion& region = plan.tiling.region;
   for (const MapChoice& map : chosen_maps(outputs)) {
     if (!map.gzip) {
-      files.maps += map_layout(map, plan.grid, region).file_bytes();
+      files.maps += map_layout(map, plan.parameters.surface(), plan.grid, region).file_bytes();
       continue;
     }
     const std::uint64_t bytes = GridMap::typical_compressed_bytes(map, region, plan.crossings);

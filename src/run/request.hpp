@@ -19,6 +19,7 @@
 #include "geometry/box.hpp"
 #include "grid/tiling.hpp"
 #include "output/grid_map.hpp"
+#include "output/surface_kind.hpp"
 #include "solve/block_solver.hpp"
 #include "surface/molecule.hpp"
 
@@ -36,6 +37,8 @@ inline constexpr std::int64_t max_verify = 10'000'000;
 struct Parameters {
   /// `min_probe_radius` to `max_probe_radius` (angstrom), or 0 for the van der Waals surface.
   double probe_radius = 1.4;
+  /// Whether the radii of the atoms are larger by that of a probe, and the probe radius is 0.
+  bool has_grown_atoms = false;
   /// Options of the grid of ESES, or a custom grid.
   std::variant<GridOptions, Grid> grid = {};
   /// Number of grid points on a side of a block, 2 to `max_block_size`. 0 means an automatic
@@ -55,6 +58,12 @@ struct Parameters {
   GridPart part = {};
   /// Whether to compute grids of more than 1e10 points of which less than 1 % are near atoms.
   bool allow_far_atoms = false;
+
+  /// The surface that the files name.
+  SurfaceKind surface() const {
+    if (probe_radius > 0) return SurfaceKind::ses;
+    return has_grown_atoms ? SurfaceKind::sas : SurfaceKind::vdw;
+  }
 
   bool has_custom_grid() const { return std::holds_alternative<Grid>(grid); }
 };

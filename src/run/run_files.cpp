@@ -42,7 +42,8 @@ void RunFiles::add_sinks() {
   if (request_.outputs.grid) grid_ = add_text(RunFile::grid, &Piece::grid);
   if (request_.outputs.edges) edges_ = add_text(RunFile::edges, &Piece::edges);
   for (const MapChoice& choice : chosen_maps(request_.outputs)) {
-    GridMap& map = maps_.emplace_back(choice, run_.plan.grid, run_.plan.tiling.region);
+    GridMap& map = maps_.emplace_back(choice, run_.plan.parameters.surface(), run_.plan.grid,
+                                      run_.plan.tiling.region);
     sinks_.add(std::make_unique<MapSink>(
         map.quantity(), [&map](std::int64_t first_row, std::span<const std::uint64_t> words) {
           map.add_rows(first_row, words);
@@ -88,7 +89,7 @@ void RunFiles::join(Merge& chunks, const std::function<void()>& check) {
   if (outputs.edges)
     finish_text(RunFile::edges, chunks.write_text(file(RunFile::edges), ChunkText::edges));
   for (const MapChoice& choice : chosen_maps(outputs)) {
-    GridMap map(choice, run_.plan.grid, run_.plan.tiling.region);
+    GridMap map(choice, run_.plan.parameters.surface(), run_.plan.grid, run_.plan.tiling.region);
     chunks.add_rows(map);
     write(map, check);
   }

@@ -13,7 +13,8 @@ mesh::MeshText make_text(const MeshOptions& mesh, const PlannedRun& run) {
   return {
       required_mesh_format(mesh),
       mesh.color,
-      {.has_groups = run.groups.are_known,
+      {.surface = run.plan.parameters.surface(),
+       .has_groups = run.groups.are_known,
        .chain_count = run.groups.chain_count,
        .residue_count = run.groups.residue_count,
        .atom_count = run.atoms,

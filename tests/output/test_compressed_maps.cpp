@@ -112,7 +112,7 @@ TEST_CASE("compressed maps with any values, from several slices", "[maps][gzip]"
       for (const bool gzip : {false, true}) {
         choice.gzip = gzip;
         OutputFile file(place, gzip ? "packed.dx.gz" : "plain.dx");
-        GridMap map(choice, grid, grid.whole());
+        GridMap map(choice, SurfaceKind::ses, grid, grid.whole());
         const std::size_t half = rows / 2;
         const std::span<const std::uint64_t> all = words;
         map.add_rows(static_cast<std::int64_t>(half), all.subspan(half * per_row));

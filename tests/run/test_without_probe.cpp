@@ -154,4 +154,33 @@ TEST_CASE("surfaces: --surface refuses what needs the solvent excluded surface",
   }
 }
 
+TEST_CASE("surfaces: files name the surface of --surface", "[cli]") {
+  const Sandbox sandbox;
+  write_file(sandbox.directory() / "a.xyzr", "0 0 0 1.5\n2 0 0 1.5\n");
+  for (const auto& [option, name] :
+       {std::pair<std::string, std::string>{"ses", "solvent excluded surface"},
+        {"sas", "solvent accessible surface"},
+        {"vdw", "van der Waals surface"}})
+    for (const std::string suffix : {"ply", "obj", "stl", "vtp", "vert"}) {
+      INFO(option << ' ' << suffix);
+      const Outcome outcome = sandbox.run({"a.xyzr", "--surface", option, "--mesh", "m." + suffix,
+                                           "--inside", "i.dx", "--write", "none"});
+      REQUIRE(outcome.code == 0);
+      const std::filesystem::path folder = sandbox.directory();
+      CHECK(contains(read_file(folder / ("m." + suffix)), name));
+      CHECK(contains(read_file(folder / "i.dx"), "# Inside of the " + name + ": 1 inside"));
+      if (option != "ses")
+        CHECK_FALSE(contains(read_file(folder / ("m." + suffix)), "excluded surface"));
+    }
+}
+
+TEST_CASE("surfaces: a probe radius that may be the spacing has a warning for --surface sas",
+          "[cli]") {
+  const Sandbox sandbox;
+  write_file(sandbox.directory() / "a.xyzr", "0 0 0 1.5\n");
+  for (const std::string surface : {"ses", "sas"})
+    CHECK(contains(sandbox.run({"a.xyzr", "0.4", "1.4", "--surface", surface, "--dry-run"}).err,
+                   "are they swapped?"));
+}
+
 }  // namespace eses::detail::test
