@@ -329,13 +329,15 @@ class Surface:
         self,
         centers: Any,
         radii: Optional[npt.ArrayLike] = None,
-        probe_radius: float = 1.4,
+        probe_radius: Optional[float] = None,
         *,
         surface: Literal["ses", "sas", "vdw"] = "ses",
         fill_cavities: Union[bool, float] = False,
         threads: SupportsIndex = 0,
     ) -> None: ...
     def __len__(self) -> int: ...
+    @property
+    def surface(self) -> Literal["ses", "sas", "vdw"]: ...
     @property
     def probe_radius(self) -> float: ...
     @property

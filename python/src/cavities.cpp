@@ -177,9 +177,10 @@ std::optional<Place> place_of(const py::object& at, const py::object& atoms,
   return place;
 }
 
-py::list find_cavities(const Surface& surface, std::optional<double> probe_radius,
+py::list find_cavities(const ChosenSurface& surface, std::optional<double> probe_radius,
                        const py::object& at, const py::object& atoms, const py::object& balls,
                        int threads) {
+  require_excluded(surface, "cavities");
   const std::optional<Place> place =
       place_of(at, atoms, balls, probe_radius.value_or(surface.probe_radius()));
   MeasureOptions options{
@@ -226,10 +227,11 @@ auto find_interruptibly(PocketOptions& options, Find&& find) {
   return find();
 }
 
-py::list find_all_pockets(const Surface& surface, double large_probe, double spacing,
+py::list find_all_pockets(const ChosenSurface& surface, double large_probe, double spacing,
                           std::optional<double> min_volume, std::optional<double> probe_radius,
                           const py::object& at, const py::object& atoms, const py::object& balls,
                           int threads, bool allow_far_atoms) {
+  require_excluded(surface, "pockets");
   const std::optional<Place> place =
       place_of(at, atoms, balls, probe_radius.value_or(surface.probe_radius()));
   check_far_atoms(surface, {.spacing = spacing, .margin = 2 * spacing}, allow_far_atoms);
@@ -260,7 +262,7 @@ py::list find_all_pockets(const Surface& surface, double large_probe, double spa
 
 }  // namespace
 
-void bind_cavities(py::class_<Surface>& surface) {
+void bind_cavities(py::class_<ChosenSurface>& surface) {
   surface.def("cavities", &find_cavities, cavities_text, py::arg("probe_radius") = py::none(),
               py::kw_only(), py::arg("at") = py::none(), py::arg("atoms") = py::none(),
               py::arg("balls") = py::none(), py::arg("threads") = 0);

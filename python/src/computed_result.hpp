@@ -5,16 +5,18 @@
 #include <memory>
 #include <utility>
 
+#include "chosen_surface.hpp"
+
 namespace eses::python {
 
 /// A result from which more can be computed.
 struct ComputedResult : Result {
-  ComputedResult(Result result, Surface its_surface, RunOptions its_options)
+  ComputedResult(Result result, ChosenSurface its_surface, RunOptions its_options)
       : Result(std::move(result)),
         surface(std::move(its_surface)),
         options(std::move(its_options)) {}
 
-  Surface surface;
+  ChosenSurface surface;
   RunOptions options;  ///< without callbacks
 };
 

@@ -364,9 +364,12 @@ MeasureOptions make_measure_options(std::optional<double> probe_radius, bool ses
           .threads = usable_threads(threads)};
 }
 
-Record<MeasuresKind> measure_surface(const Surface& surface, std::optional<double> probe_radius,
-                                     bool ses, bool van_der_waals, bool by_atom, bool derivatives,
+Record<MeasuresKind> measure_surface(const ChosenSurface& surface,
+                                     std::optional<double> probe_radius, bool ses,
+                                     bool van_der_waals, bool by_atom, bool derivatives,
                                      const py::object& weights, int threads) {
+  require_excluded(surface, "measure",
+                   "; its measures have sas_area, and vdw_area with van_der_waals=True");
   const std::vector<double> weight_of = make_weights(weights, surface.atoms().size());
   MeasureOptions options = make_measure_options(probe_radius, ses, van_der_waals, by_atom,
                                                 derivatives, weight_of, threads);
@@ -411,7 +414,7 @@ Record<FrameMeasuresKind> measure_all_frames(const py::object& frames, const py:
 
 }  // namespace
 
-void bind_measures(py::module_& module, py::class_<Surface>& surface) {
+void bind_measures(py::module_& module, py::class_<ChosenSurface>& surface) {
   bind_measure_records(module);
   surface.def("measure", &measure_surface, measure_text, py::arg("probe_radius") = py::none(),
               py::kw_only(), py::arg("ses") = true, py::arg("van_der_waals") = false,

@@ -159,7 +159,7 @@ std::shared_ptr<ComputedResult> result_of_state(const py::tuple& state) {
   const auto [surface, grid, range, threads, block_size, max_memory, totals, atom_areas, inside,
               crossings] =
       unpack_state<
-          std::tuple<Surface, Grid, IndexCorners, int, std::int64_t, std::uint64_t, Totals,
+          std::tuple<ChosenSurface, Grid, IndexCorners, int, std::int64_t, std::uint64_t, Totals,
                      StateArray<double>, std::optional<InsideArray>, std::optional<py::tuple>>>(
           state);
   require_shape(atom_areas, surface.atoms().size());

@@ -8,6 +8,7 @@
 #include <limits>
 #include <memory>
 #include <optional>
+#include <span>
 #include <stdexcept>
 #include <string>
 #include <tuple>
@@ -17,6 +18,7 @@
 #include "arrays.hpp"
 #include "block_stream.hpp"
 #include "cavities.hpp"
+#include "chosen_surface.hpp"
 #include "computed_result.hpp"
 #include "instances.hpp"
 #include "interrupts.hpp"
@@ -43,11 +45,11 @@ centers : array_like
 radii : array_like, optional
     (N,) van der Waals radii of the atoms, in angstrom.
 probe_radius : float, optional
-    Radius of the probe, in angstrom, 0.01 to 1000; 0 is the van der Waals surface.
+    Radius of the probe, in angstrom, 0.01 to 1000; 1.4 by default. 0 is the van der Waals surface.
 surface : {'ses', 'sas', 'vdw'}, optional
     Which surface: solvent excluded, solvent accessible or van der Waals. The solvent accessible
-    surface is the van der Waals surface of atoms whose radii are larger by ``probe_radius``: ``radii``
-    has these, and ``probe_radius`` is then 0.
+    surface needs a probe, and the van der Waals surface has none. Both have no cavities to fill, and
+    no measures in closed form, which those of the solvent excluded surface contain.
 fill_cavities : bool or float, optional
     Whether cavities are filled, so that they are inside. With a number, only those whose voids have
     at most this volume, in cubic angstrom.
@@ -59,12 +61,13 @@ Raises
 ------
 ValueError
     If there are no atoms, if a shape is wrong, if a number is not finite, or if a radius is
-    negative. The message names the first such atom by its index, with the value.
+    negative. The message names the first such atom by its index, with the value. Also if an
+    argument does not fit ``surface``.
 TypeError
     If an array does not contain real numbers.)";
 
 constexpr const char* init_text =
-    R"(__init__(self, centers, radii=None, probe_radius=1.4, *, surface='ses', fill_cavities=False, threads=0)
+    R"(__init__(self, centers, radii=None, probe_radius=None, *, surface='ses', fill_cavities=False, threads=0)
 --
 
 Check and index the atoms.)";
@@ -183,37 +186,62 @@ constexpr const char* diagnostic_text =
 constexpr double default_margin = 0.8;  // angstrom
 
 // Returns the value of the argument `fill_cavities` for a surface.
-py::object fill_choice(const Surface& surface) {
+py::object fill_choice(const ChosenSurface& surface) {
   const std::optional<double> max_void = surface.max_filled_void();
   if (max_void && !std::isinf(*max_void)) return py::float_(*max_void);
   return py::bool_(max_void.has_value());
 }
 
-// Adds the radius of the probe to all radii.
-void grow_radii(double probe_radius, std::vector<Atom>& atoms) {
-  if (!(probe_radius >= 0 && probe_radius <= max_probe_radius))
-    throw py::value_error("probe_radius must be from 0 to 1000");
-  for (Atom& atom : atoms) atom.radius += probe_radius;
-}
-
-Surface make_surface(const py::object& centers, const py::object& radii, double probe_radius,
-                     const std::string& kind, const py::object& fill_cavities, int threads) {
+// Returns the radius of the probe of a surface, 0 for the van der Waals surface. Throws if an
+// argument does not fit the surface.
+double checked_probe_radius(const std::string& kind, const std::optional<double>& probe_radius,
+                            const std::optional<double>& max_void) {
   if (kind != "ses" && kind != "sas" && kind != "vdw")
     throw py::value_error("surface must be 'ses', 'sas' or 'vdw', not '" + kind + "'");
-  std::vector<Atom> atoms = make_atoms(centers, radii);
+  const double probe = probe_radius.value_or(SurfaceOptions().probe_radius);
+  if (kind == "ses") return probe;
+  if (max_void)
+    throw py::value_error("fill_cavities needs the solvent excluded surface, not surface='" + kind +
+                          "'");
+  if (kind == "vdw") {
+    if (probe_radius) throw py::value_error("surface='vdw' has no probe; leave out probe_radius");
+    return 0;
+  }
+  if (!(probe >= min_probe_radius && probe <= max_probe_radius))
+    throw py::value_error(
+        std::string(py::str("surface='sas' needs a probe_radius from {:g} to {:g}, not {:g}")
+                        .format(min_probe_radius, max_probe_radius, probe)));
+  return probe;
+}
+
+// Indexes atoms whose radii are larger by that of the probe.
+Surface make_grown_surface(const Surface& given, double probe_radius,
+                           const SurfaceOptions& options) {
+  std::vector<Atom> atoms(given.atoms().begin(), given.atoms().end());
+  for (Atom& atom : atoms) atom.radius += probe_radius;
+  return Surface(std::move(atoms), options);
+}
+
+ChosenSurface make_surface(const py::object& centers, const py::object& radii,
+                           const std::optional<double>& probe_radius, const std::string& kind,
+                           const py::object& fill_cavities, int threads) {
   const std::optional<double> max_void = max_filled_void(fill_cavities);
-  if (kind == "sas") grow_radii(probe_radius, atoms);
+  const double probe = checked_probe_radius(kind, probe_radius, max_void);
+  std::vector<Atom> atoms = make_atoms(centers, radii);
   const py::gil_scoped_release unlocked;
   Interrupts interrupts;
-  return Surface(std::move(atoms), {.probe_radius = kind == "ses" ? probe_radius : 0,
-                                    .max_filled_void = max_void,
-                                    .threads = usable_threads(threads),
-                                    .check = [&interrupts] { interrupts.check(); }});
+  const SurfaceOptions options{.probe_radius = kind == "ses" ? probe : 0,
+                               .max_filled_void = max_void,
+                               .threads = usable_threads(threads),
+                               .check = [&interrupts] { interrupts.check(); }};
+  const Surface given(std::move(atoms), options);
+  return {kind == "sas" ? make_grown_surface(given, probe, options) : given, given, kind, probe};
 }
 
 // Makes a surface, and warns of suspicious atoms.
 void construct_surface(py::detail::value_and_holder& self, const py::object& centers,
-                       const py::object& radii, double probe_radius, const std::string& kind,
+                       const py::object& radii, const std::optional<double>& probe_radius,
+                       const std::string& kind,
                        const py::object& fill_cavities, int threads) {
   py::object its_centers = centers, its_radii = radii, files = py::tuple();
   if (radii.is_none()) {  // a molecule of another library, or a file
@@ -222,30 +250,26 @@ void construct_surface(py::detail::value_and_holder& self, const py::object& cen
     its_radii = molecule.attr("radii");
     files = molecule.attr("files");
   }
-  Surface surface =
+  ChosenSurface surface =
       make_surface(its_centers, its_radii, probe_radius, kind, fill_cavities, threads);
-  std::vector<Diagnostic> diagnostics(surface.diagnostics().begin(), surface.diagnostics().end());
-  // The radii of the solvent accessible surface are large.
-  if (kind == "sas")
-    std::erase_if(diagnostics,
-                  [](const Diagnostic& d) { return d.kind == DiagnosticKind::large_radius; });
-  warn_about(diagnostics);
+  warn_about(surface.given.diagnostics());
   construct(self, std::move(surface), files);
 }
 
 py::tuple surface_state(const py::object& surface) {
   return py::make_tuple(surface.attr("centers"), surface.attr("radii"),
                         surface.attr("probe_radius"), surface.attr("fill_cavities"),
-                        files_of(surface));
+                        surface.attr("surface"), files_of(surface));
 }
 
 void set_surface_state(py::detail::value_and_holder& self, const py::tuple& state) {
-  const auto [centers, radii, probe_radius, fill_cavities, files] =
-      unpack_state<std::tuple<py::object, py::object, double, py::object, py::tuple>>(state);
-  construct(self, make_surface(centers, radii, probe_radius, "ses", fill_cavities, 1), files);
+  const auto [centers, radii, probe_radius, fill_cavities, kind, files] = unpack_state<
+      std::tuple<py::object, py::object, double, py::object, std::string, py::tuple>>(state);
+  const auto probe = kind == "vdw" ? std::nullopt : std::optional(probe_radius);
+  construct(self, make_surface(centers, radii, probe, kind, fill_cavities, 1), files);
 }
 
-Grid make_surface_grid(const Surface& surface, double spacing, std::optional<double> margin,
+Grid make_surface_grid(const ChosenSurface& surface, double spacing, std::optional<double> margin,
                        const std::optional<Triple>& origin, const std::optional<Triple>& center,
                        const std::optional<GridIndex>& shape, bool allow_far_atoms) {
   if (!origin && !center && !shape) {
@@ -273,7 +297,7 @@ ProgressCallback make_progress(Interrupts& interrupts, const py::object& callbac
   };
 }
 
-std::shared_ptr<ComputedResult> compute_result(const Surface& surface, const Grid& grid,
+std::shared_ptr<ComputedResult> compute_result(const ChosenSurface& surface, const Grid& grid,
                                                int threads, std::int64_t block_size,
                                                const std::optional<IndexCorners>& blocks,
                                                const std::optional<IndexCorners>& region,
@@ -292,7 +316,7 @@ std::shared_ptr<ComputedResult> compute_result(const Surface& surface, const Gri
       options);
 }
 
-BlockStreamPointer stream_blocks(const Surface& surface, const Grid& grid, int threads,
+BlockStreamPointer stream_blocks(const ChosenSurface& surface, const Grid& grid, int threads,
                                  std::int64_t block_size, const std::optional<IndexCorners>& blocks,
                                  const std::optional<IndexCorners>& region,
                                  const py::object& max_memory) {
@@ -371,6 +395,14 @@ void bind_diagnostic(py::module_& module) {
 
 }  // namespace
 
+void require_excluded(const ChosenSurface& surface, const std::string& method,
+                      const std::string& hint) {
+  if (surface.kind == "ses") return;
+  throw std::invalid_argument("Surface." + method +
+                              " needs the solvent excluded surface, not surface='" + surface.kind +
+                              "'" + hint);
+}
+
 // A boolean is also a real number, so it is recognized first. Scalars of other libraries are arrays
 // without an axis, or have the methods of one.
 std::optional<double> max_filled_void(const py::object& fill_cavities) {
@@ -393,39 +425,46 @@ std::optional<double> max_filled_void(const py::object& fill_cavities) {
 
 void bind_surface(py::module_& module) {
   bind_diagnostic(module);
-  py::class_<Surface> type(module, "Surface", class_text);
+  py::class_<ChosenSurface> type(module, "Surface", class_text);
   type.attr("__module__") = "eses_blocks";
   type.def("__init__", &construct_surface, py::detail::is_new_style_constructor(), init_text,
-           py::arg("centers"), py::arg("radii") = py::none(), py::arg("probe_radius") = 1.4,
+           py::arg("centers"), py::arg("radii") = py::none(), py::arg("probe_radius") = py::none(),
            py::kw_only(), py::arg("surface") = "ses", py::arg("fill_cavities") = false,
            py::arg("threads") = 0)
-      .def("__len__", [](const Surface& self) { return self.atoms().size(); })
+      .def("__len__", [](const ChosenSurface& self) { return self.atoms().size(); })
       .def("__repr__",
-           [](const Surface& self) {
-             return py::str("<eses_blocks.Surface: {} atoms, probe radius {}>")
-                 .format(self.atoms().size(), self.probe_radius());
+           [](const ChosenSurface& self) {
+             const std::string kind = self.kind == "ses" ? "" : ", " + self.kind;
+             const py::str probe = py::str(", probe radius {}").format(self.chosen_probe_radius);
+             return py::str("<eses_blocks.Surface: {} atoms{}{}>")
+                 .format(self.atoms().size(), kind, self.kind == "vdw" ? py::str() : probe);
            })
-      .def_property_readonly("probe_radius", &Surface::probe_radius,
-                             "float: radius of the probe, in angstrom.")
+      .def_property_readonly(
+          "surface", [](const ChosenSurface& self) { return self.kind; },
+          "str: which surface: ``ses``, ``sas`` or ``vdw``.")
+      .def_property_readonly(
+          "probe_radius", [](const ChosenSurface& self) { return self.chosen_probe_radius; },
+          "float: radius of the probe, in angstrom; 0 for the van der Waals surface.")
       .def_property_readonly("fill_cavities", &fill_choice,
                              "bool or float: whether cavities are filled, or the maximum volume of "
                              "the voids that are, in cubic angstrom.")
       .def_property_readonly(
           "centers",
           [](const py::object& self) {
-            return centers_view(self.cast<const Surface&>().atoms(), self);
+            return centers_view(self.cast<const ChosenSurface&>().given.atoms(), self);
           },
           "(N, 3) float64: centres of the atoms, in angstrom; read-only.")
       .def_property_readonly(
           "radii",
           [](const py::object& self) {
-            return radii_view(self.cast<const Surface&>().atoms(), self);
+            return radii_view(self.cast<const ChosenSurface&>().given.atoms(), self);
           },
           "(N,) float64: van der Waals radii of the atoms, in angstrom; read-only.")
       .def_property_readonly(
           "diagnostics",
-          [](const Surface& self) {
-            return std::vector<Diagnostic>(self.diagnostics().begin(), self.diagnostics().end());
+          [](const ChosenSurface& self) {
+            const std::span<const Diagnostic> found = self.given.diagnostics();
+            return std::vector<Diagnostic>(found.begin(), found.end());
           },
           "list of Diagnostic: suspicious properties of the atoms.")
       .def("grid", &make_surface_grid, grid_text, py::arg("spacing") = 0.4,

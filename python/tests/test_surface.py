@@ -1,5 +1,6 @@
 """Tests of surfaces made from arrays."""
 
+import copy
 import pickle
 import warnings
 
@@ -170,22 +171,61 @@ def test_sas_and_van_der_waals_surfaces():
 
     for kind, growth in (("sas", 1.4), ("vdw", 0)):
         surface = eses.Surface(centers, radii, surface=kind)
-        assert surface.probe_radius == 0 and surface.radii == pytest.approx(radii + growth)
-        assert surface.measure().ses_area == pytest.approx(area(*(radii + growth)))
+        assert surface.radii.tolist() == radii.tolist()
         result = surface.compute(surface.grid(spacing=0.1))
         assert result.area == pytest.approx(area(*(radii + growth)), rel=0.01)
         mesh = result.mesh()
-        distances = np.linalg.norm(mesh.vertices[:, None] - np.array(centers), axis=2) - surface.radii
+        distances = np.linalg.norm(mesh.vertices[:, None] - np.array(centers), axis=2) - (radii + growth)
         assert np.abs(distances.min(axis=1)).max() < 0.02 and (mesh.kind == 1).all()
-        assert pickle.loads(pickle.dumps(surface)).radii.tolist() == surface.radii.tolist()
+        other = pickle.loads(pickle.dumps(result))
+        assert (other.mesh().vertices == mesh.vertices).all()
     assert eses.Surface(centers, radii, 0).measure().ses_area == pytest.approx(area(*radii))
     with pytest.raises(ValueError, match="surface must be 'ses', 'sas' or 'vdw', not 'gauss'"):
         eses.Surface(centers, radii, surface="gauss")
-    with pytest.raises(ValueError, match="cavities are filled only for a probe radius above 0"):
-        eses.Surface(centers, radii, surface="vdw", fill_cavities=True)
     with warnings.catch_warnings():
         warnings.simplefilter("error")  # radii above 4 angstrom are no mistake
         eses.Surface(centers, radii + 1.5, surface="sas")
+
+
+def test_surfaces_say_which_they_are():
+    atom = [[0, 0, 0]], [1.5]
+    for arguments, kind, probe, text in (({}, "ses", 1.4, "probe radius 1.4"),
+                                         ({"surface": "sas", "probe_radius": 1.2}, "sas", 1.2, "sas, probe radius 1.2"),
+                                         ({"surface": "vdw"}, "vdw", 0, "vdw")):
+        surface = eses.Surface(*atom, **arguments)
+        for each in (surface, pickle.loads(pickle.dumps(surface)), copy.deepcopy(surface)):
+            assert (each.surface, each.probe_radius, each.radii.tolist()) == (kind, probe, [1.5])
+            assert repr(each) == f"<eses_blocks.Surface: 1 atoms, {text}>"
+
+
+def test_arguments_that_do_not_fit_the_surface_are_refused():
+    def refuse(message, surface, probe_radius=None, radii=(1, 1.2), **others):
+        with pytest.raises(ValueError, match=message):
+            eses.Surface([[0, 0, 0], [0, 0, 2]], radii, probe_radius, surface=surface, **others)
+
+    refuse("radius.*-1", "sas", radii=(-1, 1.2))
+    for probe in (0, 0.001, 1001, np.nan, -1):
+        refuse("surface='sas' needs a probe_radius from 0.01 to 1000, not", "sas", probe)
+    for probe in (0, 1.4):
+        refuse("surface='vdw' has no probe; leave out probe_radius", "vdw", probe)
+    for kind in ("sas", "vdw"):
+        refuse("fill_cavities needs the solvent excluded surface", kind, fill_cavities=True)
+        surface = eses.Surface([[0, 0, 0]], [1.5], surface=kind)
+        for method in ("measure", "cavities", "pockets"):
+            with pytest.raises(ValueError, match=f"Surface.{method} needs the solvent excluded surface, not"):
+                getattr(surface, method)()
+
+
+def test_diagnostics_of_a_sas_are_those_of_the_given_radii():
+    centers = [[0, 0, 0], [0, 0, 9], [0, 0, 18]]
+    for radii, kinds in (([0.1, 0.2, 0.1], ["small_radii"]), ([1, 5, 1], ["large_radius"]),
+                         ([1, 0, 1], ["zero_radius"]), ([3, 3, 3], [])):
+        with warnings.catch_warnings(record=True) as caught:
+            warnings.simplefilter("always")
+            found = eses.Surface(centers, radii, surface="sas").diagnostics
+        assert [each.kind for each in found] == kinds
+        assert len(caught) == sum(not each.is_usual for each in found)
+        assert kinds == [each.kind for each in eses.Surface(centers, radii, surface="vdw").diagnostics]
 
 
 def test_diagnostics_are_reported():
