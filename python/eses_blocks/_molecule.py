@@ -68,8 +68,8 @@ class Molecule:
     kept: npt.NDArray[np.int64]
     """(M,) indices of the kept atoms in the object."""
     left_out: dict[str, int]
-    """Numbers of the atoms that are not kept, by their kind: ``water``, ``hydrogen``, ``altloc``, ``virtual``; for files
-    those of ``Atoms.left_out``, which are no rows of the columns."""
+    """Numbers of the atoms that are not kept, by their kind: ``water``, ``hydrogen``, ``altloc``, ``virtual``; for
+    files those of ``Atoms.left_out``, which are no rows of the columns."""
     positions: npt.NDArray[np.float64]
     """(N, 3) centres of all atoms."""
     chain: _Texts
@@ -112,7 +112,8 @@ class _Source:
 # ------------------------------------------------------------------------------------------ files
 
 _GZIP = b"\x1f\x8b"
-_FILE_OPTIONS = ("format", "model", "altloc", "hetatm", "chains", "select", "assembly", "chain_names")
+_FILE_OPTIONS: dict[str, Any] = {"format": "auto", "model": 0, "altloc": "", "hetatm": True, "chains": (), "select": "",
+                                 "assembly": "", "chain_names": "auth"}
 
 
 def _format_of(text: bytes, name: str) -> str:
@@ -122,6 +123,8 @@ def _format_of(text: bytes, name: str) -> str:
                              ((".xyzr",), "xyzr"), ((".pdb", ".ent"), "pdb")):
         if stem.endswith(suffixes):
             return layout
+    if re.search(r"\.pdb\d+$", stem):  # a biological assembly
+        return "pdb"
     if re.search(rb"(?m)^\s*(data_|_atom_site\.)", text[:100000]):
         return "mmcif"
     record = re.search(rb"(?m)^(ATOM  |HETATM)", text)
@@ -179,15 +182,15 @@ def read_opened(found: Any, layout: str) -> tuple[bytes, str, str]:
 def _read_file(found: Any, radii: str, unknown: Optional[float], waters: bool, hydrogens: str,
                options: dict[str, Any]) -> _Source:
     """Reads a path, an open file, or the bytes or text of a file."""
-    given: dict[str, Any] = {"format": "auto", "model": 0, "altloc": "", "hetatm": True, "chains": (), "select": "",
-             "assembly": "", "chain_names": "auth"} | options
+    given = _FILE_OPTIONS | options
     data: Any = None
     if _is_path(found):
         layout = _format_of(b"", os.fspath(found)) if given["format"] == "auto" else given["format"]
 
         def read(select: str) -> _core.Atoms:
             return _core._read_atoms(found, given["format"], radii, unknown, given["model"], given["altloc"], waters,
-                                     given["hetatm"], hydrogens, list(given["chains"]), select, given["assembly"], given["chain_names"])
+                                     given["hetatm"], hydrogens, list(given["chains"]), select, given["assembly"],
+                                     given["chain_names"])
     else:
         data, name, layout = read_opened(found, given["format"])
 
@@ -195,6 +198,8 @@ def _read_file(found: Any, radii: str, unknown: Optional[float], waters: bool, h
             return _core._parse_atoms(data, name, layout, radii, unknown, given["model"], given["altloc"],
                                       waters, given["hetatm"], hydrogens, list(given["chains"]), select,
                                       given["assembly"], given["chain_names"])
+    if layout in ("xyzr", "pqr"):
+        _refuse_structure_options(name_of(found), layout, radii, given)
     atoms = read(given["select"])
     _core._warn_about(atoms, name_of(found))
     source = _of_atoms(atoms)
@@ -214,6 +219,18 @@ def _read_file(found: Any, radii: str, unknown: Optional[float], waters: bool, h
 
     source.select = choose
     return source
+
+
+def _refuse_structure_options(name: str, layout: str, radii: str, given: dict[str, Any]) -> None:
+    """Raises ValueError for options that only PDB and mmCIF files have."""
+    given = given | {"chains": tuple(given["chains"])}
+    chosen = [option for option in ("altloc", "hetatm", "chains", "select", "assembly", "chain_names")
+              if given[option] != _FILE_OPTIONS[option]]
+    if radii == "occupancy":
+        chosen.append("radii='occupancy'")
+    if chosen:
+        raise ValueError(f"{chosen[0]} needs a PDB or mmCIF file; {name} is read as {layout} (use format='pdb' or "
+                         "format='mmcif' if it is one)")
 
 
 def _unpacked(data: bytes) -> bytes:
@@ -335,7 +352,8 @@ def _radii_by_bonds(residue: _Texts, name: _Texts, element: _Texts, chosen: _Boo
     try:
         info: Any = importlib.import_module("biotite.structure.info")
     except ImportError as error:
-        raise ImportError("radii='protor+ccd' needs Biotite; install it, for example with `pip install biotite`") from error
+        raise ImportError("radii='protor+ccd' needs Biotite; install it, for example with "
+                          "`pip install biotite`") from error
     found: dict[tuple[str, str], float] = {}
     radii = np.full(len(name), np.nan)
     # Biotite takes the element from the first letter of the name.
@@ -375,18 +393,20 @@ def read_molecule(molecule: Any, radii: Any = None, *, waters: bool = False, hyd
     Parameters
     ----------
     molecule : object
-        A path (``str``, ``bytes`` or ``os.PathLike``), also of BinaryCIF files, which Biotite reads, and of SDF, MOL and
-        MOL2 files, which RDKit reads; an open file, the bytes or the text of a file, ``(centers, radii)``, ``Atoms``,
-        ``Surface``, or an object of one of the libraries in ``adaptors.ADAPTORS``: gemmi Structure,
-        Model, Chain; MDAnalysis Universe, AtomGroup; MDTraj Trajectory; Biopython Structure, Model,
-        Chain, Residue; Biotite AtomArray, AtomArrayStack; RDKit Mol; ASE Atoms; ParmEd Structure;
-        ProDy AtomGroup, Selection; an object of OpenMM with topology and positions, or the pair.
+        A path (``str``, ``bytes`` or ``os.PathLike``), also of BinaryCIF files, which Biotite reads, and of SDF, MOL
+        and MOL2 files, which RDKit reads; an open file, the bytes or the text of a file,
+        ``(centers, radii)``, ``Atoms``, ``Surface``, or an object of one of the libraries in
+        ``adaptors.ADAPTORS``: gemmi Structure, Model, Chain; MDAnalysis Universe, AtomGroup; MDTraj
+        Trajectory; Biopython Structure, Model, Chain, Residue; Biotite AtomArray, AtomArrayStack; RDKit
+        Mol; ASE Atoms; ParmEd Structure; ProDy AtomGroup, Selection; an object of OpenMM with topology
+        and positions, or the pair.
     radii : str, os.PathLike or array_like, optional
         ``protor``, ``bondi``, ``msms``, the path of a file in FreeSASA's configuration format, or N
-        radii in angstrom; ``occupancy`` for a PDB or mmCIF file that has radii as its occupancies. ``protor+ccd`` is ``protor`` with radii of ligands that follow from their bonds
-        in the Chemical Component Dictionary, which needs Biotite. By default ``protor`` for molecules with names of residues, whose
-        hydrogens then belong to the united atoms, and ``bondi`` for others. PQR and xyzr files have
-        radii of their own.
+        radii in angstrom; ``occupancy`` for a PDB or mmCIF file that has radii as its occupancies.
+        ``protor+ccd`` is ``protor`` with radii of ligands that follow from their bonds in the Chemical
+        Component Dictionary, which needs Biotite. By default ``protor`` for molecules with names of
+        residues, whose hydrogens then belong to the united atoms, and ``bondi`` for others. PQR and
+        xyzr files have radii of their own.
     waters : bool, optional
         Whether waters are kept.
     hydrogens : {'auto', 'keep', 'drop'}, optional
@@ -472,7 +492,8 @@ def _take_radii(named: _Named, radii: Any, set_name: str) -> _Choice:
         raise ValueError(f"radii must have shape ({count},), one for each atom, not {values.shape}")
     choice = _Choice(np.ones(count, bool), set_name, values, nothing, nothing, np.zeros(count, bool))
     if set_name not in ("given", "file"):
-        choice.set_name, _, found, _, choice.by_element, _ = _find_radii(named.residue, named.name, named.element, set_name)
+        choice.set_name, _, found, _, choice.by_element, _ = _find_radii(
+            named.residue, named.name, named.element, set_name)
         choice.guessed, choice.unknown = np.flatnonzero(choice.by_element), np.flatnonzero(np.isnan(found))
     return choice
 
@@ -530,7 +551,8 @@ def _read(found: Any, radii: Any, waters: bool, hydrogens: str, unknown: Optiona
     if by_bonds and choice.set_name == "protor":
         _use_bonds(named, choice)
     if not choice.keep.any():
-        raise ValueError("no atoms are left" + "".join(f"; {number} {what}" for what, number in choice.left_out.items()))
+        raise ValueError("no atoms are left" +
+                         "".join(f"; {number} {what}" for what, number in choice.left_out.items()))
     return _molecule_of(named, choice, which, are_named, source.files), source.select
 
 
@@ -540,7 +562,8 @@ def _molecule_of(named: _Named, choice: _Choice, which: str, are_named: bool, fi
     columns = {field.name: getattr(named, field.name) for field in dataclasses.fields(named)}
     molecule = Molecule(
         centers=named.positions[kept], radii=choice.radii[kept], kept=kept, left_out=choice.left_out,
-        set=Radii(choice.set_name, source_text, choice.guessed, choice.unknown), are_named=are_named, files=files, **columns)
+        set=Radii(choice.set_name, source_text, choice.guessed, choice.unknown), are_named=are_named, files=files,
+        **columns)
     for column in (molecule.centers, molecule.radii, kept, choice.guessed, choice.unknown, *columns.values()):
         column.flags.writeable = False
     return molecule

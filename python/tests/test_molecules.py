@@ -656,3 +656,14 @@ def test_atoms_that_a_file_leaves_out_are_counted():
     assert "water" not in eses.measure(text, waters=True).left_out
     atoms = eses.read_atoms(io.StringIO(text), format="pdb")
     assert pickle.loads(pickle.dumps(atoms)).left_out == atoms.left_out and atoms.left_out["water"] == 1
+
+
+@pytest.mark.parametrize("suffix", ["xyzr", "pqr"])
+def test_options_of_structures_are_refused_for_files_without(tmp_path, suffix):
+    path = tmp_path / f"atom.{suffix}"
+    path.write_text("0 0 0 1.5\n" if suffix == "xyzr" else "ATOM 1 C LIG 1 0 0 0 0 1.5\n")
+    for options in ({"chain_names": "label"}, {"radii": "occupancy"}, {"chains": ["A"]}, {"select": "A"}):
+        for found in (path, path.read_text()):
+            with pytest.raises(ValueError, match=f"needs a PDB or mmCIF file; .* is read as {suffix}"):
+                eses.measure(found, format=suffix, **options)
+    assert eses.measure(path, chain_names="auth").sas_area == pytest.approx(4 * np.pi * 2.9**2)
