@@ -241,8 +241,7 @@ ChosenSurface make_surface(const py::object& centers, const py::object& radii,
 // Makes a surface, and warns of suspicious atoms.
 void construct_surface(py::detail::value_and_holder& self, const py::object& centers,
                        const py::object& radii, const std::optional<double>& probe_radius,
-                       const std::string& kind,
-                       const py::object& fill_cavities, int threads) {
+                       const std::string& kind, const py::object& fill_cavities, int threads) {
   py::object its_centers = centers, its_radii = radii, files = py::tuple();
   if (radii.is_none()) {  // a molecule of another library, or a file
     const py::object molecule = py::module_::import("eses_blocks").attr("read_molecule")(centers);
@@ -263,8 +262,9 @@ py::tuple surface_state(const py::object& surface) {
 }
 
 void set_surface_state(py::detail::value_and_holder& self, const py::tuple& state) {
-  const auto [centers, radii, probe_radius, fill_cavities, kind, files] = unpack_state<
-      std::tuple<py::object, py::object, double, py::object, std::string, py::tuple>>(state);
+  const auto [centers, radii, probe_radius, fill_cavities, kind, files] =
+      unpack_state<std::tuple<py::object, py::object, double, py::object, std::string, py::tuple>>(
+          state);
   const auto probe = kind == "vdw" ? std::nullopt : std::optional(probe_radius);
   construct(self, make_surface(centers, radii, probe, kind, fill_cavities, 1), files);
 }
