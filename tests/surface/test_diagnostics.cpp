@@ -92,7 +92,7 @@ TEST_CASE("only the first five examples are listed", "[diagnostics]") {
 TEST_CASE("the examples are the first atoms, wherever they are", "[diagnostics]") {
   std::vector<Atom> atoms;
   for (int k = 20; k > 0; --k)
-    for (const double offset : {0.0, 0.4}) atoms.push_back({{0, 0, 9 * k + offset}, 1.5});
+    for (const double offset : {0.0, 0.47}) atoms.push_back({{0, 0, 9 * k + offset}, 1.5});
   const Molecule molecule(atoms);
   REQUIRE(counts_of(molecule.diagnostics()) == Counts{{Kind::close, 20}});
   std::vector<AtomIndex> examples;
