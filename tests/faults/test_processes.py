@@ -323,8 +323,8 @@ class Identity(Processes):
         for part in parts:
             arguments = (path, "--spacing", "0.8", "--write", "areas", *part)
             alone = json.loads(self.run_alone(*arguments, "--json").stdout)
-            self.assertEqual({found["kind"]: found["count"] for found in alone["diagnostics"]},
-                             {"duplicate": 1, "close": 1, "large_radius": 1, "zero_radius": 2})
+            of_atoms = {found["kind"]: found["count"] for found in alone["diagnostics"] if found["count"]}
+            self.assertEqual(of_atoms, {"duplicate": 1, "close": 1, "large_radius": 1, "zero_radius": 2})
             self.assertEqual(self.run_alone(*arguments, "--strict").returncode, 1)
             for count in (2, 3, 5):
                 with self.subTest(part=part, count=count):

@@ -131,7 +131,7 @@ TEST_CASE("the survey of atoms that meet has about the area of the surface", "[p
 }
 
 TEST_CASE("a survey approximates the area of a protein", "[plan]") {
-  const std::vector<Atom> atoms = read_atom_list(std::string(ESES_DATA) + "/1a0q.xyzr");
+  const std::vector<Atom> atoms = read_atom_list(ESES_DATA "/1a0q.xyzr");
   Outputs nothing{false, false, false, false};
   const Summary summary = run(atoms, {}, nothing, ".");
   const SurfaceSurvey survey(atoms, probe);
