@@ -21,6 +21,12 @@ constexpr double max_piece = 2.2;
 // that this changes the part by rounding errors only.
 constexpr double same_cap = 1e-14;
 
+// Caps whose cosines are below the first value are almost hemispheres, such as those of placements
+// very close to each other. Placements on a short arc have almost parallel chords. The rims of such
+// caps meet in points with errors that the solid angle does not bear, so caps nearer to each other
+// than the second value are the same (radians).
+constexpr double almost_hemisphere = 1e-8, same_hemisphere = 5e-9;
+
 // The meeting points of rims whose axes are nearer to one line than this are computed with more
 // care (square of an angle in radians).
 constexpr double almost_parallel = 1e-4;
@@ -190,9 +196,12 @@ void SpherePartFinder::keep_distinct(std::span<const SphericalCap> caps) {
   for (std::uint32_t k = 0; k < caps.size(); ++k) {
     if (caps[k].cosine >= 1) continue;
     const bool is_known = std::any_of(caps_.begin(), caps_.end(), [&](const SphericalCap& known) {
-      return squared_norm(known.axis - caps[k].axis) < same_cap * same_cap &&
+      const bool are_hemispheres =
+          std::max(std::fabs(known.cosine), std::fabs(caps[k].cosine)) < almost_hemisphere;
+      const double same = are_hemispheres ? same_hemisphere : same_cap;
+      return squared_norm(known.axis - caps[k].axis) < same * same &&
              std::fabs(known.cosine - caps[k].cosine) <=
-                 same_cap * std::max(same_cap, sine_of(caps[k].cosine));
+                 same * std::max(same, sine_of(caps[k].cosine));
     });
     if (is_known) continue;
     caps_.push_back(caps[k]);

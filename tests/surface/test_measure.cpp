@@ -278,6 +278,30 @@ TEST_CASE("measure: a probe that just fits into a hole adds its whole sphere") {
   CHECK(std::fabs(without.ses_volume - with.ses_volume - 4 * pi / 3 * p * p * p) < 1e-5);
 }
 
+// Noise of about the distance within which placements are merged leaves many placements in the
+// hole, some of them on one circle.
+TEST_CASE("measure: a probe that almost fits into an icosahedron adds its whole sphere twice") {
+  constexpr double golden = std::numbers::phi, probe = 2;
+  Random random(44);
+  int count = 0;
+  for (const double noise : {1e-13, 1e-11, 1e-10, 3e-10, 1e-9, 3e-9})
+    for (int set = 0; set < 8; ++set) {
+      std::vector<Atom> atoms;
+      for (const double a : {-1.0, 1.0})
+        for (const double b : {-golden, golden})
+          for (const Vec3 corner : {Vec3{0, a, b}, Vec3{a, b, 0}, Vec3{b, 0, a}}) {
+            const Vec3 shift{random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)};
+            atoms.push_back({3.2 * normalized(corner) + noise * shift, 1.2});
+          }
+      const Measures measures = measure_atoms(atoms, probe);
+      if (measures.euler_number != 4) continue;  // the probe does not fit
+      ++count;
+      INFO("noise " << noise << ", set " << set);
+      CHECK(std::fabs(measures.ses_areas.concave - 8 * pi * probe * probe) < 2e-7);
+    }
+  CHECK(count > 20);
+}
+
 // Four SAS spheres touch in pairs above a fifth atom. If they overlap, the probe rests higher by z.
 // Its patch is almost a hemisphere, whose projection is a disc.
 TEST_CASE("measure: a probe between two pairs of touching spheres sinks like a square root") {
