@@ -431,7 +431,7 @@ TEST_CASE("measure: derivatives of almost symmetric atoms have no force") {
     std::vector<Atom> atoms;
     for (int cell = 0; cell < 8; ++cell)
       for (const Vec3 site : {Vec3{0, 0, 0}, {1, 1, 0}, {1, 0, 1}, {0, 1, 1}}) {
-        const Vec3 corner(2.0 * (cell % 2), 2.0 * (cell / 2 % 2), 2.0 * (cell / 4));
+        const Vec3 corner{2.0 * (cell % 2), 2.0 * (cell / 2 % 2), 2.0 * (cell / 4)};
         const Vec3 noise{random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)};
         atoms.push_back({2.6 * (corner + site) + 3e-9 * noise, 1.2});
       }
