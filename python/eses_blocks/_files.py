@@ -8,7 +8,7 @@ from typing import Any, Iterable, Optional
 
 import numpy as np
 
-from ._references import NUCLEOTIDES, is_amino_acid
+from ._references import is_polymer
 
 
 def output_path(path: Any, read: Iterable[str] = ()) -> str:
@@ -26,7 +26,7 @@ def _too_wide(what: str, value: Any, i: int) -> ValueError:
 
 def _record(residue: str) -> str:
     """Returns the name of the record of an atom: HETATM unless the residue is that of a polymer."""
-    return "ATOM" if residue in NUCLEOTIDES or is_amino_acid(residue) else "HETATM"
+    return "ATOM" if is_polymer(residue) else "HETATM"
 
 
 def _pdb_line(serial: int, i: int, molecule: Any, value: float) -> str:

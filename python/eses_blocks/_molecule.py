@@ -15,7 +15,7 @@ import numpy.typing as npt
 
 from . import _core, _foreign, adaptors
 from ._files import values_in_lines
-from ._references import NUCLEOTIDES, is_amino_acid
+from ._references import is_polymer
 
 _Texts = npt.NDArray[np.str_]
 _Bools = npt.NDArray[np.bool_]
@@ -518,7 +518,7 @@ def _choose_atoms(named: _Named, columns: adaptors.Columns, which: str, waters: 
         else:
             choice.radii = np.where(np.isnan(values), unknown, values)
     # The names of amino acids and nucleotides leave no doubt about the element.
-    polymer = [name for name in set(named.residue.tolist()) if name in NUCLEOTIDES or is_amino_acid(name)]
+    polymer = [name for name in set(named.residue.tolist()) if is_polymer(name)]
     is_guessed = by_element | (by_name & ~np.isin(named.residue, polymer))
     choice.guessed = np.flatnonzero(is_guessed & choice.keep & ~is_unknown)
     choice.unknown = np.flatnonzero(is_unknown)

@@ -35,6 +35,11 @@ def is_amino_acid(residue: str) -> bool:
     return _maximum("tien", residue) > 0
 
 
+def is_polymer(residue: str) -> bool:
+    """Whether a name is that of a standard nucleotide or amino acid, also in a force field."""
+    return residue in NUCLEOTIDES or is_amino_acid(residue)
+
+
 def _reference(name: str) -> Reference:
     source, areas = _core._maximum_areas(name, NAMES)
     return Reference(name, source, {residue: area for residue, area in zip(NAMES, areas) if area is not None})

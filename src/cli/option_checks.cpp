@@ -5,6 +5,7 @@
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "cli/arguments.hpp"
@@ -103,9 +104,8 @@ void choose_mesh(const CLI::App& app, const InputFile& input, Outputs& outputs) 
 
 // Sets the radii of the surface. Options that need a probe that rolls over the atoms are refused.
 void choose_surface(const CLI::App& app, const Length& probe, Options& options) {
-  choose("PROBE", "--probe-radius", probe, options.probe_radius);
   Parameters& parameters = options.request.parameters;
-  parameters.probe_radius = options.probe_radius;
+  choose("PROBE", "--probe-radius", probe, parameters.probe_radius);
   if (options.surface == SurfaceKind::ses) return;
   const bool is_sas = options.surface == SurfaceKind::sas;
   const std::string chosen = formatted("--surface {}", names_of(options.surface).option);
@@ -120,9 +120,9 @@ void choose_surface(const CLI::App& app, const Length& probe, Options& options) 
   for (const char* const option : {"--fill-cavities", "--component", "--verify", "--kappa"})
     refuse_if(app.count(option) > 0, option);
   refuse_if(options.request.outputs.mesh->color == MeshColor::component, "--color component");
-  parameters.probe_radius = 0;
+  const double probe_radius = std::exchange(parameters.probe_radius, 0);
   parameters.has_grown_atoms = is_sas;
-  if (is_sas) options.input().added_radius = options.probe_radius;
+  if (is_sas) options.input().added_radius = probe_radius;
 }
 
 // Throws UsageError if files need a directory in spite of `-o -`.

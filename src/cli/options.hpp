@@ -25,13 +25,14 @@ struct Options {
   Request request;
   GridChoice grid;
   SurfaceKind surface = SurfaceKind::ses;
-  /// The radius of the probe, as given. That of the request is 0 unless the surface is the SES.
-  double probe_radius = 1.4;
   bool is_join = false;      ///< whether to compute nothing; see Request::join
   bool independent = false;  ///< whether not to share the run with other processes
   bool quiet = false;
   bool json = false;
   bool strict = false;  ///< whether warnings are errors
+
+  /// The radius of the probe, as given; 0 for the van der Waals surface (angstrom).
+  double probe_radius() const { return request.parameters.probe_radius + input().added_radius; }
 
   /// The input file. The path `-` is standard input.
   const InputFile& input() const { return std::get<InputFile>(request.atoms); }

@@ -275,7 +275,7 @@ std::string region_text(const Plan& plan) {
 
 /// Returns the radius of the probe, and the surface unless it is the solvent excluded one.
 std::string probe_text(const Options& options) {
-  const std::string probe = formatted("probe radius {}", options.probe_radius);
+  const std::string probe = formatted("probe radius {}", options.probe_radius());
   if (options.surface == SurfaceKind::ses) return probe;
   const std::string name(names_of(options.surface).name);
   return options.surface == SurfaceKind::vdw ? name : name + ", " + probe;
@@ -292,9 +292,8 @@ Json null_unless(bool is_known, const auto& value) { return is_known ? Json(valu
 Json parameters_json(const Options& options, const Plan& plan) {
   const auto* const grid = std::get_if<GridOptions>(&plan.parameters.grid);
   const std::optional<double>& max_filled_void = plan.parameters.max_filled_void;
-  const bool is_vdw = options.surface == SurfaceKind::vdw;
   return {{"surface", names_of(options.surface).option},
-          {"probe_radius", is_vdw ? 0 : options.probe_radius},
+          {"probe_radius", options.probe_radius()},
           {"spacing", plan.grid.spacing},
           {"margin", grid != nullptr ? Json(grid->margin) : Json()},
           {"fill_cavities",
@@ -498,7 +497,7 @@ void add_run_diagnostics(Report& report) {
     report.diagnostics.push_back(program_warning(name, std::move(message)));
   };
   const Options& options = report.options;
-  if (const double spacing = report.plan.grid.spacing, probe = options.probe_radius;
+  if (const double spacing = report.plan.grid.spacing, probe = options.probe_radius();
       options.surface != SurfaceKind::vdw && probe < min_usual_probe && spacing > max_usual_spacing)
     add("swapped_lengths",
         formatted("a probe radius of {} with a spacing of {} is unusual; are they swapped? PROBE "

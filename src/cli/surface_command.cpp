@@ -161,11 +161,13 @@ bool is_empty(const Report& report) {
 }
 
 void present_result(Report& report) {
-  constexpr std::string_view empty = "no grid point is inside the surface; use a smaller spacing";
+  std::optional<DiagnosticText> empty;
   if (is_empty(report))
-    report.diagnostics.push_back(program_warning("empty_surface", std::string(empty)));
+    empty = program_warning("empty_surface",
+                            "no grid point is inside the surface; use a smaller spacing");
+  if (empty) report.diagnostics.push_back(*empty);
   print(final_text(report));
-  if (is_empty(report) && !report.options.quiet) print_message("warning", std::string(empty));
+  if (empty && !report.options.quiet) print_message("warning", empty->message);
   for (const std::string& fault : fault_lines(report.summary)) print_message("error", fault);
 }
 

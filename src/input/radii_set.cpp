@@ -171,8 +171,11 @@ std::optional<RadiiSet> named_radii_set(std::string_view name) {
                     },
                     bondi_radius};
   if (word == "occupancy")
-    return RadiiSet{word,         false, [](const AtomIdentity&) { return std::optional(0.0); },
-                    bondi_radius, true,  true};
+    return RadiiSet{.name = word,
+                    .find_named = [](const AtomIdentity&) { return std::optional(0.0); },
+                    .find_by_element = bondi_radius,
+                    .is_from_file = true,
+                    .is_occupancy = true};
   return std::nullopt;
 }
 

@@ -14,15 +14,13 @@ enum class SurfaceKind : std::uint8_t { ses, sas, vdw };
 
 /// A surface with its short name, as in options, and its name in texts.
 struct SurfaceName {
-  SurfaceKind kind;
   std::string_view option, name;
 };
 
 /// The names in the order of SurfaceKind.
-inline constexpr std::array surface_names{
-    SurfaceName{SurfaceKind::ses, "ses", "solvent excluded surface"},
-    SurfaceName{SurfaceKind::sas, "sas", "solvent accessible surface"},
-    SurfaceName{SurfaceKind::vdw, "vdw", "van der Waals surface"}};
+inline constexpr std::array surface_names{SurfaceName{"ses", "solvent excluded surface"},
+                                          SurfaceName{"sas", "solvent accessible surface"},
+                                          SurfaceName{"vdw", "van der Waals surface"}};
 
 /// Returns the names of a surface.
 constexpr const SurfaceName& names_of(SurfaceKind kind) {

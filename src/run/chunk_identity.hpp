@@ -1,5 +1,5 @@
 #pragma once
-/// What identifies the chunks of a run: a run continues only the chunks of runs with the same
+/// The identity of the chunks of a run. A run continues only the chunks of runs with the same
 /// identity.
 
 #include <cstdint>

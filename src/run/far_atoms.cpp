@@ -9,6 +9,7 @@
 #include <numeric>
 #include <vector>
 
+#include "eses/diagnostics.hpp"
 #include "geometry/box.hpp"
 #include "system/formatted.hpp"
 
@@ -148,7 +149,7 @@ std::optional<FarAtomsWarning> require_dense_grid(std::span<const Atom> atoms, d
   std::vector<std::uint64_t> lines_of_atoms;
   for (const AtomIndex i : far->atoms) {
     lines_of_atoms.push_back(lines[i]);
-    if (warning.examples.size() < FarAtomsWarning::max_examples)
+    if (warning.examples.size() < Diagnostic::max_examples)
       warning.examples.emplace_back(i, lines[i]);
   }
   warning.message = formatted("{}: {}", file, sentence(*far, "line", lines_of_atoms));

@@ -1,7 +1,6 @@
 #pragma once
 /// Grids that atoms far from the others make large and empty; see eses/far_atoms.hpp.
 
-#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -11,7 +10,6 @@
 #include <vector>
 
 #include "eses/atoms.hpp"
-#include "eses/diagnostics.hpp"
 #include "eses/error.hpp"
 #include "eses/far_atoms.hpp"
 #include "eses/grid.hpp"
@@ -27,8 +25,6 @@ std::optional<FarAtoms> find_far_atoms(std::span<const Atom> atoms, double probe
 
 /// A warning about atoms that stretch the grid.
 struct FarAtomsWarning {
-  static constexpr std::size_t max_examples = Diagnostic::max_examples;
-
   std::string message;  ///< file, count, numbers of points, and lines
   std::uint64_t count = 0;
   /// The first of the atoms: indices in the file, and lines.

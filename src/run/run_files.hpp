@@ -52,7 +52,7 @@ class RunFiles {
   std::unique_ptr<OutputFiles> files_;
   std::optional<RunMesh> mesh_;
   Sinks sinks_;
-  // Of a sweep in place.
+  // These sinks and maps are those of a sweep in place.
   PieceTextSink *grid_ = nullptr, *edges_ = nullptr;
   std::deque<GridMap> maps_;
   std::uint64_t bytes_ = 0;  // written so far

@@ -93,18 +93,24 @@ bool agrees_with_name(std::string_view symbol, std::string_view record) {
          starts_with_ignoring_case(name, lower_case(std::string(symbol)));
 }
 
+/// Returns whether a text beside the columns of the element is the element of the atom.
+bool is_shifted_element(std::string_view symbol, std::string_view record) {
+  return !usual_spelling(symbol).empty() && agrees_with_name(symbol, record);
+}
+
+bool is_letter_at(std::string_view record, std::size_t i) {
+  return i < record.size() && is_letter(record[i]);
+}
+
 /// Returns the symbol that begins one column before those of the element; empty if there is none.
 std::string_view element_on_the_left(std::string_view record) {
   constexpr std::size_t first = element_columns.first;
-  const auto is_letter_at = [&](std::size_t i) {
-    return i < record.size() && is_letter(record[i]);
-  };
-  if (!is_letter_at(first - 1) || !is_letter_at(first) || is_letter_at(first + 1)) return {};
+  if (!is_letter_at(record, first - 1) || !is_letter_at(record, first) ||
+      is_letter_at(record, first + 1))
+    return {};
   const std::string_view symbol = record.substr(first - 1, 2);
   const bool is_segment = !trimmed(record.substr(segment_columns.first, 3)).empty();
-  return !is_segment && !usual_spelling(symbol).empty() && agrees_with_name(symbol, record)
-             ? symbol
-             : std::string_view();
+  return !is_segment && is_shifted_element(symbol, record) ? symbol : std::string_view();
 }
 
 /// Returns the symbol in the columns of the element or, if these have none, one or two columns
@@ -114,28 +120,25 @@ std::string_view element_of_columns(std::string_view record) {
   const auto text = [&](std::size_t first, std::size_t width) {
     return first < record.size() ? record.substr(first, width) : std::string_view();
   };
-  const auto is_shifted = [&](std::string_view symbol) {
-    return !usual_spelling(symbol).empty() && agrees_with_name(symbol, record);
-  };
-  const auto is_letter_at = [&](std::size_t i) {
-    return i < record.size() && is_letter(record[i]);
-  };
   constexpr std::size_t first = element_columns.first;
   const std::string_view right = text(first + 1, 2);
   if (const std::string_view left = element_on_the_left(record); !left.empty()) return left;
-  if (is_letter_at(first + 1) && is_letter_at(first + 2) && is_shifted(right)) return right;
+  if (is_letter_at(record, first + 1) && is_letter_at(record, first + 2) &&
+      is_shifted_element(right, record))
+    return right;
   const std::string_view field = field_of(record, element_columns);
   if (record.size() > first + 1 && std::any_of(field.begin(), field.end(), is_letter)) return field;
   const std::string_view last = trimmed(text(first + 2, 2)).substr(0, 2);
   const bool is_one = last.size() == 1 || (last.size() == 2 && !is_letter(last[1]));
-  if (!field.empty() || !is_shifted(last.substr(0, is_one ? 1 : 2))) return {};
+  const std::string_view symbol = last.substr(0, is_one ? 1 : 2);
+  if (!field.empty() || !is_shifted_element(symbol, record)) return {};
   // Names such as CL1 say more than the first letter of the element.
   const std::string_view residue = field_of(record, residue_columns);
   if (is_one && element_by_name({column_text(record, name_columns.first, name_columns.width),
                                  residue, is_polymer_residue(residue)})
                         .size() > 1)
     return {};
-  return last.substr(0, is_one ? 1 : 2);
+  return symbol;
 }
 
 /// Returns whether a text is digits around a decimal point, as nearly all numbers are. Such a
