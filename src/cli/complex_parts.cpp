@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "cli/arguments.hpp"
+#include "cli/messages.hpp"
 #include "eses/error.hpp"
 #include "input/other_formats.hpp"
 #include "input/pdb_elements.hpp"
@@ -33,16 +34,10 @@ std::vector<std::string> different(std::span<const AtomLabel> labels,
 }
 
 /// Returns names for messages. PQR files often have a blank name.
-std::string list_of(const std::vector<std::string>& all) {
-  constexpr std::size_t max_names = 10;
-  std::vector<std::string> names;
-  for (const std::string& name : all) {
-    names.push_back(name.empty() ? "(blank)" : printable(name));
-    if (names.size() < max_names) continue;
-    names.emplace_back("...");
-    break;
-  }
-  return formatted("{}", fmt::join(names, ", "));
+std::string list_of(const std::vector<std::string>& names) {
+  return first_texts(names, 10, [](const std::string& name) {
+    return name.empty() ? "(blank)" : printable(name);
+  });
 }
 
 /// Returns whether each atom of the file is in a selection.

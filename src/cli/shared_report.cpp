@@ -91,39 +91,28 @@ std::uint64_t count_atoms(const std::vector<RadiusSource>& sources) {
 /// Returns the sources of radii, such as `12 atoms by element (HEM FE 1.26, ...)`.
 std::string sources_text(const std::vector<RadiusSource>& sources, std::string_view how) {
   if (sources.empty()) return "";
-  constexpr std::size_t max_names = 4;
-  std::vector<std::string> names;
-  for (std::size_t i = 0; i < std::min(max_names, sources.size()); ++i)
-    names.push_back(printable(
-        formatted("{} {} {}", sources[i].residue, sources[i].atom_name, sources[i].radius)));
-  if (sources.size() > max_names) names.emplace_back("...");
+  const auto text = [](const RadiusSource& source) {
+    return printable(formatted("{} {} {}", source.residue, source.atom_name, source.radius));
+  };
   return formatted("; {} {} ({})", counted(count_atoms(sources), "atom"), how,
-                   fmt::join(names, ", "));
+                   first_texts(sources, 4, text));
 }
 
 /// Returns the line of the atoms whose elements were derived from names.
 std::string guessed_text(const std::vector<RadiusSource>& sources) {
   if (sources.empty()) return "";
-  constexpr std::size_t max_names = 8;
-  std::vector<std::string> names;
-  for (std::size_t i = 0; i < std::min(max_names, sources.size()); ++i)
-    names.push_back(printable(
-        formatted("{} {}: {}", sources[i].residue, sources[i].atom_name, sources[i].element)));
-  if (sources.size() > max_names) names.emplace_back("...");
+  const auto text = [](const RadiusSource& source) {
+    return printable(formatted("{} {}: {}", source.residue, source.atom_name, source.element));
+  };
   return formatted("elements: {} by name, not by the file ({})\n",
-                   counted(count_atoms(sources), "atom"), fmt::join(names, ", "));
+                   counted(count_atoms(sources), "atom"), first_texts(sources, 8, text));
 }
 
 /// Returns the note on chains that are segments.
 std::string segments_text(const std::vector<std::string>& chains) {
   if (chains.empty()) return "";
-  constexpr std::size_t max_names = 8;
-  std::vector<std::string> names;
-  for (std::size_t i = 0; i < std::min(max_names, chains.size()); ++i)
-    names.push_back(printable(chains[i]));
-  if (chains.size() > max_names) names.emplace_back("...");
   return formatted("note: chains are named by the segments in columns 73 to 76: {}\n",
-                   fmt::join(names, ", "));
+                   first_texts(chains, 8, printable));
 }
 
 std::string model_text(const StructureReport& report) {
@@ -142,19 +131,15 @@ std::string assembly_text(const StructureReport& report) {
 std::string other_assemblies_text(const StructureReport& report) {
   const std::vector<OtherAssembly>& others = report.other_assemblies;
   if (others.empty()) return "";
-  constexpr std::size_t max_assemblies = 4;
   const std::uint64_t atoms = report.atom_records + report.hetatm_records + report.waters;
-  std::vector<std::string> parts;
-  for (std::size_t i = 0; i < std::min(max_assemblies, others.size()); ++i) {
-    const auto& [id, operators, contained] = others[i];
-    const std::string copies = operators > 1 ? formatted("{} copies", operators) : "";
+  const auto text = [&](const OtherAssembly& other) {
+    const std::string copies = other.operators > 1 ? formatted("{} copies", other.operators) : "";
     const std::string part =
-        contained < atoms ? formatted("{} of the {} atoms", contained, atoms) : "";
-    parts.push_back(formatted("assembly {} has {}{}{}", printable(id), copies,
-                              copies.empty() || part.empty() ? "" : " of ", part));
-  }
-  if (others.size() > max_assemblies) parts.emplace_back("...");
-  return formatted("note: {}; build {}\n", fmt::join(parts, ", "),
+        other.atoms < atoms ? formatted("{} of the {} atoms", other.atoms, atoms) : "";
+    return formatted("assembly {} has {}{}{}", printable(other.id), copies,
+                     copies.empty() || part.empty() ? "" : " of ", part);
+  };
+  return formatted("note: {}; build {}\n", first_texts(others, 4, text),
                    others.size() == 1
                        ? formatted("it with --assembly {}", printable(others.front().id))
                        : "one with --assembly ID");

@@ -11,6 +11,7 @@
 #include <sstream>
 #include <string>
 #include <tuple>
+#include <utility>
 #include <vector>
 
 #include "catch.hpp"
@@ -539,6 +540,17 @@ TEST_CASE("measure: bad requests are refused") {
   };
   fails({"measure", "dimer.pqr", "--parts", "A|X"},
         "dimer.pqr: no atoms of chain X, which --parts names; the chains are A, B, C");
+  std::string ten_chains;
+  for (char chain = 'A'; chain <= 'J'; ++chain)
+    ten_chains += fmt::format("ATOM 1 CA GLY {} 1 {} 0 0 0 1.7\n", chain, 10 * (chain - 'A'));
+  write_file(box.directory() / "ten.pqr", ten_chains);
+  write_file(box.directory() / "eleven.pqr", ten_chains + "ATOM 1 CA GLY K 1 0 9 0 0 1.7\n");
+  for (const auto& [file, more] : {std::pair("ten.pqr", ""), std::pair("eleven.pqr", ", ...")})
+    fails({"measure", file, "--parts", "A|X"},
+          fmt::format(
+              "{}: no atoms of chain X, which --parts names; the chains are A, B, C, D, E, F, "
+              "G, H, I, J{}",
+              file, more));
   fs::create_directory(box.directory() / "sub");
   fs::copy(box.directory() / "two.xyzr", box.directory() / "sub");
   fails({"measure", "two.xyzr", "sub/two.xyzr", "--write", "atoms"},
