@@ -185,25 +185,23 @@ def _read_file(found: Any, radii: str, unknown: Optional[float], waters: bool, h
     given = _FILE_OPTIONS | options
     data: Any = None
     if _is_path(found):
+        name = name_of(found)
         layout = _format_of(b"", os.fspath(found)) if given["format"] == "auto" else given["format"]
-
-        def read(select: str) -> _core.Atoms:
-            return _core._read_atoms(found, given["format"], radii, unknown, given["model"], given["altloc"], waters,
-                                     given["hetatm"], hydrogens, list(given["chains"]), select, given["assembly"],
-                                     given["chain_names"])
     else:
         data, name, layout = read_opened(found, given["format"])
 
-        def read(select: str) -> _core.Atoms:
-            return _core._parse_atoms(data, name, layout, radii, unknown, given["model"], given["altloc"],
-                                      waters, given["hetatm"], hydrogens, list(given["chains"]), select,
-                                      given["assembly"], given["chain_names"])
+    def read(select: str) -> _core.Atoms:
+        reading = _core._ReadOptions(given["format"] if data is None else layout, radii, unknown, given["model"],
+                                     given["altloc"], waters, given["hetatm"], hydrogens, list(given["chains"]), select,
+                                     given["assembly"], given["chain_names"])
+        return _core._read_atoms(found, reading) if data is None else _core._parse_atoms(data, name, reading)
+
     if layout in ("xyzr", "pqr"):
-        _refuse_structure_options(name_of(found), layout, radii, given)
+        _refuse_structure_options(name, layout, radii, given)
     atoms = read(given["select"])
-    _core._warn_about(atoms, name_of(found))
+    _core._warn_about(atoms, name)
     source = _of_atoms(atoms)
-    remember_files(atoms, name_of(found), radii)
+    remember_files(atoms, name, radii)
     source.files = files_of(atoms)
     if layout == "mmcif" and atoms.labels is not None:
         if data is None:

@@ -112,55 +112,50 @@ ChainNames chain_names_named(const std::string& name) {
   throw py::value_error("chain_names must be 'auth' or 'label', not '" + name + "'");
 }
 
-StructureOptions structure_options(const std::filesystem::path& radii,
-                                   std::optional<double> unknown_radius, int model,
-                                   const std::string& altloc, bool waters, bool hetatm,
-                                   const std::string& hydrogens,
-                                   const std::vector<std::string>& chains,
-                                   const std::string& select, const std::string& assembly,
-                                   const std::string& chain_names) {
-  return {.radii = radii.string(),
-          .unknown_radius = unknown_radius,
-          .model = model,
-          .altloc = altloc,
-          .with_waters = waters,
-          .with_hetatm = hetatm,
-          .hydrogens = hydrogens_named(hydrogens),
-          .chains = chains,
-          .select = select,
-          .assembly = assembly,
-          .chain_names = chain_names_named(chain_names)};
+ReadOptions read_options(const std::string& format, const std::filesystem::path& radii,
+                         std::optional<double> unknown_radius, int model, const std::string& altloc,
+                         bool waters, bool hetatm, const std::string& hydrogens,
+                         const std::vector<std::string>& chains, const std::string& select,
+                         const std::string& assembly, const std::string& chain_names) {
+  return {.format = format_named(format),
+          .structure = {.radii = radii.string(),
+                        .unknown_radius = unknown_radius,
+                        .model = model,
+                        .altloc = altloc,
+                        .with_waters = waters,
+                        .with_hetatm = hetatm,
+                        .hydrogens = hydrogens_named(hydrogens),
+                        .chains = chains,
+                        .select = select,
+                        .assembly = assembly,
+                        .chain_names = chain_names_named(chain_names)}};
 }
 
+// Reads the atoms of a text, whose format is known.
 std::shared_ptr<AtomFile> parse(const py::bytes& text, const std::string& name,
-                                const std::string& format, const std::filesystem::path& radii,
-                                std::optional<double> unknown_radius, int model,
-                                const std::string& altloc, bool waters, bool hetatm,
-                                const std::string& hydrogens,
-                                const std::vector<std::string>& chains, const std::string& select,
-                                const std::string& assembly, const std::string& chain_names);
+                                const ReadOptions& options) {
+  auto file = std::make_shared<AtomFile>();
+  const std::string copy = text;
+  read_file_as_value([&] {
+    call_in_background([copy, name, options, file](const CheckCallback&) {
+      *file = parse_atoms(copy, options.format, name, options.structure);
+    });
+  });
+  return file;
+}
 
-std::shared_ptr<AtomFile> read(const py::object& found, const std::string& format,
-                               const std::filesystem::path& radii,
-                               std::optional<double> unknown_radius, int model,
-                               const std::string& altloc, bool waters, bool hetatm,
-                               const std::string& hydrogens, const std::vector<std::string>& chains,
-                               const std::string& select, const std::string& assembly,
-                               const std::string& chain_names) {
+// Reads the atoms of a path or an open file.
+std::shared_ptr<AtomFile> read(const py::object& found, ReadOptions options) {
   if (py::hasattr(found, "read")) {
     const py::tuple opened =
-        py::module_::import("eses_blocks._molecule").attr("read_opened")(found, format);
-    return parse(opened[0], opened[1].cast<std::string>(), opened[2].cast<std::string>(), radii,
-                 unknown_radius, model, altloc, waters, hetatm, hydrogens, chains, select, assembly,
-                 chain_names);
+        py::module_::import("eses_blocks._molecule").attr("read_opened")(found, "auto");
+    if (options.format == AtomFormat::automatic)
+      options.format = format_named(opened[2].cast<std::string>());
+    return parse(opened[0], opened[1].cast<std::string>(), options);
   }
   const std::filesystem::path path = path_of(found, " or an open file");
   // The library would read "-" from standard input, where Ctrl-C cannot interrupt it.
   if (path == "-") throw py::value_error("path must be the name of a file, not '-'");
-  ReadOptions options;
-  options.format = format_named(format);
-  options.structure = structure_options(radii, unknown_radius, model, altloc, waters, hetatm,
-                                        hydrogens, chains, select, assembly, chain_names);
   // A part of reading an mmCIF file is a single call of a parser, which takes seconds if the file
   // has millions of atoms.
   auto file = std::make_shared<AtomFile>();
@@ -181,36 +176,15 @@ py::object read_and_warn(const py::object& found, const std::string& format,
                          const std::string& hydrogens, const std::vector<std::string>& chains,
                          const std::string& select, const std::string& assembly,
                          const std::string& chain_names) {
-  const auto file = read(found, format, radii, unknown_radius, model, altloc, waters, hetatm,
-                         hydrogens, chains, select, assembly, chain_names);
+  const auto file =
+      read(found, read_options(format, radii, unknown_radius, model, altloc, waters, hetatm,
+                               hydrogens, chains, select, assembly, chain_names));
   const py::object atoms = py::cast(file);
   const py::module_ molecule = py::module_::import("eses_blocks._molecule");
   const py::object name = molecule.attr("name_of")(found);
   molecule.attr("remember_files")(atoms, name, py::bytes(radii.string()));
   warn_about(*file, name);
   return atoms;
-}
-
-// Reads the atoms of a text. The package finds the format.
-std::shared_ptr<AtomFile> parse(const py::bytes& text, const std::string& name,
-                                const std::string& format, const std::filesystem::path& radii,
-                                std::optional<double> unknown_radius, int model,
-                                const std::string& altloc, bool waters, bool hetatm,
-                                const std::string& hydrogens,
-                                const std::vector<std::string>& chains, const std::string& select,
-                                const std::string& assembly, const std::string& chain_names) {
-  const AtomFormat known = format_named(format);
-  const StructureOptions options =
-      structure_options(radii, unknown_radius, model, altloc, waters, hetatm, hydrogens, chains,
-                        select, assembly, chain_names);
-  auto file = std::make_shared<AtomFile>();
-  const std::string copy = text;
-  read_file_as_value([&] {
-    call_in_background([copy, known, name, options, file](const CheckCallback&) {
-      *file = parse_atoms(copy, known, name, options);
-    });
-  });
-  return file;
 }
 
 // Returns the name of a set of radii, whether it has united atoms, and for each atom the radius,
@@ -450,6 +424,7 @@ void bind_atoms(py::module_& module) {
              py::arg("waters") = false, py::arg("hetatm") = true, py::arg("hydrogens") = "auto",
              py::arg("chains") = py::tuple(), py::arg("select") = "", py::arg("assembly") = "",
              py::arg("chain_names") = "auth");
+  py::class_<ReadOptions>(module, "_ReadOptions").def(py::init(&read_options));
   module.def("_read_atoms", &read);
   module.def("_parse_atoms", &parse);
   module.def("_warn_about",
