@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "geometry/pseudo_angle.hpp"
 
@@ -174,9 +175,8 @@ SpherePartFinder::Meeting SpherePartFinder::meet_almost_parallel(const Spherical
 SpherePartFinder::Meeting SpherePartFinder::meet(const SphericalCap& first,
                                                  const SphericalCap& second) {
   const Vec3 w = cross(first.axis, second.axis);
-  const double squared = squared_norm(w), along = dot(first.axis, second.axis);
+  const double squared = squared_norm(w);
   if (squared < almost_parallel) return meet_almost_parallel(first, second);
-  Meeting meeting;
   const Vec3 foot =
       (1 / squared) * (first.cosine * cross(second.axis, w) + second.cosine * cross(w, first.axis));
   const double rest = 1 - squared_norm(foot);
@@ -184,10 +184,34 @@ SpherePartFinder::Meeting SpherePartFinder::meet(const SphericalCap& first,
     const Vec3 offset = std::sqrt(rest / squared) * w;
     return {true, false, false, foot - offset, foot + offset};
   }
-  // The rims do not meet, so each is on one side of the other cap's plane.
+  return keep_apart(first, second);
+}
+
+// Rims that do not meet are each on one side of the other cap's plane.
+SpherePartFinder::Meeting SpherePartFinder::keep_apart(const SphericalCap& first,
+                                                       const SphericalCap& second) {
+  const double along = dot(first.axis, second.axis);
+  Meeting meeting;
   meeting.covers_first = first.cosine * along > second.cosine;
   meeting.covers_second = second.cosine * along > first.cosine;
   return meeting;
+}
+
+// Replaces what was computed from the caps, unless one of them was left out.
+void SpherePartFinder::replace(const KnownMeeting& known) {
+  const auto first = std::ranges::find(numbers_, known.first);
+  const auto second = std::ranges::find(numbers_, known.second);
+  if (first == numbers_.end() || second == numbers_.end()) return;
+  const auto k = static_cast<std::size_t>(first - numbers_.begin());
+  const auto l = static_cast<std::size_t>(second - numbers_.begin());
+  Meeting& meeting = meetings_[k * numbers_.size() + l];
+  if (!known.points) {
+    meeting = keep_apart(caps_[k], caps_[l]);
+    return;
+  }
+  auto [low, high] = *known.points;
+  if (dot(high - low, cross(caps_[k].axis, caps_[l].axis)) < 0) std::swap(low, high);
+  meeting = {true, false, false, low, high};
 }
 
 void SpherePartFinder::keep_distinct(std::span<const SphericalCap> caps) {
@@ -254,7 +278,8 @@ void SpherePartFinder::find_arcs(std::uint32_t k) {
   }
 }
 
-SpherePart SpherePartFinder::find(std::span<const SphericalCap> caps) {
+SpherePart SpherePartFinder::find(std::span<const SphericalCap> caps,
+                                  std::span<const KnownMeeting> known) {
   arcs_.clear();
   if (std::any_of(caps.begin(), caps.end(),
                   [](const SphericalCap& cap) { return cap.cosine <= -1; }))
@@ -265,6 +290,7 @@ SpherePart SpherePartFinder::find(std::span<const SphericalCap> caps) {
   if (meetings_.size() < count * count) meetings_.resize(count * count);
   for (std::size_t k = 0; k < count; ++k)
     for (std::size_t l = k + 1; l < count; ++l) meetings_[k * count + l] = meet(caps_[k], caps_[l]);
+  for (const KnownMeeting& meeting : known) replace(meeting);
   for (std::uint32_t k = 0; k < count; ++k) find_arcs(k);
   if (arcs_.empty()) return {};
   const SphericalCap& largest = *std::min_element(

@@ -1,7 +1,9 @@
 #pragma once
 /// Solid angle and vector area of the part of a unit sphere that lies outside all of several caps.
 
+#include <array>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -56,12 +58,18 @@ Vec3 second_moment_term(const SphericalCap& cap, const RimArc& arc, Vec3 vector)
 template <class IsOutside>
 double solid_angle_of(double boundary_sum, IsOutside&& is_outside);
 
+/// Where the rims of two caps meet, if that is known better than the caps are.
+struct KnownMeeting {
+  std::uint32_t first = 0, second = 0;        ///< indices of the caps, first < second
+  std::optional<std::array<Vec3, 2>> points;  ///< unit vectors; none if the rims do not meet
+};
+
 /// Finds the part of a sphere outside of caps. The object holds scratch memory, so each thread
 /// needs its own.
 class SpherePartFinder {
  public:
   /// Returns the part outside of all caps. The time is quadratic in the number of caps.
-  SpherePart find(std::span<const SphericalCap> caps);
+  SpherePart find(std::span<const SphericalCap> caps, std::span<const KnownMeeting> known = {});
 
   /// The arcs that bound the part that was found.
   std::span<const RimArc> arcs() const { return arcs_; }
@@ -81,6 +89,8 @@ class SpherePartFinder {
 
   static Meeting meet(const SphericalCap& first, const SphericalCap& second);
   static Meeting meet_almost_parallel(const SphericalCap& first, const SphericalCap& second);
+  static Meeting keep_apart(const SphericalCap& first, const SphericalCap& second);
+  void replace(const KnownMeeting& known);
   void keep_distinct(std::span<const SphericalCap> caps);
   void find_arcs(std::uint32_t k);
 

@@ -251,7 +251,8 @@ void ClusterMeasurement::add_triangle_gradient(const ProbePlacement& placement,
                                                PlacementParts parts, const ConcavePatch& patch,
                                                ClusterScratch& scratch, ClusterTerms& terms) const {
   ConcaveScratch& concave = scratch.concave;
-  concave.finder.find(patch.caps);
+  find_meetings_on_axes(surface_, placement, scratch.cutter_parts, scratch.known_meetings);
+  concave.finder.find(patch.caps, scratch.known_meetings);
   add_saddle_end_gradient(surface_, placement, equal_weights_, ses_area_quantity, terms.gradients);
   add_concave_area_gradient(surface_,
                             {placement,
@@ -268,7 +269,7 @@ void ClusterMeasurement::add_triangle_gradient(const ProbePlacement& placement,
   add_saddle_end_gradient(surface_, placement, weights_, weighted_ses_area_quantity,
                           terms.gradients);
   for (const AtomIndex owner : patch.touched) {
-    const SpherePart part = part_of_atom(surface_, patch, owner, concave);
+    const SpherePart part = part_of_atom(surface_, patch, owner, concave, scratch.known_meetings);
     add_concave_area_gradient(surface_,
                               {placement, part, concave.caps, concave.finder.arcs(),
                                scratch.cutter_parts, parts, owner, concave.borders},

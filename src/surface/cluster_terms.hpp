@@ -41,6 +41,7 @@ struct alignas(thread_alignment) ClusterScratch {
   ConcavePatch patch, triangle;
   ConcaveScratch concave;
   std::vector<PlacementParts> cutter_parts;
+  std::vector<KnownMeeting> known_meetings;
   SphereList neighbours;  ///< of the face of an atom
   SpherePositions touched_neighbours;
 };

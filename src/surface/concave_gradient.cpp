@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <optional>
 #include <vector>
 
 #include "surface/saddle_gradient.hpp"
@@ -11,15 +12,26 @@
 namespace eses::detail {
 namespace {
 
-// Returns whether several parts of a placement touch both atoms.
-bool is_shared_edge(PlacementParts parts, AtomIndex i, AtomIndex j) {
-  if (parts.size() == 1) return false;
-  return std::count_if(parts.begin(), parts.end(), [&](const ProbePlacement& part) {
-           const auto touches = [&](AtomIndex atom) {
-             return std::find(part.atoms.begin(), part.atoms.end(), atom) != part.atoms.end();
-           };
-           return touches(i) && touches(j);
-         }) > 1;
+// Returns how many parts of a placement touch both atoms.
+std::ptrdiff_t count_touching(PlacementParts parts, AtomIndex i, AtomIndex j) {
+  return std::ranges::count_if(parts, [&](const ProbePlacement& part) {
+    const auto touches = [&](AtomIndex atom) {
+      return std::find(part.atoms.begin(), part.atoms.end(), atom) != part.atoms.end();
+    };
+    return touches(i) && touches(j);
+  });
+}
+
+// Returns the directions from a probe that touches two atoms to the points of its sphere on their
+// axis.
+std::optional<std::array<Vec3, 2>> points_on_axis(const SurfaceModel& surface, Vec3 center,
+                                                  AtomIndex i, AtomIndex j) {
+  const ContactCircle circle =
+      make_contact_circle(surface.sas_sphere(std::min(i, j)), surface.sas_sphere(std::max(i, j)));
+  const double p = surface.probe_radius, squared = (p - circle.radius) * (p + circle.radius);
+  if (squared <= 0) return std::nullopt;
+  const Vec3 inward = circle.center - center, along = std::sqrt(squared) * circle.axis;
+  return std::array{normalized(inward - along), normalized(inward + along)};
 }
 
 // Adds the derivatives of the area of a patch at an arc in the plane of the placement and its first
@@ -114,7 +126,7 @@ class PartGradient {
     terms_.atoms.push_back({i, quantity_, by_i, 0});
     terms_.atoms.push_back({j, quantity_, by_j, 0});
     by_center_ = by_center_ - by_i - by_j;
-    if (is_shared_edge(concave_.parts, i, j))
+    if (count_touching(concave_.parts, i, j) > 1)  // another part is beyond the plane
       by_center_ =
           by_center_ + add_overlap(surface_, placement.center, {i, j, placement.atoms[(k + 2) % 3]},
                                    arc, weight_, quantity_, terms_);
@@ -182,6 +194,18 @@ class PartGradient {
 };
 
 }  // namespace
+
+void find_meetings_on_axes(const SurfaceModel& surface, const ProbePlacement& placement,
+                           std::span<const PlacementParts> cutters,
+                           std::vector<KnownMeeting>& found) {
+  found.clear();
+  for (std::uint32_t k = 0; k < 3; ++k) {
+    const AtomIndex i = placement.atoms[k], j = placement.atoms[(k + 1) % 3];
+    for (std::uint32_t l = 0; l < cutters.size(); ++l)
+      if (count_touching(cutters[l], i, j) > 0)
+        found.push_back({k, 3 + l, points_on_axis(surface, placement.center, i, j)});
+  }
+}
 
 void add_concave_area_gradient(const SurfaceModel& surface, const ConcavePart& concave,
                                double weight, Quantity quantity, GradientTerms& terms) {

@@ -2,6 +2,7 @@
 /// Derivatives of the areas and volumes at a concave patch.
 
 #include <span>
+#include <vector>
 
 #include "surface/concave_patch.hpp"
 #include "surface/gradient_terms.hpp"
@@ -21,6 +22,14 @@ struct ConcavePart {
   AtomIndex owner = 0;
   std::span<const AtomIndex> borders;
 };
+
+/// Finds where the bounding planes of a triangle meet those of its cutters, if both planes contain
+/// the axis of two atoms: at the points of the probe's sphere on the axis. The planes of placements
+/// close to each other are almost the same, and their common line has the errors of the placements
+/// divided by their distance.
+void find_meetings_on_axes(const SurfaceModel& surface, const ProbePlacement& placement,
+                           std::span<const PlacementParts> cutters,
+                           std::vector<KnownMeeting>& found);
 
 /// Adds the derivatives of the area of a part, times `weight`.
 void add_concave_area_gradient(const SurfaceModel& surface, const ConcavePart& concave,

@@ -163,13 +163,13 @@ bool has_tangent_patch(const ConcavePatch& patch, double probe_radius) {
 }
 
 SpherePart part_of_atom(const SurfaceModel& surface, const ConcavePatch& patch, AtomIndex owner,
-                        ConcaveScratch& scratch) {
+                        ConcaveScratch& scratch, std::span<const KnownMeeting> known) {
   scratch.caps = patch.caps;
   scratch.borders.clear();
   if (patch.touched.size() > max_borders) return part_among_many(surface, patch, owner, scratch);
   for (const AtomIndex other : patch.touched)
     if (other != owner) add_border(surface, owner, other, scratch);
-  return scratch.finder.find(scratch.caps);
+  return scratch.finder.find(scratch.caps, known);
 }
 
 }  // namespace eses::detail

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "geometry/box.hpp"
@@ -79,8 +80,8 @@ bool has_tangent_patch(const ConcavePatch& patch, double probe_radius);
 /// Returns the part of a patch that belongs to an atom. The direction n belongs to the touched atom
 /// with the smallest value of radius - n . (center of the atom - center of the probe).
 /// `scratch.caps` then has the caps of the patch, followed by those of `scratch.borders`, and
-/// `scratch.finder` the arcs that bound the part.
+/// `scratch.finder` the arcs that bound the part. `known` are meetings of the caps of the patch.
 SpherePart part_of_atom(const SurfaceModel& surface, const ConcavePatch& patch, AtomIndex owner,
-                        ConcaveScratch& scratch);
+                        ConcaveScratch& scratch, std::span<const KnownMeeting> known = {});
 
 }  // namespace eses::detail
