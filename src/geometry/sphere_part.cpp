@@ -22,12 +22,6 @@ constexpr double max_piece = 2.2;
 // that this changes the part by rounding errors only.
 constexpr double same_cap = 1e-14;
 
-// Caps whose cosines are below the first value are almost hemispheres, such as those of placements
-// very close to each other. Placements on a short arc have almost parallel chords. The rims of such
-// caps meet in points with errors that the solid angle does not bear, so caps nearer to each other
-// than the second value are the same (radians).
-constexpr double almost_hemisphere = 1e-8, same_hemisphere = 5e-9;
-
 // The meeting points of rims whose axes are nearer to one line than this are computed with more
 // care (square of an angle in radians).
 constexpr double almost_parallel = 1e-4;
@@ -151,7 +145,8 @@ SpherePartFinder::Meeting SpherePartFinder::meet_almost_parallel(const Spherical
   const Vec3 u = first.axis;
   const bool is_opposite = dot(u, second.axis) < 0;
   const double sign = is_opposite ? -1 : 1;
-  const Vec3 v = sign * second.axis, q = v - u, s = u + v;
+  const Vec3 v = sign * second.axis, s = u + v;
+  const Vec3 q = (v - u) - (dot(v - u, s) / squared_norm(s)) * s;
   const double c = 1 - first.cosine, d = 1 - sign * second.cosine;
   const double squared = squared_norm(q), length = std::sqrt(4 - squared);
   if (squared > 0) {
@@ -220,12 +215,9 @@ void SpherePartFinder::keep_distinct(std::span<const SphericalCap> caps) {
   for (std::uint32_t k = 0; k < caps.size(); ++k) {
     if (caps[k].cosine >= 1) continue;
     const bool is_known = std::any_of(caps_.begin(), caps_.end(), [&](const SphericalCap& known) {
-      const bool are_hemispheres =
-          std::max(std::fabs(known.cosine), std::fabs(caps[k].cosine)) < almost_hemisphere;
-      const double same = are_hemispheres ? same_hemisphere : same_cap;
-      return squared_norm(known.axis - caps[k].axis) < same * same &&
+      return squared_norm(known.axis - caps[k].axis) < same_cap * same_cap &&
              std::fabs(known.cosine - caps[k].cosine) <=
-                 same * std::max(same, sine_of(caps[k].cosine));
+                 same_cap * std::max(same_cap, sine_of(caps[k].cosine));
     });
     if (is_known) continue;
     caps_.push_back(caps[k]);

@@ -17,8 +17,10 @@ namespace {
 // Bounds of the rounding errors. The force has those of the contact circles of atoms almost in the
 // same place, too. In units of angstrom, they are those of the angles that the curvature adds up.
 // The curvature has those of the positions of placements as well. Its faults are of the order of 1,
-// so its bound stays far below it.
+// so its bound stays far below it. Without slack, placements that are counted as one are apart, and
+// the angle between them is larger on a small circle.
 constexpr double min_curvature_error = 1e-8, max_curvature_error = 1e-3;
+constexpr double min_error_without_slack = 1e-6;
 constexpr double max_force_error = 1e-6;      // square angstrom
 constexpr double max_relative_force = 1e-10;  // of the area
 
@@ -42,13 +44,14 @@ double extent_of(const SurfaceModel& surface) {
 }
 
 Closure make_closure(double curvature, double curvature_rounding, double area, double extent,
-                     const PressureLoad& ses, const PressureLoad& sas) {
+                     bool has_slack, const PressureLoad& ses, const PressureLoad& sas) {
   Closure closure;
   closure.curvature = std::fabs(curvature - 2 * std::round(curvature / 2));
   closure.force = std::max(largest_of(ses.force), largest_of(sas.force));
   closure.torque = std::max(largest_of(ses.torque), largest_of(sas.torque));
+  const double min_error = has_slack ? min_curvature_error : min_error_without_slack;
   closure.max_curvature =
-      std::min(min_curvature_error + curvature_rounding + ses.rounding, max_curvature_error);
+      std::min(min_error + curvature_rounding + ses.rounding, max_curvature_error);
   closure.max_force = max_force_error + max_relative_force * area + ses.rounding;
   closure.max_torque = closure.max_force * std::max(1.0, extent);
   return closure;
@@ -170,7 +173,8 @@ Closure worse_of(const Closure& a, const Closure& b) { return a.excess() < b.exc
 
 Closure closure_of(const MeasureSums& sums, const SurfaceModel& surface) {
   return make_closure(sums.result().total_curvature, sums.curvature_rounding(),
-                      sums.result().sas_area, extent_of(surface), sums.ses_load(), sums.sas_load());
+                      sums.result().sas_area, extent_of(surface), surface.has_slack,
+                      sums.ses_load(), sums.sas_load());
 }
 
 Closure closure_of(const Components& components, const SurfaceModel& surface) {
@@ -193,7 +197,7 @@ Closure closure_of(const Components& components, const SurfaceModel& surface) {
     ses += patches.load;
     const double curvature = (faces.solid_angle + patches.curvature) / (2 * std::numbers::pi);
     const Closure closure = make_closure(curvature, patches.curvature_rounding, faces.sas_area,
-                                         extent, ses, faces.sas_load);
+                                         extent, surface.has_slack, ses, faces.sas_load);
     worst = c == 0 ? closure : worse_of(worst, closure);
   }
   return worst;

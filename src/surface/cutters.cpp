@@ -30,6 +30,9 @@ constexpr double meeting_slack = 1e-9, meeting_fraction = 1e-3;
 // cones at the arc.
 constexpr double cancelled = 1e-3;
 
+// Bound of the rounding errors of positions (angstrom).
+constexpr double position_error = 1e-14;
+
 // The mean of unit vectors has a direction if their sum is longer than this.
 constexpr double min_mean_length = 0.1;
 
@@ -60,7 +63,9 @@ Ball ball_of_cutters(Vec3 center, std::span<const Vec3> toward, double probe) {
 // The cone's direction nearest to the axis is the axis itself, its projection onto a bounding
 // plane, or an edge. Lengths are those of `to_other`, whose square is `squared`.
 bool may_cut(Vec3 to_other, double squared, double probe, const ConcavePatch& patch) {
-  const double limit = 4 * probe * probe;
+  // An error e of positions changes the squared distance from a plane's normal by a fraction of
+  // 2 e 2 p / squared where the cap just reaches the plane. In doubt, it does.
+  const double limit = 4 * probe * probe, doubt = 4 * probe * position_error * squared;
   bool is_within = true;
   for (const SphericalCap& plane : patch.caps) {
     const double height = dot(to_other, plane.axis);
@@ -69,7 +74,7 @@ bool may_cut(Vec3 to_other, double squared, double probe, const ConcavePatch& pa
     double squared_across = squared - height * height;
     if (squared_across < cancelled * squared)
       squared_across = squared_norm(cross(to_other, plane.axis));
-    if (squared_across * limit <= squared * squared) return false;
+    if (squared_across * limit + doubt <= squared * squared) return false;
   }
   if (is_within) return true;
   const double slack = std::min(meeting_slack, meeting_fraction * std::sqrt(squared));

@@ -45,8 +45,10 @@ constexpr std::array<Accessibility, 5> without_slack{{{false, tolerance::accessi
 // that are smaller by the shrinkage may meet in one point within rounding errors.
 constexpr double small_force = 1e-8;
 
-// Without slack and shrinkage, only rounding decides.
-constexpr Accessibility exact{false, 0, 1e-10};
+// Without slack and shrinkage, only rounding decides. It separates placements of a node that
+// `same_placement` does not join, and joins others.
+constexpr std::array<Accessibility, 3> exact{
+    {{false, 0, 1e-10}, {false, 0, 1e-8}, {false, 0, 1e-12}}};
 
 // The shrinkage changes areas and volumes by less than this fraction: by the square root of its
 // ratio to the radii, where a sphere grazes a circle.
@@ -224,10 +226,13 @@ std::unique_ptr<PatchMeasurement> measure_without_slack(const Molecule& molecule
                                                         MeasuredVoids& voids) {
   auto best = measure_with_shrinkage(molecule, settings, voids);
   best->require_closed();
-  auto with_exact_radii = make_measurement(molecule, settings, exact, voids);
-  if (!with_exact_radii->run() || !with_exact_radii->is_near(*best)) return best;
-  with_exact_radii->take_gradients(*best);
-  return with_exact_radii;
+  for (const Accessibility& accessibility : exact) {
+    auto with_exact_radii = make_measurement(molecule, settings, accessibility, voids);
+    if (!with_exact_radii->run() || !with_exact_radii->is_near(*best)) continue;
+    with_exact_radii->take_gradients(*best);
+    return with_exact_radii;
+  }
+  return best;
 }
 
 // Completes a measurement with slack, or returns one without slack if a decision depends on it.

@@ -443,6 +443,52 @@ TEST_CASE("measure: derivatives of almost symmetric atoms have no force") {
   }
 }
 
+// Returns the larger one of the force and the torque of derivatives by centres.
+double imbalance(const std::vector<Atom>& atoms, const std::vector<Vec3>& by_center) {
+  Vec3 force, torque;
+  for (std::size_t i = 0; i < atoms.size(); ++i) {
+    force = force + by_center[i];
+    torque = torque + cross(atoms[i].center, by_center[i]);
+  }
+  return std::max(norm(force), norm(torque));
+}
+
+// The planes between close placements, and those of their cones, contain the axis of two atoms. In
+// the first set, a probe has 5e-7 angstrom of room between four atoms. In the others, an atom
+// grazes a circle that is as large as the probe within 2e-11 angstrom. The values of the first set
+// are differences of areas with 40 digits.
+TEST_CASE("measure: derivatives of areas where close placements cut each other beyond an axis") {
+  const std::vector<Atom> shell{
+      {{-2.5137878604835699, 3.0733736661990783, -1.1980433970022353}, 1.1472954038691126},
+      {{3.6988510720947794, 1.7219027889178729, 0.74405325320909466}, 1.1472954038691126},
+      {{-2.838638800687614, -2.2866284370863292, 1.9782628473542703}, 1.1472954038691134},
+      {{1.0595407549753979, -2.1186666883521839, -3.4042162423498192}, 1.1472954038691126}};
+  const std::vector<Vec3> expected{{2.1160616228731, -3.4563002483939, 1.0410805131212},
+                                   {-2.7519193500394, -1.3362199228257, -1.8343338661066},
+                                   {1.4100362234831, 2.2171605233690, -2.4123270973521},
+                                   {-0.77417849631676, 2.5753596478506, 3.2055804503375}};
+  const std::vector<Vec3> found =
+      measure_atoms(shell, 3, {.gradients = true}).gradients.ses_area.centers;
+  CHECK(imbalance(shell, found) < 1e-10);
+  for (std::size_t i = 0; i < shell.size(); ++i) CHECK(norm(found[i] - expected[i]) < 1e-7);
+
+  const std::vector<Atom> three{
+      {{1.5521307346487225, -3.5093137085534112, -0.96176637186581182}, 1.9648149085888786},
+      {{-1.5521307346487225, 3.5093137085534112, 0.96176637186581182}, 1.9648149085888786},
+      {{0.97206915548432682, -3.4564733701617509, -2.460922784054671}, 1.2794154410504803}};
+  CHECK(imbalance(three, measure_atoms(three, 3, {.gradients = true}).gradients.ses_area.centers) <
+        1e-8);
+  const std::vector<Atom> six{
+      {{0.77015855633530084, 1.5732785763592676, 0.6063402438682457}, 0.92292879185309273},
+      {{-0.77015855633530084, -1.5732785763592676, -0.6063402438682457}, 0.92292879185309273},
+      {{-1.9030844122241319, -2.4096617871071535, -0.545120263255082}, 1.6733602624718684},
+      {{0.084392228009679382, -0.94593353712744321, 0.0017228517971529245}, 0.70453957281318813},
+      {{-1.1115233568557774, -2.8003684902705688, 0.22496980368472747}, 1.3710447911717578},
+      {{3.1388552368598397, -0.82215796789598061, 0.92794805746317122}, 0.66151402467148468}};
+  CHECK(imbalance(six, measure_atoms(six, 1.4, {.gradients = true}).gradients.ses_area.centers) <
+        1e-8);
+}
+
 // A probe almost fits between six atoms, so that eight placements are close to each other there,
 // and as many in each hole nearby. The caps of those in one hole are almost equal, as seen from
 // another.
