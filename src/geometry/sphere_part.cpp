@@ -257,7 +257,8 @@ void SpherePartFinder::find_arcs(std::uint32_t k) {
     if (cut.from > covered_to) {
       const Vec3 start = radial(last->end), end = radial(cut.start);
       double angle = angle_about(cap.axis, start, end);
-      // Rounding may exchange an angle of almost 0 and one of almost 2 pi.
+      // Rounding may exchange an angle of almost 0 and one of almost 2 pi. Pseudo-angles tell which
+      // one it is.
       const bool is_short = cut.from - covered_to < half_diamond;
       if (is_short && angle > 1.5 * pi) angle = 0;
       if (!is_short && angle < 0.5 * pi) angle = 2 * pi;

@@ -14,15 +14,16 @@
 namespace eses::detail {
 namespace {
 
-// Bounds of the rounding errors. The force has those of the contact circles of atoms almost in the
-// same place, too. In units of angstrom, they are those of the angles that the curvature adds up.
-// The curvature has those of the positions of placements as well. Its faults are of the order of 1,
-// so its bound stays far below it. Without slack, placements that are counted as one are apart, and
-// the angle between them is larger on a small circle.
-constexpr double min_curvature_error = 1e-8, max_curvature_error = 1e-3;
-constexpr double min_error_without_slack = 1e-6;
-constexpr double max_force_error = 1e-6;      // square angstrom
-constexpr double max_relative_force = 1e-10;  // of the area
+// Bounds of the rounding errors of the total curvature divided by 2 pi. A fault changes it by about
+// 1, so the bounds stay far below. Without slack, arcs end at placements that are counted as one
+// but are apart, and are seen under an angle that is larger on a small circle.
+constexpr double min_curvature_error = 1e-8, min_error_without_slack = 1e-6,
+                 max_curvature_error = 1e-3;
+
+// Bounds of the rounding errors of the force. Those of almost equal atoms, whose contact circles
+// are not known well, are added.
+constexpr double max_force_error = 1e-7;      // square angstrom
+constexpr double max_relative_force = 1e-12;  // of the area
 
 // Lengths of boundaries that differ by more than this do not fit (angstrom).
 constexpr double max_open_gap = 1e-5;

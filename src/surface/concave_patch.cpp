@@ -107,8 +107,8 @@ void set_triangle(const SurfaceModel& surface, const ProbePlacement& placement,
   patch.cone = patch.part = triangle_part(a, b, c);
 }
 
-// Three spheres meet in a point whose error is that of their radii divided by the volume of the
-// unit vectors to their centres.
+// Three spheres whose radii have the error e meet in a point with the error e / D, where D is the
+// volume of the unit vectors from the point to their centres.
 double ConcavePatch::rounding(double same_placement, double probe_radius) const {
   if (toward.size() != 3)
     return static_cast<double>(toward.size()) * same_placement / std::max(probe_radius, 0.1);

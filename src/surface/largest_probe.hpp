@@ -17,8 +17,8 @@ struct LargestProbe {
 /// Finds the largest sphere with its centre in a component that overlaps no atom, by branch and
 /// bound: the radius of the largest sphere around a point changes by at most the distance by which
 /// the point moves. The error is at most 1e-9 angstrom, unless the search reaches its limit of
-/// evaluations. `centers` is a box around the component, and `atoms` are the atoms that its probes
-/// touch.
+/// evaluations. A probe that fits only by the tolerance is the largest one, with its own radius.
+/// `centers` is a box around the component, and `atoms` are the atoms that its probes touch.
 LargestProbe find_largest_probe(const SurfaceModel& surface, const Components& components,
                                 ComponentIndex component, const Box& centers,
                                 std::span<const AtomIndex> atoms);

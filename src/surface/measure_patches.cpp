@@ -33,25 +33,26 @@ struct Accessibility {
   double same_placement = 0;
 };
 
-// Without slack, the measures are consistent unless rounding decides, or distances between almost
-// equal placements are about as large as `same_placement`.
+// These are tried until the patches fit together. A shrinkage can make other atoms degenerate, so
+// there are two. Placements about as far apart as `same_placement` can be joined with some of their
+// neighbours and not with others, so there are three distances.
 constexpr std::array<Accessibility, 5> without_slack{{{false, tolerance::accessible, 1e-10},
                                                       {false, 2.3 * tolerance::accessible, 1e-10},
                                                       {false, tolerance::accessible, 1e-12},
                                                       {false, 2.3 * tolerance::accessible, 1e-12},
                                                       {false, tolerance::accessible, 1e-8}}};
 
-// With a larger sum of forces, the next one of these is tried as well (square angstrom): spheres
-// that are smaller by the shrinkage may meet in one point within rounding errors.
+// With a larger sum of forces, the next one is tried as well, and the best one is taken (square
+// angstrom).
 constexpr double small_force = 1e-8;
 
-// Without slack and shrinkage, only rounding decides. It separates placements of a node that
-// `same_placement` does not join, and joins others.
+// Without slack and shrinkage, rounding decides about degenerate atoms.
 constexpr std::array<Accessibility, 3> exact{
     {{false, 0, 1e-10}, {false, 0, 1e-8}, {false, 0, 1e-12}}};
 
-// The shrinkage changes areas and volumes by less than this fraction: by the square root of its
-// ratio to the radii, where a sphere grazes a circle.
+// Values that differ by a larger fraction are those of different surfaces: a gap is open only with
+// the shrinkage. Without such a gap, the shrinkage s moves ends of arcs by up to sqrt(2 R s), where
+// a sphere of radius R grazes a circle, and changes the values by a fraction of about sqrt(s / R).
 constexpr double max_effect_of_shrinkage = 1e-4;
 
 // A measurement of a surface.
