@@ -8,6 +8,23 @@
 #include "system/gzip.hpp"
 
 namespace eses::detail {
+namespace {
+
+/// Returns a file name as a word of a shell command: in single quotes if it needs them, and with ./
+/// before a leading hyphen.
+std::string shell_word(const std::string& name) {
+  const std::string path = name.starts_with('-') ? "./" + name : name;
+  const bool is_plain = std::all_of(path.begin(), path.end(), [](char c) {
+    return is_letter(c) || is_digit(c) ||
+           std::string_view("._-/+=:,@%").find(c) != std::string::npos;
+  });
+  if (is_plain) return path;
+  std::string word = "'";
+  for (const char c : path) word += c == '\'' ? "'\\''" : std::string(1, c);
+  return word + "'";
+}
+
+}  // namespace
 
 std::string advice_for(std::string_view file, std::string_view advice) {
   constexpr std::string_view word = "FILE";
@@ -29,18 +46,6 @@ std::string advice_for(std::string_view file, std::string_view advice) {
     if (has_suffix) advice.remove_prefix(end);
   }
   return text.append(advice);
-}
-
-std::string shell_word(const std::string& name) {
-  const std::string path = name.starts_with('-') ? "./" + name : name;
-  const bool is_plain = std::all_of(path.begin(), path.end(), [](char c) {
-    return is_letter(c) || is_digit(c) ||
-           std::string_view("._-/+=:,@%").find(c) != std::string::npos;
-  });
-  if (is_plain) return path;
-  std::string word = "'";
-  for (const char c : path) word += c == '\'' ? "'\\''" : std::string(1, c);
-  return word + "'";
 }
 
 }  // namespace eses::detail

@@ -11,8 +11,4 @@ namespace eses::detail {
 /// a suffix, as words of a shell. The word stays if the file is standard input.
 std::string advice_for(std::string_view file, std::string_view advice);
 
-/// Returns a file name as a word of a shell command: in single quotes if it needs them, and with ./
-/// before a leading hyphen.
-std::string shell_word(const std::string& name);
-
 }  // namespace eses::detail

@@ -10,6 +10,7 @@
 #include "eses/error.hpp"
 #include "input/other_formats.hpp"
 #include "input/pdb_elements.hpp"
+#include "input/pqr_records.hpp"
 #include "input/reading_limit.hpp"
 #include "input/text_fields.hpp"
 #include "system/formatted.hpp"
@@ -27,6 +28,15 @@ static_assert(max_line_length < part_bytes);
 
 // The largest index is reserved for "no atom".
 constexpr std::size_t max_atoms_of_file = std::numeric_limits<AtomIndex>::max();
+
+/// Counts of the text read so far.
+struct LinesRead {
+  std::uint64_t lines = 0;
+  PdbLikeness likeness;
+  std::uint64_t models = 0;   ///< number of MODEL records
+  int last_model = 1;         ///< Atoms outside of all models belong to model 1.
+  NamedColumns columns = {};  ///< the columns of charge and radius, if remarks name them
+};
 
 // ------------------------------------------------------------------------------------------ xyzr
 
@@ -154,16 +164,15 @@ void inspect_other_line(std::string_view line, const AtomLines& lines, std::uint
 /// Parses whole lines, which follow the lines of `read`.
 void parse_lines(std::string_view text, const AtomLines& lines, LinesRead& read, AtomFile& result) {
   const std::string_view name = lines.name;
-  const std::uint64_t first_line = lines.first_line + read.lines;
-  if (first_line == 1) text = checked_text(text, name, lines.options.format, lines.is_chosen);
-  check_is_text(text, name, first_line);
+  if (read.lines == 0) text = checked_text(text, name, lines.options.format, lines.is_chosen);
+  check_is_text(text, name, read.lines + 1);
   const bool is_pqr = lines.options.format == AtomFormat::pqr;
   const int model = lines.options.structure.model;
   const auto is_record = is_pqr ? is_pqr_record : is_xyzr_record;
   const auto parse_line = is_pqr ? parse_pqr : parse_xyzr;
   while (!text.empty()) {
     const std::string_view line = take_line(text);
-    const std::uint64_t number = lines.first_line + read.lines++;
+    const std::uint64_t number = ++read.lines;
     check_line(line, name, number);
     if (is_pqr && is_model_record(line)) {
       ++read.models;
@@ -240,20 +249,8 @@ void make_room(std::string_view text, const AtomLines& lines, const ReadingLimit
   grow(added, result.charges);
 }
 
-}  // namespace
-
-LinesRead read_atom_lines(const ReadText& read, const AtomLines& lines, AtomFile& result,
-                          const std::function<void()>& after_part) {
-  const ReadingLimit limit(lines.options.max_memory);
-  LinesRead counts;
-  for_whole_lines(read, [&](std::string_view text) {
-    make_room(text, lines, limit, lines.first_line + counts.lines, result);
-    parse_lines(text, lines, counts, result);
-    if (after_part) after_part();
-  });
-  return counts;
-}
-
+/// Throws Error if a file has no atoms, has several models of which none was chosen, or is a PDB
+/// file.
 void require_atoms(const AtomLines& lines, std::uint64_t atoms, const LinesRead& read) {
   if (atoms == 0)
     throw Error(no_atoms_message(lines.name, lines.options.format, read.lines,
@@ -266,10 +263,16 @@ void require_atoms(const AtomLines& lines, std::uint64_t atoms, const LinesRead&
     refuse_pdb_records(lines.name, atoms, read.likeness);
 }
 
+}  // namespace
+
 AtomFile read_all_atoms(const ReadText& read, const AtomLines& lines,
                         const std::function<void(AtomFile& atoms)>& after_part) {
   AtomFile file;
-  const LinesRead counts = read_atom_lines(read, lines, file, [&] {
+  LinesRead counts;
+  const ReadingLimit limit(lines.options.max_memory);
+  for_whole_lines(read, [&](std::string_view text) {
+    make_room(text, lines, limit, counts.lines + 1, file);
+    parse_lines(text, lines, counts, file);
     if (lines.options.check) lines.options.check();
     if (after_part) after_part(file);
   });

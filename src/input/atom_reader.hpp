@@ -9,44 +9,22 @@
 #include <string_view>
 
 #include "eses/read_atoms.hpp"
-#include "input/pqr_records.hpp"
 
 namespace eses::detail {
 
-/// The lines of an xyzr or PQR file, or of a part of it.
+/// How the lines of an xyzr or PQR file are read.
 struct AtomLines {
   const ReadOptions& options;
-  std::string_view name;         ///< name of the file, for messages
-  std::uint64_t first_line = 1;  ///< number of the first line in the file, from 1
+  std::string_view name;  ///< name of the file, for messages
   /// Whether the user has chosen the format, so that the text is not taken for another one.
   bool is_chosen = false;
-};
-
-/// Counts of a text that was read.
-struct LinesRead {
-  std::uint64_t lines = 0;
-  PdbLikeness likeness;
-  std::uint64_t models = 0;  ///< number of MODEL records
-  /// Number of the model at the end of the text. Atoms outside of all models belong to model 1.
-  int last_model = 1;
-  NamedColumns columns = {};  ///< the columns of charge and radius, if remarks name them
 };
 
 /// Fills a part of a buffer and returns the number of characters; 0 at the end of the text.
 using ReadText = std::function<std::size_t(std::span<char> buffer)>;
 
-/// Appends the atoms of a text to `result`. The memory does not grow with the text. Calls
-/// `after_part` after each part. Throws Error as read_atoms does, except for files without atoms
-/// and for PDB files.
-LinesRead read_atom_lines(const ReadText& read, const AtomLines& lines, AtomFile& result,
-                          const std::function<void()>& after_part = {});
-
-/// Throws Error if a file, all of which was read, has no atoms, has several models of which none
-/// was chosen, or is a PDB file.
-void require_atoms(const AtomLines& lines, std::uint64_t atoms, const LinesRead& read);
-
-/// Reads a whole file, with the checks of require_atoms. Calls the check of the options and
-/// `after_part` after each part.
+/// Reads a whole file. Besides the atoms, the memory does not grow with the file. Calls the check
+/// of the options and `after_part` after each part. Throws Error as read_atoms does.
 AtomFile read_all_atoms(const ReadText& read, const AtomLines& lines,
                         const std::function<void(AtomFile& atoms)>& after_part = {});
 

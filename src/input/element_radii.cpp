@@ -1,6 +1,6 @@
 #include <array>
 
-#include "input/radii_tables.hpp"
+#include "input/radii_set.hpp"
 
 namespace eses::detail {
 namespace {

@@ -6,7 +6,8 @@
 #include <unordered_map>
 #include <utility>
 
-#include "input/radii_tables.hpp"
+#include "eses/atoms.hpp"
+#include "input/radii_set.hpp"
 #include "input/text_fields.hpp"
 
 namespace eses::detail {
@@ -179,7 +180,7 @@ std::string symbol_by_name(std::string_view name, std::string_view residue) {
   return usual_spelling(symbol.empty() ? stem_of(name) : symbol);
 }
 
-void complete_elements(std::span<AtomLabel> labels) {
+void complete_elements(std::vector<AtomLabel>& labels) {
   std::unordered_map<std::string, std::string> by_names;
   for (AtomLabel& label : labels) {
     label.element = usual_spelling(label.element);

@@ -1,14 +1,24 @@
 #pragma once
-/// Elements of atoms of PDB and PQR files without element symbols, derived from names.
+/// Elements of atoms of PDB and PQR files without element symbols, derived from names. This header
+/// is valid C++17, for the reason given in mmcif_text.cpp.
 
-#include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
-#include "eses/atoms.hpp"
-#include "input/element_symbols.hpp"
+namespace eses {
+struct AtomLabel;
+}
 
 namespace eses::detail {
+
+/// Returns the element symbol at the start of a text in its usual spelling, such as Cl for CL-;
+/// empty if there is none.
+std::string usual_spelling(std::string_view text);
+
+/// Returns the element symbol, in its usual spelling, of an atom whose name is not in columns;
+/// empty if it is unknown.
+std::string symbol_by_name(std::string_view name, std::string_view residue);
 
 /// Returns a residue name without the letter N or C by which Amber marks the first and the last
 /// residue of a chain, as in NALA.
@@ -62,6 +72,6 @@ std::string element_by_name(const NamedAtom& atom);
 /// Completes the elements of labels from a PQR file: the symbol of the file in its usual spelling
 /// or, if the file has none, the symbol by the names, as if all names began in the first column.
 /// The element is empty if it is unknown.
-void complete_elements(std::span<AtomLabel> labels);
+void complete_elements(std::vector<AtomLabel>& labels);
 
 }  // namespace eses::detail

@@ -171,14 +171,18 @@ bool is_column_number(std::string_view text) {
   return !text.empty() && is_digit(text.back()) && is_decimal(text);
 }
 
-bool has_coordinate_columns(std::string_view line) {
-  if (line.size() < end_of_coordinates || !is_blank(line[first_coordinate_column - 1]))
-    return false;
-  const std::string_view rest = line.substr(end_of_coordinates);
-  if (!rest.empty() && !is_blank(rest[0]) && rest[0] != '-' && rest[0] != '+') return false;
-  return is_column_number(coordinate_column(line, 0)) &&
+/// Returns whether the columns of x, y and z hold numbers.
+bool holds_coordinates(std::string_view line) {
+  return line.size() >= end_of_coordinates && is_column_number(coordinate_column(line, 0)) &&
          is_column_number(coordinate_column(line, 1)) &&
          is_column_number(coordinate_column(line, 2));
+}
+
+/// Returns whether x, y and z are in their columns, and separate from the fields around them.
+bool has_coordinate_columns(std::string_view line) {
+  if (!holds_coordinates(line) || !is_blank(line[first_coordinate_column - 1])) return false;
+  const std::string_view rest = line.substr(end_of_coordinates);
+  return rest.empty() || is_blank(rest[0]) || rest[0] == '-' || rest[0] == '+';
 }
 
 bool ends_at(std::string_view line, std::size_t column) {
@@ -312,9 +316,7 @@ bool read_fixed(std::string_view line, std::size_t column, std::size_t width, st
 /// Returns whether a record has the columns of a PDB file: three coordinates, then occupancy and
 /// B-factor, which may be blank.
 bool has_pdb_columns(std::string_view line, double& occupancy) {
-  if (line.size() < end_of_coordinates) return false;
-  for (std::size_t axis = 0; axis < 3; ++axis)
-    if (!is_column_number(coordinate_column(line, axis))) return false;
+  if (!holds_coordinates(line)) return false;
   if (line.size() > end_of_b_factor && !is_blank(line[end_of_b_factor])) return false;
   double b_factor = 0;
   const auto is_number_or_blank = [](std::string_view text, double& value) {
@@ -445,18 +447,15 @@ std::string describe_pqr(const Problem& problem, std::string_view line) {
 }
 
 void PdbLikeness::add(std::string_view line) {
-  double x = 0, y = 0, z = 0, occupancy = 0, b_factor = 0;
-  const auto read = [line](std::size_t column, std::size_t width, std::size_t decimals,
-                           double& value) {
-    return read_fixed(line, column, width, decimals, value);
-  };
-  constexpr std::size_t first = first_coordinate_column, width = coordinate_width;
-  if (line.size() < end_of_b_factor || !ends_at(line, end_of_b_factor) ||
-      !read(b_factor_column, b_factor_width, 2, b_factor) ||
-      !read(end_of_coordinates, occupancy_width, 2, occupancy) || !read(first, width, 3, x) ||
-      !read(first + width, width, 3, y) || !read(first + 2 * width, width, 3, z))
+  double coordinate = 0, occupancy = 0, b_factor = 0;
+  if (!ends_at(line, end_of_b_factor) ||
+      !read_fixed(line, b_factor_column, b_factor_width, 2, b_factor) ||
+      !read_fixed(line, end_of_coordinates, occupancy_width, 2, occupancy) || occupancy < 0 ||
+      occupancy > 1)
     return;
-  if (occupancy < 0 || occupancy > 1) return;
+  for (std::size_t column = first_coordinate_column; column < end_of_coordinates;
+       column += coordinate_width)
+    if (!read_fixed(line, column, coordinate_width, 3, coordinate)) return;
   ++layout;
   // Some programs write 0 for both, or 0 for the B-factor. Charges of 1 with a radius are those of
   // ions.

@@ -7,7 +7,6 @@
 #include <utility>
 
 #include "eses/error.hpp"
-#include "input/radii_tables.hpp"
 #include "input/residue_atoms.hpp"
 #include "input/text_fields.hpp"
 #include "input/text_source.hpp"

@@ -58,4 +58,21 @@ RadiiSet find_radii_set(const std::string& name_or_file);
 /// Error with `file` and the line.
 RadiiSet parse_radii_set(std::string_view text, std::string_view file);
 
+// Tables of the built-in sets, in angstrom. All functions return nothing for atoms that are not in
+// the table.
+
+/// Returns the radius of a united atom by Tsai et al. (1999), as FreeSASA extends them.
+std::optional<double> protor_radius(std::string_view residue, std::string_view atom);
+
+/// Returns the radius of a united atom other than hydrogen, as pdb_to_xyzr of MSMS assigns it.
+std::optional<double> msms_radius(std::string_view residue, std::string_view atom);
+
+/// Returns the van der Waals radius of an element, such as `C` or `Zn`: the value of Bondi, else of
+/// Mantina et al., else of Alvarez.
+std::optional<double> bondi_radius(std::string_view element);
+
+/// Returns the radius that FreeSASA assigns to an atom of this element if its sets do not name the
+/// atom.
+std::optional<double> freesasa_element_radius(std::string_view element);
+
 }  // namespace eses::detail

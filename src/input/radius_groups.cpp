@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <span>
 
-#include "input/radii_tables.hpp"
+#include "input/radii_set.hpp"
 #include "input/text_fields.hpp"
 
 namespace eses::detail {

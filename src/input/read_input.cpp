@@ -22,16 +22,12 @@ namespace {
 // Returns the result of `read`. Throws MemoryLimitError if the memory does not suffice.
 template <class Read>
 auto with_enough_memory(const std::string& name, Read&& read) {
-  const auto out_of_memory = [&] {
-    return MemoryLimitError(formatted("cannot read {}: out of memory", name));
-  };
   try {
     return read();
-  } catch (const std::bad_alloc&) {
-    throw out_of_memory();
-  } catch (const std::length_error&) {
-    throw out_of_memory();
+  } catch (const std::bad_alloc&) {     // The message below has the name.
+  } catch (const std::length_error&) {  // The text does not fit into a string.
   }
+  throw MemoryLimitError(formatted("cannot read {}: out of memory", name));
 }
 
 // Sets the format by the suffix, unless the user has chosen one. Returns whether the user has.
@@ -68,7 +64,7 @@ AtomFile read_input(const std::filesystem::path& path, ReadOptions options,
   const std::string& name = source.name();
   return with_enough_memory(name, [&] {
     return read_all_atoms([&](std::span<char> buffer) { return source.read(buffer); },
-                          {options, name, 1, is_chosen}, after_part);
+                          {options, name, is_chosen}, after_part);
   });
 }
 

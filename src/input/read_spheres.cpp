@@ -65,7 +65,7 @@ SphereFile read_spheres(const std::filesystem::path& path) {
   const std::string text = read_text(source, ReadingLimit(0), {});
   refuse_other_format(text, source.name());
   const ReadOptions options{.format = AtomFormat::xyzr};
-  AtomFile atoms = read_all_atoms(text_in_memory(text), {options, source.name(), 1, true});
+  AtomFile atoms = read_all_atoms(text_in_memory(text), {options, source.name(), true});
   std::vector<std::string> names = names_on(text, atoms.lines, source.name());
   return {std::move(atoms.atoms), std::move(atoms.lines), std::move(names)};
 }

@@ -6,23 +6,21 @@
 #include <utility>
 
 #include "input/pdb_elements.hpp"
-#include "input/radii_tables.hpp"
+#include "input/radii_set.hpp"
 #include "input/text_fields.hpp"
 
 namespace eses::detail {
 namespace {
 
 // Forms of amino acids in force fields, and the standard residue with the same heavy atoms.
-constexpr std::array<std::pair<std::string_view, std::string_view>, 42> forms{{
-    {"HID", "HIS"},  {"HIE", "HIS"},  {"HIP", "HIS"},  {"HSD", "HIS"},  {"HSE", "HIS"},
-    {"HSP", "HIS"},  {"HIN", "HIS"},  {"HDP", "HIS"},  {"HISA", "HIS"}, {"HISB", "HIS"},
-    {"HISH", "HIS"}, {"HISD", "HIS"}, {"HISE", "HIS"}, {"CYX", "CYS"},  {"CYM", "CYS"},
-    {"CYN", "CYS"},  {"CYSH", "CYS"}, {"CYS2", "CYS"}, {"ASH", "ASP"},  {"ASPH", "ASP"},
-    {"GLH", "GLU"},  {"GLUH", "GLU"}, {"LYN", "LYS"},  {"LYSH", "LYS"}, {"ARN", "ARG"},
-    {"ARGN", "ARG"}, {"TYM", "TYR"},  {"TYRH", "TYR"}, {"HSC", "HIS"},  {"HISN", "HIS"},
-    {"HISL", "HIS"}, {"HIS1", "HIS"}, {"HIS2", "HIS"}, {"CYH", "CYS"},  {"CYP", "CYS"},
-    {"CY2", "CYS"},  {"CYSD", "CYS"}, {"ASB", "ASP"},  {"ASPP", "ASP"}, {"GLUP", "GLU"},
-    {"LYP", "LYS"},  {"LYSN", "LYS"},
+constexpr std::array<std::pair<std::string_view, std::string_view>, 7> forms{{
+    {"ARG", "ARN ARGN"},
+    {"ASP", "ASH ASPH ASB ASPP"},
+    {"CYS", "CYX CYM CYN CYSH CYS2 CYH CYP CY2 CYSD"},
+    {"GLU", "GLH GLUH GLUP"},
+    {"HIS", "HID HIE HIP HSD HSE HSP HSC HIN HDP HISA HISB HISD HISE HISH HISN HISL HIS1 HIS2"},
+    {"LYS", "LYN LYSH LYP LYSN"},
+    {"TYR", "TYM TYRH"},
 }};
 
 // Further names: ends and caps of chains, isoleucine in CHARMM and GROMACS, atoms of uncertain
@@ -39,11 +37,11 @@ constexpr std::string_view of_nucleotides = "O1P O2P O3P O5T O3T O2' C5M C7 CM5"
 std::string_view standard_residue(std::string_view residue) {
   const auto find = [](std::string_view name) {
     return std::find_if(forms.begin(), forms.end(),
-                        [name](const auto& f) { return f.first == name; });
+                        [name](const auto& form) { return has_word(form.second, name); });
   };
-  if (const auto found = find(residue); found != forms.end()) return found->second;
+  if (const auto found = find(residue); found != forms.end()) return found->first;
   if (is_named_polymer(residue)) residue = without_end_letter(residue);
-  if (const auto found = find(residue); found != forms.end()) return found->second;
+  if (const auto found = find(residue); found != forms.end()) return found->first;
   constexpr std::string_view bases = "ACGIUT";
   std::string_view base = residue;
   if (base.size() > 1 && std::string_view("35N").find(base.back()) != base.npos)

@@ -247,23 +247,6 @@ TEST_CASE("chunks that overlap are refused", "[processes]") {
   CHECK_THROWS_AS(checkpoint.complete(), Error);
 }
 
-TEST_CASE("lines of a part of a file have their numbers in the whole file", "[processes]") {
-  AtomFile atoms;
-  const ReadOptions options{.format = AtomFormat::xyzr};
-  AtomLines part{options, "file", 100};
-  CHECK(read_atom_lines(text_in_memory("1 2 3 1\n# no atom\n4 5 6 2\n"), part, atoms).lines == 3);
-  CHECK(atoms.lines == std::vector<std::uint64_t>{100, 102});
-  part.first_line = 103;
-  CHECK(read_atom_lines(text_in_memory(""), part, atoms).lines == 0);
-  std::string message;
-  try {
-    read_atom_lines(text_in_memory("1 2 3 1\n1 2 x 1\n"), part, atoms);
-  } catch (const Error& error) {
-    message = error.what();
-  }
-  CHECK(message.find("file:104: ") == 0);
-}
-
 TEST_CASE("pieces of a chunk get the vertex numbers of the whole mesh", "[processes][mesh]") {
   mesh::MeshPiece piece;
   piece.vertex_count = 2;

@@ -13,8 +13,7 @@
 #include <unordered_map>
 #include <utility>
 
-#include "input/check_at.hpp"
-#include "input/element_symbols.hpp"
+#include "input/pdb_elements.hpp"
 #include "input/structure/mmcif_tables.hpp"
 #include "input/text_fields.hpp"
 

@@ -13,7 +13,6 @@
 #include <vector>
 
 #include "input/advice.hpp"
-#include "input/check_at.hpp"
 #include "input/structure/mmcif_tables.hpp"
 #include "input/structure/parse_structure.hpp"
 #include "input/text_fields.hpp"
@@ -170,8 +169,7 @@ Block& find_atom_block(StructureDocument& document, std::string_view name) {
 /// Returns the line of each atom. A table that is not a loop has one atom, in the line of its id or
 /// of its first tag.
 std::vector<std::uint64_t> lines_of_atoms(Block& block, const StructureDocument& document) {
-  const auto is_used = [](const Item& item) { return is_atom_table(item); };
-  const auto first = std::find_if(block.items.begin(), block.items.end(), is_used);
+  const auto first = std::find_if(block.items.begin(), block.items.end(), is_atom_table);
   const auto is_loop = [](const Item& item) {
     return item.type == ItemType::Loop && is_atom_table(item);
   };
@@ -180,7 +178,7 @@ std::vector<std::uint64_t> lines_of_atoms(Block& block, const StructureDocument&
     const Item* const id = block.find_pair_item("_atom_site.id");
     return {line_of(id != nullptr ? *id : *first)};
   }
-  if (std::count_if(block.items.begin(), block.items.end(), is_used) > 1)
+  if (std::count_if(block.items.begin(), block.items.end(), is_atom_table) > 1)
     throw MmcifError{line_of(*loop), "the _atom_site table is in several parts; join them"};
   return document.atom_lines;
 }

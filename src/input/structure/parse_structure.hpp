@@ -14,6 +14,12 @@
 
 namespace eses::detail {
 
+/// Calls `check` at every 4096th count, if it is not empty.
+inline void check_at(std::uint64_t count, const CheckCallback& check) {
+  constexpr std::uint64_t counts_between_checks = 1 << 12;
+  if (count % counts_between_checks == 0 && check) check();
+}
+
 /// Maximum number of operators of an assembly, added up over its lists of chains. It bounds the
 /// memory for the operators. The assembly of 1M4X, one of the largest capsids in the PDB, has 1680.
 inline constexpr std::size_t max_operators = 10000;
@@ -47,8 +53,6 @@ struct ParsedStructure {
   // All lines are ascending.
   std::vector<std::uint64_t> guessed_elements = {};  ///< lines of atoms with elements by name
   std::vector<std::uint64_t> unread_records = {};    ///< lines with coordinates but unknown names
-  /// Names of the chains that are segments of the file; empty if there are none.
-  std::vector<std::string> segment_chains = {};
   bool has_label_chains = false;  ///< whether the subchains are those of label_asym_id
 };
 

@@ -14,11 +14,9 @@
 
 #include "eses/error.hpp"
 #include "input/atom_reader.hpp"
-#include "input/check_at.hpp"
 #include "input/pdb_elements.hpp"
 #include "input/pqr_records.hpp"
 #include "input/structure/parse_structure.hpp"
-#include "input/structure/segment_chains.hpp"
 #include "input/structure/structure_atoms.hpp"
 #include "input/text_fields.hpp"
 #include "system/formatted.hpp"
@@ -299,8 +297,6 @@ class PdbRecords {
     ParsedStructure result{gemmi::read_pdb_from_memory(records_.data(), records_.size(), ""),
                            std::move(models_)};
     restore_names(result.structure);
-    if (result.structure.assemblies.empty())
-      result.segment_chains = use_segments_as_chains(result.structure.models.front());
     result.guessed_elements = std::move(guessed_);
     result.unread_records = std::move(unread_);
     return result;

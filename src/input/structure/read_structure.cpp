@@ -8,8 +8,10 @@
 #include <cstddef>
 #include <gemmi/model.hpp>
 #include <gemmi/version.hpp>
+#include <map>
 #include <set>
 #include <string>
+#include <unordered_map>
 #include <utility>
 #include <vector>
 
@@ -74,6 +76,39 @@ void refuse_copies(const ModelList& models, std::string_view file) {
                 "one with --model N, or build the assembly from the entry's PDB or mmCIF file with "
                 "--assembly ID",
                 file, models.names.size()));
+}
+
+/// Returns the names of the chains that are to be divided into their segments.
+std::set<std::string> chains_of_segments(const gemmi::Model& model) {
+  std::map<std::string, std::set<std::string>> segments;
+  for (const gemmi::Chain& chain : model.chains)
+    for (const gemmi::Residue& residue : chain.residues)
+      if (!residue.segment.empty()) segments[chain.name].insert(residue.segment);
+  std::set<std::string> chains;
+  for (const auto& [chain, names] : segments)
+    if (chain.empty() || names.size() > 1) chains.insert(chain);
+  return chains;
+}
+
+/// Names chains by their segments where the name of the chain is blank or the same for different
+/// segments, as CHARMM, NAMD and X-PLOR write it. Returns the names of these chains in their order;
+/// empty if there are none.
+std::vector<std::string> use_segments_as_chains(gemmi::Model& model) {
+  const std::set<std::string> divided = chains_of_segments(model);
+  if (divided.empty()) return {};
+  std::vector<std::string> names;
+  std::unordered_map<std::string, std::size_t> indices;
+  std::vector<gemmi::Chain> chains = std::exchange(model.chains, {});
+  for (gemmi::Chain& chain : chains)
+    for (gemmi::Residue& residue : chain.residues) {
+      const bool is_divided = divided.contains(chain.name) && !residue.segment.empty();
+      const std::string& name = is_divided ? residue.segment : chain.name;
+      const auto [found, is_new] = indices.emplace(name, model.chains.size());
+      if (is_new) model.chains.emplace_back(name);
+      if (is_divided && !gemmi::in_vector(name, names)) names.push_back(name);
+      model.chains[found->second].residues.push_back(std::move(residue));
+    }
+  return names;
 }
 
 /// The name and the alternate location of an atom, which tell it from others of its residue.
@@ -241,6 +276,8 @@ AtomFile read_structure(StructureText text,
   ParsedStructure parsed = parse(text, radii.is_occupancy);
   AtomFile result;
   StructureReport& report = result.structure.emplace();
+  if (text.format == AtomFormat::pdb && parsed.structure.assemblies.empty())
+    report.segment_chains = use_segments_as_chains(parsed.structure.models.front());
   select_atoms(parsed, options, keeps_hydrogens(options.hydrogens, radii), text.name, report);
   const gemmi::Structure& structure = parsed.structure;
   std::set<std::string> copies;
@@ -264,7 +301,6 @@ AtomFile read_structure(StructureText text,
   report.chain_names = options.chain_names;
   if (parsed.has_label_chains)
     report.chains = names_of_chains(structure.models.front(), options.chain_names);
-  report.segment_chains = std::move(parsed.segment_chains);
   assign_radii(atoms, radii, parsed.guessed_elements, text, result, after_part);
   for (const std::uint64_t line : parsed.unread_records) add_unread_record(line, result);
   return result;
