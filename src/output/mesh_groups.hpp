@@ -4,10 +4,12 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <string>
 #include <string_view>
 #include <vector>
 
 #include "eses/atoms.hpp"
+#include "system/formatted.hpp"
 
 namespace eses::detail::mesh {
 
@@ -31,6 +33,12 @@ LabelNumbers number_labels(std::span<const AtomLabel> labels);
 inline std::string_view truncated_name(std::string_view name) {
   constexpr std::size_t max_name_length = 64;  // characters
   return name.substr(0, max_name_length);
+}
+
+/// Returns a residue as a mesh file names it, such as `LYS 12 A`.
+inline std::string residue_text(const AtomLabel& label) {
+  return formatted("{} {} {}", truncated_name(label.residue), truncated_name(label.residue_number),
+                   truncated_name(label.chain));
 }
 
 }  // namespace eses::detail::mesh

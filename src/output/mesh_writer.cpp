@@ -140,48 +140,13 @@ std::size_t MeshText::section_count() const {
   return format_ == MeshFormat::stl ? 1 : 2;
 }
 
-void MeshText::append_header_begin(BufferedText& text) const {
-  constexpr bool is_little = std::endian::native == std::endian::little;
-  if (is_ply(format_))
-    text.append(
-        "ply\nformat {} 1.0\n"
-        "comment {}, eses-blocks; angstrom\n"
-        "comment patch: 1 convex, 2 saddle, 3 concave; atom: first adjacent one, 0-based{}\n",
-        format_ == MeshFormat::ascii_ply ? "ascii"
-        : is_little                      ? "binary_little_endian"
-                                         : "binary_big_endian",
-        names_of(source_.surface).name, comment_of(optional_fields()));
-  if (format_ == MeshFormat::vtp)
-    append_vtp_begin(text, source_.surface, optional_fields(), source_.chain_count);
-}
-
-void MeshText::append_chain_name(BufferedText& text, std::uint64_t number,
-                                 const AtomLabel& label) const {
-  const std::string_view name = truncated_name(label.chain);
-  if (is_ply(format_)) text.append("comment chain {} {}\n", number, ply_text(name));
-  if (format_ == MeshFormat::vtp) append_vtp_name(text, name);
-}
-
-void MeshText::append_header_middle(BufferedText& text) const {
-  if (format_ == MeshFormat::vtp)
-    append_vtp_before_residues(text, optional_fields(), source_.residue_count);
-}
-
-void MeshText::append_residue_name(BufferedText& text, std::uint64_t number,
-                                   const AtomLabel& label) const {
-  const std::string name =
-      formatted("{} {} {}", truncated_name(label.residue), truncated_name(label.residue_number),
-                truncated_name(label.chain));
-  if (is_ply(format_)) text.append("comment residue {} {}\n", number, ply_text(name));
-  if (format_ == MeshFormat::vtp) append_vtp_name(text, name);
-}
-
-void MeshText::append_header_end(BufferedText& text, const MeshCounts& counts,
-                                 const VertexBox& box) const {
+void MeshText::append_header(BufferedText& text, std::span<const AtomLabel> chains,
+                             std::span<const AtomLabel> residues, const MeshCounts& counts,
+                             const VertexBox& box) const {
   switch (format_) {
     case MeshFormat::ply:
     case MeshFormat::ascii_ply:
-      append_ply_end(text, counts);
+      append_ply_header(text, chains, residues, counts);
       break;
     case MeshFormat::obj:
       text.append("# {}, eses-blocks; angstrom\n", names_of(source_.surface).name);
@@ -194,7 +159,7 @@ void MeshText::append_header_end(BufferedText& text, const MeshCounts& counts,
                          source_.density, source_.probe_radius);
       break;
     case MeshFormat::vtp:
-      append_vtp_before_data(text, optional_fields(), counts);
+      append_vtp_header(text, source_.surface, optional_fields(), chains, residues, counts);
       break;
     case MeshFormat::stl: {
       std::array<char, sizeof(std::uint32_t)> count{};
@@ -215,7 +180,22 @@ void MeshText::append_face_header(BufferedText& text, const MeshCounts& counts) 
                      source_.density, source_.probe_radius);
 }
 
-void MeshText::append_ply_end(BufferedText& text, const MeshCounts& counts) const {
+void MeshText::append_ply_header(BufferedText& text, std::span<const AtomLabel> chains,
+                                 std::span<const AtomLabel> residues,
+                                 const MeshCounts& counts) const {
+  constexpr bool is_little = std::endian::native == std::endian::little;
+  text.append(
+      "ply\nformat {} 1.0\n"
+      "comment {}, eses-blocks; angstrom\n"
+      "comment patch: 1 convex, 2 saddle, 3 concave; atom: first adjacent one, 0-based{}\n",
+      format_ == MeshFormat::ascii_ply ? "ascii"
+      : is_little                      ? "binary_little_endian"
+                                       : "binary_big_endian",
+      names_of(source_.surface).name, comment_of(optional_fields()));
+  for (std::size_t i = 0; i < chains.size(); ++i)
+    text.append("comment chain {} {}\n", i, ply_text(truncated_name(chains[i].chain)));
+  for (std::size_t i = 0; i < residues.size(); ++i)
+    text.append("comment residue {} {}\n", i, ply_text(residue_text(residues[i])));
   const std::string vertices = std::to_string(counts.vertices);
   const std::string triangles = std::to_string(counts.triangles);
   // The padding keeps the length of the header independent of the counts.

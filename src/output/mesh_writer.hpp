@@ -32,10 +32,9 @@ void require_vertex_count(std::uint64_t vertices);
 /// The data of mesh files besides vertices and triangles.
 struct MeshSource {
   SurfaceKind surface = SurfaceKind::ses;
-  bool has_groups = false;                           ///< whether vertices have chain and residue
-  std::uint64_t chain_count = 0, residue_count = 0;  ///< of the whole molecule
-  std::uint64_t atom_count = 0;                      ///< of the whole molecule
-  double probe_radius = 0;                           ///< angstrom
+  bool has_groups = false;                     ///< whether vertices have chain and residue
+  std::uint64_t atom_count = 0;                ///< of the whole molecule
+  double probe_radius = 0;                     ///< angstrom
   double density = 0;                          ///< expected number of vertices in a square angstrom
   Grid grid;                                   ///< the vertices lie on its edges
   Vec3 center;                                 ///< centre of the grid, in angstrom
@@ -56,8 +55,6 @@ class MeshText {
  public:
   MeshText(MeshFormat format, MeshColor color, MeshSource source);
 
-  /// Whether the triangles are in a separate file.
-  bool has_face_file() const { return format_ == MeshFormat::msms; }
   /// Whether each field of the vertices is a section, see vtp_text.hpp.
   bool has_columns() const { return format_ == MeshFormat::vtp; }
   /// Size of the records of vertices whose bounding box is in the header; 0 if there is none.
@@ -71,15 +68,12 @@ class MeshText {
   /// Number of sections. Their lengths depend only on the pieces that are appended.
   std::size_t section_count() const;
 
-  /// Append the parts of the header: its beginning, the names of all chains, its middle, the names
-  /// of all residues, its end. Names are appended only in formats for which can_name_groups is
-  /// true. The length of no part depends on `counts` and `box`.
-  void append_header_begin(BufferedText& text) const;
-  void append_chain_name(BufferedText& text, std::uint64_t number, const AtomLabel& label) const;
-  void append_header_middle(BufferedText& text) const;
-  void append_residue_name(BufferedText& text, std::uint64_t number, const AtomLabel& label) const;
-  /// `box` is the bounding box of the vertices if `boxed_vertex_bytes` is not 0.
-  void append_header_end(BufferedText& text, const MeshCounts& counts, const VertexBox& box) const;
+  /// Appends the header, with the names of all chains and residues in formats for which
+  /// can_name_groups is true. Its length does not depend on `counts` and `box`, which is the
+  /// bounding box of the vertices if `boxed_vertex_bytes` is not 0.
+  void append_header(BufferedText& text, std::span<const AtomLabel> chains,
+                     std::span<const AtomLabel> residues, const MeshCounts& counts,
+                     const VertexBox& box) const;
   /// Appends the header of the separate file of the triangles. Its length does not depend on
   /// `counts`.
   void append_face_header(BufferedText& text, const MeshCounts& counts) const;
@@ -96,7 +90,8 @@ class MeshText {
  private:
   bool has_colors() const { return color_ != MeshColor::none; }
   bool has_components() const { return color_ == MeshColor::component; }
-  void append_ply_end(BufferedText& text, const MeshCounts& counts) const;
+  void append_ply_header(BufferedText& text, std::span<const AtomLabel> chains,
+                         std::span<const AtomLabel> residues, const MeshCounts& counts) const;
   void append_vertex(TextBuffer& text, const FileVertex& vertex) const;
   void append_columns(std::span<const FileVertex> vertices, std::span<TextBuffer> columns) const;
   void append_triangles(const MeshPiece& piece, TextBuffer& text) const;

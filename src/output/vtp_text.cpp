@@ -3,6 +3,7 @@
 #include <bit>
 #include <string>
 
+#include "output/mesh_groups.hpp"
 #include "output/text_buffer.hpp"
 #include "system/formatted.hpp"
 
@@ -20,6 +21,17 @@ void append_array(BufferedText& text, const Column& column) {
       "<DataArray type=\"{}\" Name=\"{}\" NumberOfComponents=\"{}\" format=\"appended\" {}/>\n",
       column.type, column.name, column.components,
       attribute("offset", column.begin - sizeof(std::uint64_t)));
+}
+
+// A string of VTK is written as the codes of its bytes, with 0 at the end.
+void append_name(BufferedText& text, std::string_view name) {
+  for (const char character : name) text.append("{} ", static_cast<unsigned char>(character));
+  text.append("0\n");
+}
+
+void append_names_begin(BufferedText& text, std::string_view array, std::size_t names) {
+  text.append("<DataArray type=\"String\" Name=\"{}\" NumberOfTuples=\"{}\" format=\"ascii\">\n",
+              array, names);
 }
 
 }  // namespace
@@ -66,8 +78,9 @@ VtpColumns vtp_columns(const MeshCounts& counts, const OptionalFields& fields) {
   return columns;
 }
 
-void append_vtp_begin(BufferedText& text, SurfaceKind surface, const OptionalFields& fields,
-                      std::uint64_t chains) {
+void append_vtp_header(BufferedText& text, SurfaceKind surface, const OptionalFields& fields,
+                       std::span<const AtomLabel> chains, std::span<const AtomLabel> residues,
+                       const MeshCounts& counts) {
   constexpr bool is_little = std::endian::native == std::endian::little;
   text.append(
       "<?xml version=\"1.0\"?>\n"
@@ -75,26 +88,16 @@ void append_vtp_begin(BufferedText& text, SurfaceKind surface, const OptionalFie
       "<!-- {}, eses-blocks; angstrom; patch: 1 convex, 2 saddle, 3 concave; "
       "atom: first adjacent one, 0-based{} -->\n<PolyData>\n",
       is_little ? "Little" : "Big", names_of(surface).name, comment_of(fields));
-  if (fields.has_groups)
-    text.append(
-        "<FieldData>\n<DataArray type=\"String\" Name=\"chain_name\" NumberOfTuples=\"{}\" "
-        "format=\"ascii\">\n",
-        chains);
-}
-
-void append_vtp_before_residues(BufferedText& text, const OptionalFields& fields,
-                                std::uint64_t residues) {
-  if (!fields.has_groups) return;
-  text.append(
-      "</DataArray>\n<DataArray type=\"String\" Name=\"residue_name\" NumberOfTuples=\"{}\" "
-      "format=\"ascii\">\n",
-      residues);
-}
-
-void append_vtp_before_data(BufferedText& text, const OptionalFields& fields,
-                            const MeshCounts& counts) {
+  if (fields.has_groups) {
+    text.append("<FieldData>\n");
+    append_names_begin(text, "chain_name", chains.size());
+    for (const AtomLabel& chain : chains) append_name(text, truncated_name(chain.chain));
+    text.append("</DataArray>\n");
+    append_names_begin(text, "residue_name", residues.size());
+    for (const AtomLabel& residue : residues) append_name(text, residue_text(residue));
+    text.append("</DataArray>\n</FieldData>\n");
+  }
   const VtpColumns columns = vtp_columns(counts, fields);
-  if (fields.has_groups) text.append("</DataArray>\n</FieldData>\n");
   text.append(
       "<Piece {} NumberOfVerts=\"0\" NumberOfLines=\"0\" NumberOfStrips=\"0\" {}>\n"
       "<PointData Scalars=\"{}\" Normals=\"Normals\">\n",
@@ -106,12 +109,6 @@ void append_vtp_before_data(BufferedText& text, const OptionalFields& fields,
   text.append("</Points>\n<Polys>\n");
   for (const Column& column : {columns.corners, columns.ends}) append_array(text, column);
   text.append("</Polys>\n</Piece>\n</PolyData>\n<AppendedData encoding=\"raw\">\n_");
-}
-
-// A string of VTK is written as the codes of its bytes, with 0 at the end.
-void append_vtp_name(BufferedText& text, std::string_view name) {
-  for (const char character : name) text.append("{} ", static_cast<unsigned char>(character));
-  text.append("0\n");
 }
 
 char* put_vtp_triangle(char* out, const Triangle& triangle) {

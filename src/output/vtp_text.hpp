@@ -12,6 +12,7 @@
 #include <string_view>
 #include <vector>
 
+#include "eses/atoms.hpp"
 #include "eses/summary.hpp"
 #include "mesh/triangulate.hpp"
 #include "output/buffered_text.hpp"
@@ -64,20 +65,13 @@ struct VtpColumns {
 
 VtpColumns vtp_columns(const MeshCounts& counts, const OptionalFields& fields);
 
-/// Append the three parts of the XML before the data: up to the chain names, between the chain
-/// names and the residue names, and after the residue names. Only files with groups have names.
-/// The length of the last part does not depend on the counts.
-void append_vtp_begin(BufferedText& text, SurfaceKind surface, const OptionalFields& fields,
-                      std::uint64_t chains);
-void append_vtp_before_residues(BufferedText& text, const OptionalFields& fields,
-                                std::uint64_t residues);
-void append_vtp_before_data(BufferedText& text, const OptionalFields& fields,
-                            const MeshCounts& counts);
+/// Appends the XML before the data. Only files with groups have the names of all chains and
+/// residues. The length does not depend on the counts.
+void append_vtp_header(BufferedText& text, SurfaceKind surface, const OptionalFields& fields,
+                       std::span<const AtomLabel> chains, std::span<const AtomLabel> residues,
+                       const MeshCounts& counts);
 /// The XML after the data.
 inline constexpr std::string_view vtp_end = "\n</AppendedData>\n</VTKFile>\n";
-
-/// Appends a name to an array of strings.
-void append_vtp_name(BufferedText& text, std::string_view name);
 
 /// Size of the vertices of a triangle and of its end in the list of all corners, in bytes.
 inline constexpr std::size_t vtp_triangle_bytes = 3 * sizeof(std::int32_t),

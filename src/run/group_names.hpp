@@ -14,7 +14,6 @@ namespace eses::detail {
 /// The chains and residues of a file.
 struct GroupNames {
   bool are_known = false;  ///< whether the file has labels
-  std::uint64_t chain_count = 0, residue_count = 0;
   /// In the order of their numbers. Only the process that writes the mesh has them.
   std::vector<AtomLabel> chains, residues;
 

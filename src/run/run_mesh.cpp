@@ -15,25 +15,12 @@ mesh::MeshText make_text(const MeshOptions& mesh, const PlannedRun& run) {
       mesh.color,
       {.surface = run.plan.parameters.surface(),
        .has_groups = run.groups.are_known,
-       .chain_count = run.groups.chain_count,
-       .residue_count = run.groups.residue_count,
        .atom_count = run.atoms,
        .probe_radius = run.plan.parameters.probe_radius,
        .density = vertices_per_area / (spacing * spacing),
        .grid = run.plan.grid,
        .center = 0.5 * (run.plan.grid.origin + run.plan.grid.upper()),
        .potential_limit = mesh.potential ? std::optional(mesh.potential->limit) : std::nullopt}};
-}
-
-void write_header(const mesh::MeshText& text, const GroupNames& names, const MeshCounts& counts,
-                  const mesh::VertexBox& box, BufferedText& header) {
-  text.append_header_begin(header);
-  for (std::size_t i = 0; i < names.chains.size(); ++i)
-    text.append_chain_name(header, i, names.chains[i]);
-  text.append_header_middle(header);
-  for (std::size_t i = 0; i < names.residues.size(); ++i)
-    text.append_residue_name(header, i, names.residues[i]);
-  text.append_header_end(header, counts, box);
 }
 
 // Returns a function without a target if the mesh has no components.
@@ -57,7 +44,7 @@ RunMesh::RunMesh(const Request& request, const PlannedRun& run, OutputFiles* fil
   file_.emplace(
       text_,
       [this](BufferedText& header, const MeshCounts& counts, const mesh::VertexBox& box) {
-        write_header(text_, run_.groups, counts, box, header);
+        text_.append_header(header, run_.groups.chains, run_.groups.residues, counts, box);
       },
       *files->find(RunFile::mesh), files->find(RunFile::mesh_faces),
       mesh_directory_of(*request.outputs.mesh));

@@ -76,10 +76,8 @@ double distance_from(const Vec3& point, const Atom& atom) {
 std::string header_of(const mesh::MeshText& text, const MeshCounts& counts) {
   std::string header;
   BufferedText part([&](std::string_view passed) { header += passed; });
-  text.append_header_begin(part);
-  text.append_header_middle(part);
-  text.append_header_end(part, counts, {});
-  if (text.has_face_file()) text.append_face_header(part, counts);
+  text.append_header(part, std::vector<AtomLabel>(3), std::vector<AtomLabel>(200), counts, {});
+  text.append_face_header(part, counts);
   part.flush();
   return header;
 }
@@ -176,8 +174,6 @@ TEST_CASE("mesh formats: the header's length does not depend on the counts", "[m
     for (const MeshColor color : {MeshColor::none, MeshColor::patch}) {
       const mesh::MeshText text(format, color,
                                 {.has_groups = true,
-                                 .chain_count = 3,
-                                 .residue_count = 200,
                                  .atom_count = 1000,
                                  .probe_radius = 1.4,
                                  .density = 9.375,
