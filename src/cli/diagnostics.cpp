@@ -5,6 +5,8 @@
 #include <map>
 #include <utility>
 
+#include "cli/command.hpp"
+#include "cli/messages.hpp"
 #include "input/text_source.hpp"
 #include "system/formatted.hpp"
 
@@ -118,6 +120,20 @@ std::vector<DiagnosticText> describe(const AtomFile& atoms, const Surface& surfa
   if (!surface.labels().empty())
     for (const auto& [atom, line] : all.lines) all.labels[atom] = surface.labels()[as_number(atom)];
   return describe(all, input);
+}
+
+std::vector<std::string> warnings_of(std::span<const DiagnosticText> diagnostics) {
+  std::vector<std::string> lines;
+  for (const DiagnosticText& diagnostic : diagnostics)
+    if (!diagnostic.is_usual && !diagnostic.is_printed) lines.push_back(diagnostic.message);
+  return lines;
+}
+
+void warn(std::span<const DiagnosticText> diagnostics, bool is_strict, bool is_quiet) {
+  const std::vector<std::string> lines = warnings_of(diagnostics);
+  if (is_strict && !lines.empty()) throw StrictError{lines};
+  if (is_quiet) return;
+  for (const std::string& line : lines) print_message("warning", line);
 }
 
 }  // namespace eses::detail::cli

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <map>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -55,5 +56,11 @@ std::vector<DiagnosticText> describe(const FileDiagnostics& diagnostics,
 /// labels are those of the surface.
 std::vector<DiagnosticText> describe(const AtomFile& atoms, const Surface& surface,
                                      const std::filesystem::path& input);
+
+/// Returns the messages of the warnings that the user has not been told yet.
+std::vector<std::string> warnings_of(std::span<const DiagnosticText> diagnostics);
+
+/// Prints the warnings, unless `is_quiet`. With `is_strict`, throws StrictError if there are some.
+void warn(std::span<const DiagnosticText> diagnostics, bool is_strict, bool is_quiet);
 
 }  // namespace eses::detail::cli

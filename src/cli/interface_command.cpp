@@ -45,16 +45,6 @@ void add_interfaces(const InterfaceOptions& options, const Surface& surface,
   }
 }
 
-/// Prints the warnings about the atoms. Throws StrictError if they are errors.
-void print_diagnostics(const InterfaceOptions& options, const InterfaceFile& file) {
-  std::vector<std::string> lines;
-  for (const DiagnosticText& diagnostic : file.diagnostics)
-    if (!diagnostic.is_usual) lines.push_back(diagnostic.message);
-  if (options.strict && !lines.empty()) throw StrictError{lines};
-  if (options.quiet) return;
-  for (const std::string& line : lines) print_message("warning", line);
-}
-
 /// Prints the interfaces of a file.
 void report_interfaces(const InterfaceOptions& options, std::size_t input) {
   const ReadOptions reading{.format = options.format, .structure = options.structure};
@@ -66,7 +56,7 @@ void report_interfaces(const InterfaceOptions& options, std::size_t input) {
                      .interfaces = {}};
   const Surface surface(file.file, {.threads = options.threads});
   file.diagnostics = describe(file.file, surface, path);
-  print_diagnostics(options, file);
+  warn(file.diagnostics, options.strict, options.quiet);
   for (const ComplexParts& division : divisions_of(options, reading, file))
     add_interfaces(options, surface, division, file);
   std::ranges::stable_sort(file.interfaces, std::ranges::greater(),

@@ -225,9 +225,7 @@ Outcome outcome_of(const MeasureCommandOptions& options, std::size_t input, int 
   try {
     const MeasuredFile file = measure_file(options, input, threads, check);
     std::vector<std::string>& lines = options.strict ? outcome.errors : outcome.warnings;
-    if (options.strict || !options.quiet)
-      for (const DiagnosticText& diagnostic : file.diagnostics)
-        if (!diagnostic.is_usual && !diagnostic.is_printed) lines.push_back(diagnostic.message);
+    if (options.strict || !options.quiet) lines = warnings_of(file.diagnostics);
     if (!outcome.errors.empty()) return with_failure(options, input, std::move(outcome));
     if (directory != nullptr) write_tables(options, input, file, *directory);
     outcome.text = measured_text(options, file);

@@ -1,5 +1,6 @@
 #include "cli/measured_file.hpp"
 
+#include <array>
 #include <cstddef>
 #include <map>
 #include <optional>
@@ -20,6 +21,9 @@
 
 namespace eses::detail::cli {
 namespace {
+
+constexpr std::array area_kinds{&eses::AtomAreas::sas, &eses::AtomAreas::convex,
+                                &eses::AtomAreas::saddle, &eses::AtomAreas::concave};
 
 /// Some atoms of a file.
 struct AtomSubset {
@@ -132,9 +136,7 @@ MeasuredPart measure_part(std::uint32_t part, const MeasureOptions& options, Mea
   measured.measures = measure(surface, options);
   const eses::AtomAreas areas = std::exchange(measured.measures.by_atom, {});
   if (!options.by_atom) return measured;
-  using Areas = std::vector<double> eses::AtomAreas::*;
-  for (const Areas kind : {&eses::AtomAreas::sas, &eses::AtomAreas::convex,
-                           &eses::AtomAreas::saddle, &eses::AtomAreas::concave}) {
+  for (const auto kind : area_kinds) {
     if ((areas.*kind).empty()) continue;
     (file.areas_alone.*kind).resize(file.part_of_atom.size());
     for (std::size_t i = 0; i < subset.indices.size(); ++i)
@@ -182,13 +184,11 @@ ReportedTable::ReportedTable(const MeasuredFile& file) : reference_(file.referen
   for (const ReportedAtoms& report : file.reports)
     indices.insert(report.atoms.begin(), report.atoms.end());
   const eses::AtomAreas& all = file.measures.by_atom;
-  using Areas = std::vector<double> eses::AtomAreas::*;
   for (const AtomIndex i : indices) {
     atoms_.push_back(file.surface.atoms()[i]);
     labels_.push_back(file.surface.labels()[i]);
     file_indices_.push_back(FileIndices(file.file_indices)[i]);
-    for (const Areas kind : {&eses::AtomAreas::sas, &eses::AtomAreas::convex,
-                             &eses::AtomAreas::saddle, &eses::AtomAreas::concave})
+    for (const auto kind : area_kinds)
       if (!(all.*kind).empty()) (areas_.*kind).push_back((all.*kind)[i]);
   }
 }

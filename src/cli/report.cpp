@@ -509,11 +509,4 @@ void add_run_diagnostics(Report& report) {
     if (disk.expected > disk.available) add("disk_space", disk_warning(disk));
 }
 
-std::vector<std::string> warnings(const Report& report) {
-  std::vector<std::string> lines;
-  for (const DiagnosticText& diagnostic : report.diagnostics)
-    if (!diagnostic.is_usual) lines.push_back(diagnostic.message);
-  return lines;
-}
-
 }  // namespace eses::detail::cli

@@ -58,7 +58,4 @@ std::string json_text(const Report& report);
 /// that cuts the surface (see eses::detail::cut_depth), and insufficient disk space.
 void add_run_diagnostics(Report& report);
 
-/// Returns the diagnostics that are warnings, one line each.
-std::vector<std::string> warnings(const Report& report);
-
 }  // namespace eses::detail::cli

@@ -110,14 +110,6 @@ Report report_of(const Options& options, const PlannedRun& run, const Processes&
           .process_count = processes.count()};
 }
 
-// Prints the warnings before the computation starts, or throws StrictError with --strict.
-void warn(const Report& report) {
-  const std::vector<std::string> lines = warnings(report);
-  if (report.options.strict && !lines.empty()) throw StrictError{lines};
-  if (report.options.quiet) return;
-  for (const std::string& line : lines) print_message("warning", line);
-}
-
 // Prints the plan, unless --quiet is given.
 void announce(const Report& report) {
   if (report.options.quiet) return;
@@ -135,14 +127,15 @@ void present_plan(Report& report) {
   report.disk = require_disk_space(report.plan.files, options.request.outputs,
                                    options.request.output_directory);
   add_run_diagnostics(report);
+  const auto warn_or_throw = [&] { warn(report.diagnostics, options.strict, options.quiet); };
   if (options.request.dry_run) {
     print(options.json ? json_text(report) : plan_text(report));
-    warn(report);
+    warn_or_throw();
     return;
   }
-  if (options.strict) warn(report);
+  if (options.strict) warn_or_throw();
   announce(report);
-  if (!options.strict) warn(report);
+  if (!options.strict) warn_or_throw();
 }
 
 // Returns the final report, as text or JSON.
