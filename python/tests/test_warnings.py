@@ -46,7 +46,7 @@ def measure_opened(path):
 def test_coarse_grained_residues_are_one_warning(tmp_path):
     path = tmp_path / "cg.pdb"
     path.write_text(COARSE)
-    text = r"cg.pdb: 2 residues are no amino acids or nucleotides .* guesses: lines 1, 2$"
+    text = r"cg.pdb: 2 residues are no amino acids, nucleotides or water .* guesses: lines 1, 2$"
     for call in (eses.read_atoms, eses.measure, eses.read_molecule, measure_opened,
                  lambda path: eses.measure(path, report="//A/2")):
         with pytest.warns(UserWarning, match=text) as caught:

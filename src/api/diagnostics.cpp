@@ -27,9 +27,10 @@ constexpr std::array<Wording, diagnostic_kinds> wordings{{
      "residues have a single atom, as in models of C-alpha atoms; area and volume are not those of "
      "the whole molecule"},
     {"foreign_residue",
-     "residue is no amino acid or nucleotide of its name: it has other atoms or no backbone, as in "
-     "coarse-grained models; its elements and radii are guesses",
-     "residues are no amino acids or nucleotides of their names: they have other atoms or no "
+     "residue is no amino acid, nucleotide or water of its name: it has other atoms or no "
+     "backbone, as in coarse-grained models; its elements and radii are guesses",
+     "residues are no amino acids, nucleotides or water of their names: they have other atoms or "
+     "no "
      "backbone, as in coarse-grained models; their elements and radii are guesses"},
     {"nanometre_coordinates", "atom is within 0.45 angstrom of its nearest neighbour",
      "atoms are within 0.45 angstrom of their nearest neighbours, but their radii are in angstrom; "

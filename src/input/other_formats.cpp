@@ -27,7 +27,7 @@ constexpr std::string_view open_babel_or_python =
     "with RDKit (doc/molecules.md)";
 // Such files are often named .pdb, and must not be overwritten.
 constexpr std::string_view open_babel_pdbqt =
-    "convert it with `obabel -ipdbqt FILE -O FILE.converted.pdb`";
+    "convert it with `obabel -ipdbqt FILE -O FILE.converted.pdb`, or read it with --format pdb";
 constexpr std::string_view gromacs = "convert it with `gmx editconf -f FILE -o FILE.pdb`";
 constexpr std::string_view gromacs_trajectory =
     "write one frame with `gmx trjconv -f FILE -s TOPOLOGY.tpr -dump 0 -o FILE.pdb`";

@@ -53,6 +53,10 @@ constexpr std::array<std::string_view, 23> long_residues{
     "ARGN", "ASPH", "ASPP", "CYS2", "CYSD", "CYSH", "GLUH", "GLUP", "HIS1", "HIS2", "HISA", "HISB",
     "HISD", "HISE", "HISH", "LYSH", "LYSN", "TYRH", "TIP3", "TIP4", "TIP5", "SPCE", "TIP2"};
 
+// Names of water in the coarse-grained force fields Martini 2 and 3: beads, beads against freezing,
+// polarizable, small and tiny ones.
+constexpr std::array<std::string_view, 5> water_beads{"W", "WF", "PW", "SW", "TW"};
+
 bool contains(const auto& list, std::string_view text) {
   return std::find(list.begin(), list.end(), text) != list.end();
 }
@@ -74,9 +78,11 @@ std::string ion_element(std::string_view name) {
 }
 
 /// Returns the element of an atom that is not of a polymer and whose name begins with `H` or `D`.
-/// Names of hydrogens are often misaligned, so only `HG` in the first column is mercury.
+/// Names of hydrogens are often misaligned, so only `HG` in the first column is mercury. `DU` is a
+/// dummy atom.
 std::string hydrogen_or_mercury(std::string_view name_columns, std::string_view name,
                                 bool is_left_aligned) {
+  if (stem_of(name) == "DU") return "X";
   const bool is_mercury =
       stem_of(name) == "HG" && name_columns.starts_with("HG") && name_columns.ends_with(' ');
   return is_mercury && !is_left_aligned ? "HG" : std::string(1, name.front());
@@ -141,7 +147,10 @@ ResidueColumns split_residue(std::string_view record, bool may_be_long,
   return {trimmed(columns.substr(0, 3)), trimmed(columns.substr(3)), false};
 }
 
+bool is_water_bead(std::string_view residue) { return contains(water_beads, residue); }
+
 bool is_ion(const NamedAtom& atom) {
+  if (is_water_bead(atom.residue)) return false;
   const std::string_view name = trimmed(atom.name_columns), residue = atom.residue;
   if (atom.is_polymer) return name == residue;
   if (!stem_of(name).empty() && stem_of(name) == stem_of(residue)) return true;
@@ -156,6 +165,7 @@ std::string element_by_name(const NamedAtom& atom) {
   const auto& [name_columns, residue, is_polymer, is_alone, is_left_aligned] = atom;
   std::string_view name = trimmed(name_columns);
   if (is_ion(atom)) return ion_element(name);
+  if (is_water_bead(residue)) return "O";
   while (!name.empty() && is_digit(name.front())) name.remove_prefix(1);
   if (name.empty()) return {};
   if (name.front() == 'H' || name.front() == 'D')

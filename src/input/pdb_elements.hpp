@@ -61,12 +61,17 @@ struct NamedAtom {
   bool is_left_aligned = true;
 };
 
+/// Returns whether a residue has the name of a water bead of Martini, such as W. One bead stands
+/// for several molecules.
+bool is_water_bead(std::string_view residue);
+
 /// Returns whether an atom is an ion: the only atom of the residues CA, FE2 and 3CO, an atom of the
 /// residue ION, or an atom alone in its residue with a charge in its name, such as NA+.
 bool is_ion(const NamedAtom& atom);
 
 /// Returns the element symbol, in capital letters, of an atom; empty if the columns of the name
-/// decide: the symbol is right-justified in the first two of them.
+/// decide: the symbol is right-justified in the first two of them. Dummy atoms have the symbol X.
+/// Beads of water are oxygen.
 std::string element_by_name(const NamedAtom& atom);
 
 /// Completes the elements of labels from a PQR file: the symbol of the file in its usual spelling

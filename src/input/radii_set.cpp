@@ -30,7 +30,7 @@ using NamedRadii = std::unordered_map<std::string, double>;
 template <class Find>
 std::optional<double> find_by_names(const AtomIdentity& atom, Find&& find) {
   if (const std::optional<double> radius = find(atom.residue, atom.atom)) return radius;
-  const std::string_view residue = standard_residue(atom.residue);
+  const std::string_view residue = atom.is_other ? atom.residue : standard_residue(atom.residue);
   if (residue != atom.residue)
     if (const std::optional<double> radius = find(residue, atom.atom)) return radius;
   const std::string name = standard_atom(residue, atom.atom);
@@ -146,7 +146,8 @@ std::optional<FoundRadius> RadiiSet::find(const AtomIdentity& atom) const {
   const std::string residue = upper_case(std::string(atom.residue)),
                     atom_name = upper_case(std::string(atom.atom));
   if (residue != atom.residue || atom_name != atom.atom)
-    if (const auto radius = find_named({residue, atom_name, atom.element, atom.is_hydrogen}))
+    if (const auto radius =
+            find_named({residue, atom_name, atom.element, atom.is_hydrogen, atom.is_other}))
       return FoundRadius{*radius, false};
   if (const auto radius = find_by_element(atom.element)) return FoundRadius{*radius, true};
   return std::nullopt;

@@ -14,6 +14,7 @@ struct AtomIdentity {
   std::string_view atom;     ///< atom name without blanks, such as CA
   std::string_view element;  ///< symbol, such as C or Zn
   bool is_hydrogen = false;  ///< hydrogen or deuterium
+  bool is_other = false;     ///< whether the residue is_other_molecule()
 };
 
 /// A radius that a set has for an atom.

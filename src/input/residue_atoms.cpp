@@ -12,15 +12,21 @@
 namespace eses::detail {
 namespace {
 
-// Forms of amino acids in force fields, and the standard residue with the same heavy atoms.
-constexpr std::array<std::pair<std::string_view, std::string_view>, 7> forms{{
+// Forms of amino acids and nucleotides in force fields, and the standard residue with the same heavy
+// atoms.
+constexpr std::array<std::pair<std::string_view, std::string_view>, 12> forms{{
+    {"A", "ADE"},
     {"ARG", "ARN ARGN"},
     {"ASP", "ASH ASPH ASB ASPP"},
+    {"C", "CYT"},
     {"CYS", "CYX CYM CYN CYSH CYS2 CYH CYP CY2 CYSD"},
+    {"DT", "THY"},
+    {"G", "GUA"},
     {"GLU", "GLH GLUH GLUP"},
     {"HIS", "HID HIE HIP HSD HSE HSP HSC HIN HDP HISA HISB HISD HISE HISH HISN HISL HIS1 HIS2"},
     {"LYS", "LYN LYSH LYP LYSN"},
     {"TYR", "TYM TYRH"},
+    {"U", "URA"},
 }};
 
 // Further names: ends and caps of chains, isoleucine in CHARMM and GROMACS, atoms of uncertain
@@ -50,6 +56,12 @@ std::string_view standard_residue(std::string_view residue) {
   const bool is_base = (base.size() == 1 || (base.size() == 2 && base.front() == 'D')) &&
                        bases.find(base.back()) != bases.npos;
   return is_base ? base : residue;
+}
+
+std::string_view telling_atoms(std::string_view residue) {
+  if (without_end_letter(residue) == "HSE") return "ND1 NE2";
+  constexpr std::string_view of_charmm = "ADE CYT GUA THY URA";
+  return has_word(of_charmm, residue) ? "C1' C1*" : "";
 }
 
 std::string standard_atom(std::string_view residue, std::string_view atom) {

@@ -1,14 +1,32 @@
 #pragma once
 /// Names of the atoms of amino acids and nucleotides.
 
+#include <algorithm>
 #include <string>
 #include <string_view>
+
+#include "input/text_fields.hpp"
 
 namespace eses::detail {
 
 /// Returns the standard residue with the same atoms other than hydrogen: HIS for its forms in force
 /// fields, such as HIE, HSD and NHIE, and DA for DA5. Returns other names as they are.
 std::string_view standard_residue(std::string_view residue);
+
+/// Returns atoms, separated by blanks, at least one of which a residue with the name of a form has.
+/// Without them it is another molecule: HSE is also homoserine, and GUA is glutaric acid. Empty if
+/// the name alone decides.
+std::string_view telling_atoms(std::string_view residue);
+
+/// Returns whether a residue is another molecule than the form of its name. `name_of` returns the
+/// name of one of its atoms.
+template <class Atoms, class NameOf>
+bool is_other_molecule(std::string_view residue, const Atoms& atoms, NameOf&& name_of) {
+  const std::string_view telling = telling_atoms(residue);
+  return !telling.empty() && std::none_of(atoms.begin(), atoms.end(), [&](const auto& atom) {
+    return has_word(telling, name_of(atom));
+  });
+}
 
 /// Returns the name of the PDB for an atom of a standard residue, such as OXT for the OT2 of CHARMM
 /// and OP1 for the O1P of Amber. Returns other names as they are.

@@ -8,7 +8,9 @@
 #include <vector>
 
 #include "catch.hpp"
+#include "eses/radii.hpp"
 #include "eses/surface.hpp"
+#include "input/radii_tables.hpp"
 #include "support/structures.hpp"
 
 namespace eses::detail::test {
@@ -79,8 +81,8 @@ TEST_CASE("coarse-grained amino acids and nucleotides give a warning", "[structu
   const Outcome strict = sandbox.run({"cg.pdb", "--radii", "bondi", "--write", "none", "--strict"});
   CHECK(strict.code == 1);
   CHECK(contains(strict.err,
-                 "cg.pdb: 2 residues are no amino acids or nucleotides of their names: they have "
-                 "other atoms or no backbone, as in coarse-grained models; their elements and "
+                 "cg.pdb: 2 residues are no amino acids, nucleotides or water of their names: they "
+                 "have other atoms or no backbone, as in coarse-grained models; their elements and "
                  "radii are guesses: lines 1, A/ALA 1/BB; 2, A/LYS 2/BB\n"));
   // Radii for the beads are no guesses.
   CHECK(sandbox.run({"cg.pdb", "--radii", "beads.cfg", "--write", "none"}).err.empty());
@@ -160,13 +162,109 @@ TEST_CASE("elements beside their columns are read", "[structure]") {
   CHECK(element(" C1 ", "1HPV 168") == "C");
 }
 
+TEST_CASE("elements in the columns of segments are elements", "[structure]") {
+  for (const std::size_t column : {72U, 73U, 74U}) {
+    INFO(column);
+    const auto record = [column](const std::string& name, double x, const std::string& element) {
+      std::string line = line_of({.name = name, .residue = "LIG", .x = x}).substr(0, 66);
+      line.resize(column, ' ');
+      return line + element + "\n";
+    };
+    const AtomFile file = read_bondi(record(" C1 ", 0, "C") + record("CL1 ", 3, "CL") +
+                                     record(" N1 ", 6, "N") + record(" C2 ", 9, "C"));
+    CHECK(elements_of(file) == Names{"C", "Cl", "N", "C"});
+    CHECK(names_of(file) == Names{"A LIG 1 C1", "A LIG 1 CL1", "A LIG 1 N1", "A LIG 1 C2"});
+    // A segment has the same name for atoms of all elements.
+    CHECK(read_bondi(record(" C1 ", 0, "C") + record(" N1 ", 3, "C")).labels.at(1).element == "N");
+  }
+  std::string blank = line_of({.name = " C1 ", .chain = " "}).substr(0, 66) + "      C\n";
+  CHECK(names_of(read_bondi(blank)) == Names{"C ALA 1 C1"});
+}
+
+TEST_CASE("beads of water are neither tungsten nor atoms", "[structure][cli]") {
+  const std::string beads =
+      records_of({" W   W       1 ", "W    W       2 ", " WF  WF      3 ", " W   PW      4 ",
+                  " WP  PW      4 ", " WM  PW      4 ", " SW  SW      5 ", " TW  TW      6 "});
+  StructureOptions waters;
+  waters.with_waters = true;
+  waters.radii = "bondi";
+  const AtomFile file = read_pdb(beads, waters);
+  CHECK(elements_of(file) == Names(8, "O"));
+  CHECK(count_of(DiagnosticKind::foreign_residue, file.diagnostics) == 6);
+  // They are left out as other waters. The element column of a file decides.
+  CHECK(contains(pdb_error(beads), "left out: 8 of water"));
+  const AtomFile metal = read_bondi(line_of({.name = " W  ", .residue = "W", .element = " W"}));
+  CHECK(elements_of(metal) == Names{"W"});
+  CHECK(metal.diagnostics.empty());
+  const Sandbox sandbox;
+  write_file(sandbox.directory() / "w.pdb", beads);
+  const Outcome strict = sandbox.run({"w.pdb", "--waters", "--write", "none", "--strict"});
+  CHECK(strict.code == 1);
+  CHECK(
+      contains(strict.err, "w.pdb: 6 residues are no amino acids, nucleotides or water of their"));
+}
+
+TEST_CASE("dummy atoms of ligands are no deuterium", "[structure]") {
+  CHECK(contains(pdb_error(records_of({" C1  LIG     1 ", " DU  LIG     1 ", " DU2 LIG     1 "})),
+                 "2 atoms are without a radius in the set protor: LIG DU, LIG DU2"));
+  StructureOptions known;
+  known.unknown_radius = 1;
+  CHECK(read_pdb(records_of({" C1  LIG     1 ", " DU  LIG     1 "}), known).atoms.size() == 2);
+  CHECK(read_pdb(records_of({" C1  LIG     1 ", " D1  LIG     1 "})).atoms.size() == 1);
+  const std::string deuterium = line_of({.name = " DU ", .residue = "LIG", .element = " D"});
+  CHECK(read_pdb(line_of({}) + deuterium).atoms.size() == 1);
+}
+
+TEST_CASE("names that CHARMM shares with other molecules", "[structure]") {
+  const auto radii_of = [](const std::vector<std::string>& names) {
+    const AtomFile file = read_pdb(records_of(names));
+    CHECK(file.diagnostics.empty());
+    std::vector<double> radii;
+    for (const Atom& atom : file.atoms) radii.push_back(atom.radius);
+    return radii;
+  };
+  // CG of homoserine is aliphatic, and has the radius of its element.
+  const double carbon = *freesasa_element_radius("C");
+  CHECK(radii_of({" N   HSE A   1 ", " CG  HSE A   1 ", " OD  HSE A   1 "}).at(1) == carbon);
+  CHECK(radii_of({" N   HSE A   1 ", " CG  HSE A   1 ", " ND1 HSE A   1 "}).at(1) == 1.61);
+  // Nucleotides of CHARMM; GUA is also glutaric acid.
+  CHECK(radii_of({" O1P GUA A   1 ", " C1' GUA A   1 ", " C4  GUA A   1 ", " N9  GUA A   1 "}) ==
+        radii_of({" OP1   G A   1 ", " C1'   G A   1 ", " C4    G A   1 ", " N9    G A   1 "}));
+  CHECK(radii_of({" C1' THY A   1 ", " C5M THY A   1 "}) ==
+        radii_of({" C1'  DT A   1 ", " C7   DT A   1 "}));
+  CHECK(radii_of({" C1  GUA A   1 ", " C4  GUA A   1 "}) == std::vector{carbon, carbon});
+  // A selection does not make another molecule of a residue.
+  StructureOptions select;
+  select.select = "[C]";
+  const AtomFile ring =
+      read_pdb(records_of({" N   HSE A   1 ", " CG  HSE A   1 ", " ND1 HSE A   1 "}), select);
+  REQUIRE(ring.atoms.size() == 1);
+  CHECK(ring.atoms[0].radius == 1.61);
+
+  const std::vector<AtomLabel> labels{{"A", "HSE", "1", "CG", "C"},
+                                      {"A", "HSE", "1", "ND1", "N"},
+                                      {"A", "HSE", "2", "CG", "C"},
+                                      {"A", "HSE", "2", "OD", "O"}};
+  const NamedRadii found = find_radii(labels, "protor");
+  CHECK(found.atoms[0].radius == 1.61);
+  CHECK(found.atoms[2].radius == carbon);
+}
+
+TEST_CASE("radii in place of occupancies are all known", "[structure]") {
+  StructureOptions options;
+  options.radii = "occupancy";
+  options.unknown_radius = 1.5;
+  CHECK(error_of([&] { read_pdb(line_of({.occupancy = 1.7}), options); }) ==
+        "t.pdb: the radii 'occupancy' are known for all atoms; omit the unknown radius");
+}
+
 TEST_CASE("PDBQT files of other names are recognised", "[structure][cli]") {
   const std::string atom = line_of({.name = " OG ", .residue = "SER"}).substr(0, 66);
   const std::string text = "REMARK  ligand\nROOT\n" + atom + "    -0.398 OA\n" +
                            line_of({.x = 9}).substr(0, 66) + "     0.126 NA\nENDROOT\nTORSDOF 0\n";
   CHECK(pdb_error(text) ==
         "t.pdb: AutoDock PDBQT files are not read; convert it with `obabel -ipdbqt t.pdb -O "
-        "t.converted.pdb`");
+        "t.converted.pdb`, or read it with --format pdb");
   const Sandbox sandbox;
   write_file(sandbox.directory() / "q.pdb", text);
   CHECK(sandbox.run({"q.pdb", "--dry-run"}).code == 1);

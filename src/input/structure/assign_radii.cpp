@@ -41,17 +41,25 @@ class AtomKinds {
     const double occupancy = radii_.is_occupancy ? occupancy_of(atom) : 0;
     const std::string &residue = atom.residue->name, &name = atom.atom->name;
     const std::string_view element = symbol_of(atom.atom->element);
-    key_.assign(residue).append(1, '\0').append(name).append(1, '\0').append(element);
+    const bool is_other = is_other_molecule(*atom.residue);
+    key_.assign(1, is_other ? 'O' : ' ')
+        .append(residue)
+        .append(1, '\0')
+        .append(name)
+        .append(1, '\0')
+        .append(element);
     if (radii_.is_occupancy) key_.append(1, '\0').append(formatted("{}", occupancy));
     const auto [at, is_new] = indices_.try_emplace(key_, kinds_.size());
     if (is_new) {
-      const auto found = radii_.find({residue, name, element, atom.atom->is_hydrogen()});
+      const auto found = radii_.find({residue, name, element, atom.atom->is_hydrogen(), is_other});
       const double radius = radii_.is_occupancy ? occupancy
                             : found             ? found->radius
                                                 : unknown_radius_;
       const bool is_named = radii_.is_from_file && found && !found->by_element;
-      const bool is_foreign = !is_named && !atom.atom->is_hydrogen() &&
-                              is_polymer_residue(residue) && !may_have_atom(residue, name);
+      const bool is_bead = is_water_bead(residue) && atom.atom->element == gemmi::El::O;
+      const bool is_foreign =
+          !is_named && !atom.atom->is_hydrogen() &&
+          (is_bead || (!is_other && is_polymer_residue(residue) && !may_have_atom(residue, name)));
       kinds_.push_back({{residue, name, std::string(element), radius},
                         found.has_value(),
                         found && found->by_element,

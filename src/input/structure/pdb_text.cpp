@@ -96,6 +96,14 @@ bool is_shifted_element(std::string_view symbol, std::string_view record) {
   return !usual_spelling(symbol).empty() && agrees_with_name(symbol, record);
 }
 
+/// Returns the symbol in the columns of the segment, if it may be the element of the atom.
+std::string_view element_in_segment(std::string_view record) {
+  const std::string_view field = field_of(record, segment_columns);
+  const bool is_alone = column_text(record, 66, 6).empty() && column_text(record, 76, 4).empty();
+  return is_alone && field.size() <= 2 && is_shifted_element(field, record) ? field
+                                                                            : std::string_view();
+}
+
 bool is_letter_at(std::string_view record, std::size_t i) {
   return i < record.size() && is_letter(record[i]);
 }
@@ -240,12 +248,20 @@ struct PdbLayout {
   bool is_left_aligned = true;
   /// Whether chain names have two letters, the first of which follows the residue name.
   bool has_long_chain_names = false;
+  /// Whether the columns of the segment have the elements of all atoms, of two kinds or more.
+  bool has_elements_in_segments = false;
 };
 
 PdbLayout layout_of(PdbLines lines) {
   PdbLayout layout;
+  std::string_view first_segment;
+  bool are_elements = true;
   while (const std::optional<std::string_view> record = lines.next()) {
     if (!is_atom_record(*record)) continue;
+    if (first_segment.empty()) first_segment = field_of(*record, segment_columns);
+    const std::string_view symbol = element_in_segment(*record);
+    are_elements = are_elements && !symbol.empty();
+    if (symbol != first_segment) layout.has_elements_in_segments = true;
     const std::string_view residue = field_of(*record, residue_columns);
     const bool is_polymer = is_polymer_residue(residue), is_water = is_water_name(residue);
     const bool has_fourth_column = !field_of(*record, {chain_columns.first, 1}).empty();
@@ -257,6 +273,7 @@ PdbLayout layout_of(PdbLines lines) {
     if (is_ligand && element_of_columns(*record).empty() && record->substr(0, 13).ends_with(' '))
       layout.is_left_aligned = false;
   }
+  layout.has_elements_in_segments = layout.has_elements_in_segments && are_elements;
   return layout;
 }
 
@@ -407,7 +424,8 @@ class PdbRecords {
       check_number(line, occupancy_columns, "the radius");
     else if (field_of(record_, occupancy_columns).empty())
       record_.replace(occupancy_columns.first, occupancy_columns.width, "  1.00");
-    write_segment(segment_of(line), is_long_name ? residue : std::string_view());
+    write_segment(has_element_in_segment(line) ? std::string_view() : segment_of(line),
+                  is_long_name ? residue : std::string_view());
     write_element(line, residue);
     records_.append(record_, 0, end_of_fields).append(1, '\n');
   }
@@ -435,7 +453,8 @@ class PdbRecords {
   // decide. An atom that is named as an ion and alone in its residue is an ion, because programs
   // that derive elements from names write C for calcium, and P for potassium.
   void write_element(std::string_view line, std::string_view residue) {
-    const std::string_view given = element_of_columns(line);
+    const std::string_view given =
+        has_element_in_segment(line) ? element_in_segment(line) : element_of_columns(line);
     NamedAtom atom{line.substr(name_columns.first, name_columns.width), residue};
     atom.is_alone = true;
     atom.is_alone = !is_same_residue(previous_, line) && is_ion(atom) && is_last_of_residue(line);
@@ -457,6 +476,11 @@ class PdbRecords {
     while (const std::optional<std::string_view> record = following.next())
       if (is_atom_record(*record)) return !is_same_residue(line, *record);
     return true;
+  }
+
+  // Few files need the layout for this.
+  bool has_element_in_segment(std::string_view line) {
+    return !element_in_segment(line).empty() && layout().has_elements_in_segments;
   }
 
   const PdbLayout& layout() {

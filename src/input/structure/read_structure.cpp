@@ -166,7 +166,7 @@ ParsedStructure parse(const StructureText& text, bool needs_occupancies) {
   text.check();
   if (text.is_assembly_file && options.model == 0) refuse_copies(parsed.models, text.name);
   require_model(parsed, text.name);
-  mark_without_backbone(parsed.structure.models.front());
+  mark_residues(parsed.structure.models.front());
   split_residues(parsed.structure.models.front());
   text.require_memory(0);
   return parsed;
@@ -271,6 +271,11 @@ AtomFile read_structure(StructureText text,
     throw Error(formatted("{}: PDB files have no chain names label_asym_id; use the mmCIF file",
                           text.name));
   const RadiiSet radii = find_radii_set(options.radii);
+  if (radii.is_occupancy && options.unknown_radius)
+    throw Error(
+        formatted("{}: the radii 'occupancy' are known for all atoms; omit the unknown "
+                  "radius",
+                  text.name));
   text.require_memory(expected_bytes(text.text, text.format));
   text.check();
   ParsedStructure parsed = parse(text, radii.is_occupancy);

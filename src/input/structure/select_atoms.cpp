@@ -276,6 +276,9 @@ bool is_water(const gemmi::Residue& residue) {
                                                    "TP3", "TP4",  "TP5",  "T3P",  "T4P",  "T5P",
                                                    "SPC", "SPCE", "SPE",  "OPC",  "OP3"};
   if (residue.is_water()) return true;
+  if (is_water_bead(residue.name))
+    return std::all_of(residue.atoms.begin(), residue.atoms.end(),
+                       [](const gemmi::Atom& atom) { return atom.element == gemmi::El::O; });
   if (std::find(names.begin(), names.end(), residue.name) == names.end()) return false;
   std::set<std::string> oxygens;  // names, because an oxygen may have alternate locations
   for (const gemmi::Atom& atom : residue.atoms) {

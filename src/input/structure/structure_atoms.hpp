@@ -45,19 +45,25 @@ inline std::uint64_t count_atoms(const gemmi::Model& model) {
   return count;
 }
 
-/// Marks residues of several atoms none of which is of a backbone, before atoms are left out.
-/// UNK is also the name of any ligand, in files of Maestro for example.
-inline void mark_without_backbone(gemmi::Model& model) {
+/// Marks residues of several atoms none of which is of a backbone, and other molecules than their
+/// names say, before atoms are left out. UNK is also the name of any ligand, in files of Maestro
+/// for example.
+inline void mark_residues(gemmi::Model& model) {
   for (gemmi::Chain& chain : model.chains)
     for (gemmi::Residue& residue : chain.residues)
-      if (residue.atoms.size() > 1 && residue.name != "UNK" && is_polymer_residue(residue.name) &&
-          std::none_of(residue.atoms.begin(), residue.atoms.end(),
-                       [](const gemmi::Atom& atom) { return is_backbone_atom(atom.name); }))
+      if (is_other_molecule(residue.name, residue.atoms,
+                            [](const gemmi::Atom& atom) { return std::string_view(atom.name); }))
+        residue.flag = 'O';
+      else if (residue.atoms.size() > 1 && residue.name != "UNK" &&
+               is_polymer_residue(residue.name) &&
+               std::none_of(residue.atoms.begin(), residue.atoms.end(),
+                            [](const gemmi::Atom& atom) { return is_backbone_atom(atom.name); }))
         residue.flag = 'S';
 }
 
-/// Returns whether mark_without_backbone has marked a residue.
+// What mark_residues has found.
 inline bool has_no_backbone(const gemmi::Residue& residue) { return residue.flag == 'S'; }
+inline bool is_other_molecule(const gemmi::Residue& residue) { return residue.flag == 'O'; }
 
 inline bool is_hetatm(const gemmi::Residue& residue) { return residue.het_flag == 'H'; }
 
