@@ -91,6 +91,22 @@ void refuse_empty_values(const Arguments& arguments) {
   }
 }
 
+/// Throws UsageError for an option in the place of the value of another one, as in `--surface
+/// --write none`. CLI11 would take its name for the value, and its value for a positional argument.
+void refuse_options_as_values(CLI::App& app, const Arguments& arguments) {
+  for (std::size_t i = 0; i + 1 < arguments.size() && arguments[i] != "--"; ++i) {
+    if (!arguments[i].starts_with('-')) continue;
+    CLI::Option* const option = app.get_option_no_throw(arguments[i]);
+    if (option == nullptr || option->get_items_expected_min() == 0) continue;
+    const std::string& value = arguments[++i];
+    if (!value.starts_with('-') || app.get_option_no_throw(value) == nullptr) continue;
+    option->add_result(value);
+    option->run_callback();  // throws with what it expects, unless it accepts all texts
+    throw UsageError(formatted("{} needs a value before {}; for the text '{}', write {}={}",
+                               arguments[i - 1], value, value, arguments[i - 1], value));
+  }
+}
+
 /// Returns what to do instead of giving an unknown option.
 std::string advice_for_option(const CLI::App& app, const std::string& extra) {
   std::error_code ignored;
@@ -241,6 +257,7 @@ void add_notices(CLI::App& app) {
 
 void parse(CLI::App& app, const Arguments& arguments, std::string_view positionals) {
   refuse_empty_values(arguments);
+  refuse_options_as_values(app, arguments);
   try {
     parse_or_refuse(app, arguments);
   } catch (const CLI::CallForHelp&) {

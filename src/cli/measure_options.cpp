@@ -304,6 +304,11 @@ void check(const CLI::App& app, const MeasureCommandOptions& options) {
   }
 }
 
+/// Returns whether a name is that of standard output, also as a file.
+bool is_standard_output(const std::string& name) {
+  return name == "-" || name == "/dev/stdout" || name == "/dev/fd/1";
+}
+
 }  // namespace
 
 MeasureCommandOptions parse_measure_arguments(const Arguments& arguments) {
@@ -315,7 +320,7 @@ MeasureCommandOptions parse_measure_arguments(const Arguments& arguments) {
   parse(app, arguments, "FILE...");
   options.inputs = inputs.files();
   options.list = inputs.list;
-  options.prints_csv = options.csv == "-";
+  options.prints_csv = is_standard_output(options.csv);
   if (options.prints_csv) options.csv.clear();
   options.pocket_options.probe_radius = options.probe_radius;
   check_pocket_options(app, options);

@@ -133,6 +133,12 @@ TEST_CASE("mistyped options and commands have suggestions", "[cli]") {
       {{"pair.xyzr", "atom.xyzr"},
        "PROBE is 'atom.xyzr', expected a number from 0.01 to 1000, in angstrom; one file at a "
        "time, or 'eses-blocks measure FILE...' for many"},
+      {{"pair.xyzr", "--surface", "--write", "none"},
+       "--surface is '--write', expected ses, sas or vdw"},
+      {{"pair.xyzr", "--mesh", "--quiet"},
+       "--mesh needs a value before --quiet; for the text '--quiet', write --mesh=--quiet"},
+      {{"measure", "pair.xyzr", "--format", "-q"},
+       "--format is '-q', expected auto, xyzr, pqr, pdb or mmcif"},
       {{"--", "pair.xyzr", "--mesh", "a.ply"},
        "PROBE is '--mesh', expected a number from 0.01 to 1000, in angstrom; options must come "
        "before '--' and FILE"},

@@ -310,6 +310,8 @@ TEST_CASE("measure: cavities and pieces in report, JSON and tables") {
                    "--csv", "all.csv"})
               .code == 0);
   const std::string table = read_file(box.directory() / "all.csv");
+  CHECK(box.run({"measure", "two.xyzr", "--csv", "/dev/stdout"}, "| cat").out ==
+        box.run({"measure", "two.xyzr", "--csv", "-"}).out);
   CHECK(table.find(",cavities,pieces,model,radii,left_out,error\n") != std::string::npos);
   CHECK(table.find(",1,2,,,,\n") != std::string::npos);
   const Outcome plain = box.run({"measure", "two.xyzr", "--json"});
