@@ -170,15 +170,15 @@ def end_with(main):
         sys.exit(130)
 
 
-PICTURES = (".png", ".jpg", ".jpeg", ".gif", ".svg", ".tif", ".tiff", ".bmp", ".webp", ".pdf")
-PAGES = (".html", ".htm")
+SUFFIXES = (".png .jpg .jpeg .gif .svg .tif .tiff .bmp .webp .pdf .html .htm .txt .md .csv .json .ply .obj .stl .glb "
+            ".pdb .cif .pqr .xyzr").split()  # of files that are mistaken for others
 
 
-def require_kind(parser, path, what, suffix, others):
+def require_kind(parser, path, what, *suffixes):
     """Ends with exit code 2 if the name of an output is that of another kind of file."""
-    if path.suffix.lower() in others:
+    if path.suffix.lower() in SUFFIXES and path.suffix.lower() not in suffixes:
         parser.error(f"--output: {path} would be {what}, not a {path.suffix} file; use a name that "
-                     f"ends in {suffix}")
+                     f"ends in {suffixes[0]}")
 
 
 def show(text):

@@ -23,7 +23,7 @@ import struct
 import subprocess
 import tempfile
 
-from eses_tools.common import (NAME, PAGES, PICTURES, Failed, Parser, at_least, between, complete_file,
+from eses_tools.common import (NAME, Failed, Parser, at_least, between, complete_file,
                                end_with, require_kind, require_output)
 from eses_tools import measuring
 
@@ -483,7 +483,7 @@ def parse():
     options = parser.parse_args()
     if options.cavities and (len(options.meshes) > 1 or options.potential):
         parser.error("--cavities needs a single mesh, without --potential")
-    require_kind(parser, options.output, "a picture", ".png", (*PAGES, *PICTURES[1:]))
+    require_kind(parser, options.output, "a picture", ".png")
     return options
 
 

@@ -23,7 +23,7 @@ import math
 import pathlib
 import tempfile
 
-from eses_tools.common import (NAME, PICTURES, PROGRAM, Failed, Parser, describe_build, end_with,
+from eses_tools.common import (NAME, PROGRAM, Failed, Parser, describe_build, end_with,
                                files_among,
                                gzip_errors, printable, require_kind, require_output, show)
 from eses_tools import measuring, report_page, thumbnails
@@ -156,7 +156,7 @@ def parse():
     options = parser.parse_args(arguments[:at])
     options.arguments = arguments[at + 1:]
     options.program = options.program.absolute()
-    require_kind(parser, options.output, "a page", ".html", PICTURES)
+    require_kind(parser, options.output, "a page", ".html", ".htm")
     if options.arguments and not options.pictures:
         parser.error("arguments after -- need --pictures")
     return options

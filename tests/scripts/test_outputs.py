@@ -139,7 +139,7 @@ class Outputs(TestCase):
 
     def test_pages_and_pictures_are_not_confused(self):
         for tool, source, name in (("report", self.table, "a.png"), ("render", self.mesh, "a.html"),
-                                   ("render", self.mesh, "a.jpg")):
+                                   ("render", self.mesh, "a.jpg"), ("render", self.mesh, "a.txt")):
             done = run(tool, source, "-o", self.folder / name)
             self.assertDone(done, 2)
             self.assertIn("use a name that ends in", done.stderr)

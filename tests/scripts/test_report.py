@@ -149,6 +149,9 @@ class MeasureReport(TestCase):
         browser = open_browser(self)
         browser.get(self.page.as_uri())
         self.assertEqual(len(browser.find_elements("css selector", "#plots-ses_area .outlier")), 1)
+        titles = browser.execute_script(
+            "return ['sas_volume', 'vdw_area', 'euler_number', 'cavities'].map(titleOf)")
+        self.assertEqual(titles, ["SAS volume, Å³", "vdw area, Å²", "Euler number", "cavities"])
         outliers = [item.text for item in browser.find_elements("css selector", "#outliers li")]
         self.assertEqual(len(outliers), 1)
         self.assertRegex(outliers[0], r"^s7\.pdb: SES area 2\.9\d* times the expected$")

@@ -14,7 +14,9 @@ const rows = lists.map((list) => Object.fromEntries(columns.map((name, i) => [na
 const state = { column: key, isDescending: false, filter: "", status: "", shown: STEP };
 const $ = (selector) => document.querySelector(selector);
 const titles = new Map(plots);
-const titleOf = (name) => titles.get(name) ?? name.replaceAll("_", " ");
+// Areas and volumes of all kinds of surfaces have their units, as those of the plots against atoms.
+const titleOf = (name) => titles.get(name) ?? name.replaceAll("_", " ").replace(/^(ses|sas) /, (kind) => kind.toUpperCase())
+  .replace(/^euler/, "Euler").replace(/(?<=\barea)$/, ", Å²").replace(/(?<=\bvolume)$/, ", Å³");
 
 function element(tag, text, className = "") {
   const made = document.createElement(tag);
