@@ -25,7 +25,7 @@ import pathlib
 import subprocess
 import tempfile
 
-from eses_tools.common import (NAME, PICTURES, PROGRAM, Failed, Parser, at_least, command_of,
+from eses_tools.common import (NAME, PROGRAM, Failed, Parser, at_least, command_of,
                                complete_file, describe_build, end_with, files_among, require_kind,
                                require_output, show)
 from eses_tools import measuring, pdb_to_pqr
@@ -36,6 +36,7 @@ meshes = open_dx = page = None  # imported after --help and the checks of the ar
 MIN_SPACING = 0.25  # angstrom, of structures without --spacing
 MAX_TRIANGLES = 1e6  # of a structure without --spacing
 MAX_NAMES = 8  # of residues in a message
+AREAS = {"ses": "ses_area", "sas": "sas_area", "vdw": "ses_area"}  # columns of atoms, by the surface
 SURFACE_ONLY = {"--allow-far-atoms"}  # arguments after -- that the areas do not take
 TRIANGLES_PER_CELL = 3  # of surface whose area is the square of the spacing
 
@@ -143,11 +144,16 @@ def read_table(path):
 
 
 def measure(options, arguments, folder):
-    """Returns the tables of atoms and cavities that eses-blocks measure writes into the folder."""
-    run_program([options.program, "measure", *arguments, "--probe-radius", options.probe_radius,
-                 "--quiet", "--cavities", "--write", "atoms,cavities", "-o", folder], folder)
-    (atoms,), (cavities,) = folder.glob("*.atoms.csv"), folder.glob("*.cavities.csv")
-    return read_table(atoms), read_table(cavities)
+    """Returns the tables of atoms and, for the solvent excluded surface, of cavities that
+    eses-blocks measure writes into the folder."""
+    is_ses = options.surface == "ses"
+    # Without a probe, the solvent excluded surface is that of van der Waals.
+    probe = 0 if options.surface == "vdw" else options.probe_radius
+    run_program([options.program, "measure", *arguments, "--probe-radius", probe, "--quiet", "--write",
+                 "atoms,cavities" if is_ses else "atoms", *(["--cavities"] if is_ses else []), "-o", folder], folder)
+    atoms, = folder.glob("*.atoms.csv")
+    rows = [{**row, "ses_area": row[AREAS[options.surface]]} for row in read_table(atoms)]
+    return rows, [row for path in folder.glob("*.cavities.csv") for row in read_table(path)]
 
 
 def list_atoms(options, path, folder):
@@ -214,15 +220,16 @@ def read_structure(options, path, folder, ligands=()):
     show(f"surface of {path}")
     mesh = folder / "surface.ply"
     margin = 2 * spacing  # does not cut the surface
-    messages = run_program([options.program, *reading, *options.surface_arguments, "--probe-radius", options.probe_radius,
+    probe = [] if options.surface == "vdw" else ["--probe-radius", options.probe_radius]
+    messages = run_program([options.program, *reading, *options.surface_arguments, "--surface", options.surface, *probe,
                             "--spacing", spacing, "--margin", margin, "--json", "--write", "none",
-                            "--independent", "-o", folder, "--mesh", mesh, "--color", "component"],
-                           folder)
+                            "--independent", "-o", folder, "--mesh", mesh, "--color",
+                            "component" if options.surface == "ses" else "atom"], folder)
     if messages:
         say(messages)
     read = meshes.read_mesh(mesh)
     return page.Molecule(path.name, read.points, read.normals, read.triangles,
-                         patch=read.values["patch"], component=read.values.get("component"),
+                         patch=read.values.get("patch"), component=read.values.get("component"),
                          atom=read.values["atom"], atoms=atoms,
                          voids=[float(row["void_volume"]) for row in cavities])
 
@@ -331,6 +338,9 @@ def parse():
     look.add_argument("--opacity", type=per_cent, metavar="PERCENT",
                       help="opacity of the surface (default: 100, or 45 with --atoms)")
     surface = parser.add_argument_group("surface of structures")
+    surface.add_argument("--surface", default="ses", choices=tuple(AREAS),
+                         help="solvent excluded (ses, the default), solvent accessible (sas) or van der "
+                              "Waals surface (vdw)")
     surface.add_argument("--probe-radius", type=above_zero, default=1.4, metavar="ANGSTROM",
                          help="radius of the solvent probe (default: 1.4)")
     surface.add_argument("--ligands", default="sticks", choices=("sticks", "surface"),
@@ -372,15 +382,14 @@ def complete_options(parser, options):
                                ("--atoms", options.atoms, page.STYLES)):
         if value is not None and value not in known:
             parser.error(f"{name}: {value} is none of {', '.join(known)}")
-    require_kind(parser, options.output, "a page", ".html", PICTURES)
+    require_kind(parser, options.output, "a page", ".html", ".htm")
     is_mesh = [meshes.is_mesh(path) for path in options.files]
     for path, known in zip(options.files, is_mesh):
         if not known and split_name(path.name) is None:
             parser.error(f"{path}: neither a structure nor a mesh; the suffixes are {KINDS}, and "
                          f"{', '.join(meshes.SUFFIXES)}")
     if any(each.partition("=")[0] == "--surface" for each in options.arguments):
-        parser.error("structures are shown with the solvent excluded surface; to see another one, write its mesh with "
-                     "eses-blocks FILE --surface sas --mesh MESH.ply, and give that")
+        parser.error("--surface must come before --")
     if options.electrostatics and options.potential:
         parser.error("--electrostatics and --potential exclude each other")
     if options.electrostatics and any(is_mesh):

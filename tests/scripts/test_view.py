@@ -118,6 +118,14 @@ class Files(TestCase):
             (area,) = first_row(self.page, "area")
             self.assertAlmostEqual(area / 100 / (4 * math.pi * RADIUS**2), 1, delta=0.01)
 
+    def test_other_surfaces_than_the_ses(self):
+        for surface, radius in (("sas", RADIUS + 1.4), ("vdw", RADIUS)):
+            with self.subTest(surface=surface):
+                self.assertDone(run_view(self.atoms, "--surface", surface, "-o", self.page))
+                self.assertAlmostEqual(data_of(self.page)[0]["molecules"][0]["radius_of_all"], 6 + radius, delta=0.05)
+                (area,) = first_row(self.page, "area")
+                self.assertAlmostEqual(area / 100 / (4 * math.pi * radius**2), 1, delta=0.01)
+
     def test_colours_of_files_are_kept(self):
         """The first vertices are those of the first sphere, which is red in colours of chains."""
         red = first_row(self.colored_page("m.ply"), "color_of_file")
@@ -181,7 +189,7 @@ class Files(TestCase):
                 ([mesh, "--electrostatics"], 2, "needs structures"),
                 ([mesh, "--potential", text], 1, "not an OpenDX map"),
                 ([self.atoms, "--", "--radii", "bondi"], 2, "--radii"),
-                ([self.atoms, "--", "--surface", "sas"], 2, "write its mesh with eses-blocks"),
+                ([self.atoms, "--", "--surface", "sas"], 2, "--surface must come before --"),
                 ([self.atoms, "--opacity", "120"], 2, "expected 0 to 100")):
             with self.subTest(message=message):
                 done = run_view("-o", self.page, *arguments)
