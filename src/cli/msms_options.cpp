@@ -159,6 +159,16 @@ constexpr Option known_options[] = {
     {"--allow-far-atoms", set<&MsmsOptions::allow_far_atoms, true>},
 };
 
+/// Throws UsageError if a file has the name of an option, because its own name is missing.
+void refuse_missing_file(const Option& option, std::span<const std::string> values) {
+  const bool takes_file = option.name == "-if" || option.name == "-of" || option.name == "-af";
+  if (takes_file && !values.empty() &&
+      std::any_of(std::begin(known_options), std::end(known_options),
+                  [&](const Option& other) { return other.name == values.front(); }))
+    throw UsageError(formatted("{0} needs a value before {1}; for a file of this name, write ./{1}",
+                               option.name, values.front()));
+}
+
 /// Returns the option of this name or, without one, the first option that begins with it.
 const Option& option_named(std::string_view name) {
   const auto begin = std::begin(known_options), end = std::end(known_options);
@@ -186,6 +196,7 @@ MsmsOptions parse_msms_arguments(const Arguments& arguments) {
     if (name == "-h" || name == "--help" || name == "--help-all") throw Notice{help};
     if (name == "--version") throw Notice{version_text()};
     const Option& option = option_named(name);
+    refuse_missing_file(option, rest.subspan(1));
     Values values{option.name, rest.subspan(1)};
     option.apply(values, options);
     rest = values.rest;

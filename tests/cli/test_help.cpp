@@ -137,6 +137,8 @@ TEST_CASE("mistyped options and commands have suggestions", "[cli]") {
        "--surface is '--write', expected ses, sas or vdw"},
       {{"pair.xyzr", "--mesh", "--quiet"},
        "--mesh needs a value before --quiet; for the text '--quiet', write --mesh=--quiet"},
+      {{"msms", "-if", "pair.xyzr", "-of", "-density", "3"},
+       "-of needs a value before -density; for a file of this name, write ./-density"},
       {{"measure", "pair.xyzr", "--format", "-q"},
        "--format is '-q', expected auto, xyzr, pqr, pdb or mmcif"},
       {{"--", "pair.xyzr", "--mesh", "a.ply"},
