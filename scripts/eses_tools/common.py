@@ -170,8 +170,8 @@ def end_with(main):
         sys.exit(130)
 
 
-SUFFIXES = (".png .jpg .jpeg .gif .svg .tif .tiff .bmp .webp .pdf .html .htm .txt .md .csv .json .ply .obj .stl .glb "
-            ".pdb .cif .pqr .xyzr").split()  # of files that are mistaken for others
+# Of texts, pages and pictures.
+SUFFIXES = ".txt .md .html .htm .png .jpg .jpeg .gif .svg .tif .tiff .bmp .webp .pdf".split()
 
 
 def require_kind(parser, path, what, *suffixes):

@@ -191,7 +191,7 @@ TEST_CASE("processes that would write the same files are refused unless they are
   // After -- and as the value of an option, the word is not an option.
   const Sandbox sandbox;
   for (const Arguments& arguments :
-       {Arguments{"--", "--independent"}, Arguments{"pair.xyzr", "-o", "--independent"}})
+       {Arguments{"--", "--independent"}, Arguments{"pair.xyzr", "--output-dir=--independent"}})
     CHECK(contains(sandbox.run(arguments, "", "SLURM_STEP_NUM_TASKS=4").err, "started as one of"));
 }
 
