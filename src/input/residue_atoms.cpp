@@ -12,8 +12,8 @@
 namespace eses::detail {
 namespace {
 
-// Forms of amino acids and nucleotides in force fields, and the standard residue with the same heavy
-// atoms.
+// Forms of amino acids and nucleotides in force fields, and the standard residue with the same
+// heavy atoms.
 constexpr std::array<std::pair<std::string_view, std::string_view>, 12> forms{{
     {"A", "ADE"},
     {"ARG", "ARN ARGN"},
