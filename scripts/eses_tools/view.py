@@ -336,11 +336,10 @@ def parse():
     look.add_argument("--atoms", default="none", metavar="NAME",
                       help="atoms of structures: none (the default), sticks, balls or spheres")
     look.add_argument("--opacity", type=per_cent, metavar="PERCENT",
-                      help="opacity of the surface (default: 100, or 45 with --atoms)")
+                      help="opacity (default: 100, or 45 with --atoms)")
     surface = parser.add_argument_group("surface of structures")
     surface.add_argument("--surface", default="ses", choices=tuple(AREAS),
-                         help="solvent excluded (ses, the default), solvent accessible (sas) or van der "
-                              "Waals surface (vdw)")
+                         help="kind of surface (default: ses)")
     surface.add_argument("--probe-radius", type=above_zero, default=1.4, metavar="ANGSTROM",
                          help="radius of the solvent probe (default: 1.4)")
     surface.add_argument("--ligands", default="sticks", choices=("sticks", "surface"),
