@@ -24,8 +24,8 @@ enum class DiagnosticKind : std::uint8_t {
   /// file. Atoms are missing, as in models of C-alpha atoms.
   one_atom_residue,
   /// The atom is the first one of a residue with the name of an amino acid or nucleotide, but with
-  /// atoms that it cannot have or without its backbone, as in coarse-grained models. Elements and
-  /// radii are guesses.
+  /// atoms that it cannot have or without its backbone, as in coarse-grained models, or a bead of
+  /// water of such a model. Elements and radii are guesses.
   foreign_residue,
   /// Most atoms are within 0.45 angstrom of their nearest neighbour, and their radii are not those
   /// of small_radii: the coordinates are probably in nanometres. It replaces close and nested.
