@@ -211,7 +211,7 @@ TEST_CASE("atoms that an assembly does not contain are counted as left out", "[s
   options.chains = {"B"};
   CHECK(pdb_error(text, options) ==
         "t.pdb: assembly 1 contains none of the selected atoms; left out: 3 of other chains, 1 of "
-        "water, 1 of HETATM records, 1 not in the assembly");
+        "water (--waters keeps them), 1 of HETATM records, 1 not in the assembly");
   options.select = "(XYZ)";
   CHECK(contains(pdb_error(text, options), "no atoms left of 6; left out: "));
   // In mmCIF files, assemblies are lists of subchains.

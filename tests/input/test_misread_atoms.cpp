@@ -192,7 +192,7 @@ TEST_CASE("beads of water are neither tungsten nor atoms", "[structure][cli]") {
   CHECK(elements_of(file) == Names(8, "O"));
   CHECK(count_of(DiagnosticKind::foreign_residue, file.diagnostics) == 6);
   // They are left out as other waters. The element column of a file decides.
-  CHECK(contains(pdb_error(beads), "left out: 8 of water"));
+  CHECK(contains(pdb_error(beads), "left out: 8 of water (--waters keeps them)"));
   const AtomFile metal = read_bondi(line_of({.name = " W  ", .residue = "W", .element = " W"}));
   CHECK(elements_of(metal) == Names{"W"});
   CHECK(metal.diagnostics.empty());

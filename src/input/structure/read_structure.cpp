@@ -202,7 +202,7 @@ void sort_by_line(std::vector<StructureAtom>& atoms) {
   const std::array<std::pair<std::uint64_t, std::string_view>, 9> dropped{
       {{report.dropped_chains, "of other chains"},
        {report.dropped_selection, "not selected"},
-       {report.dropped_waters, "of water"},
+       {report.dropped_waters, "of water (--waters keeps them)"},
        {report.dropped_hetatm, "of HETATM records"},
        {report.dropped_hydrogens, "hydrogens"},
        {report.dropped_altlocs, "of other alternate locations"},
