@@ -13,6 +13,27 @@ import eses_blocks as eses
 PROJECT = pathlib.Path(__file__).resolve().parents[2]
 DATA = PROJECT / "data"
 
+# A dipeptide with an ion, a water, an insertion code, and a side chain in two locations.
+PDB = """\
+ATOM      1  N   ALA A  10      11.104   6.134  -6.504  1.00  0.00           N
+ATOM      2  CA  ALA A  10      11.639   6.071  -5.147  1.00  0.00           C
+ATOM      3  C   ALA A  10      10.594   5.544  -4.167  1.00  0.00           C
+ATOM      4  O   ALA A  10       9.393   5.761  -4.333  1.00  0.00           O
+ATOM      5  CB  ALA A  10      12.123   7.449  -4.716  1.00  0.00           C
+ATOM      6  N   SER A  10A     11.068   4.851  -3.135  1.00  0.00           N
+ATOM      7  CA  SER A  10A     10.189   4.299  -2.111  1.00  0.00           C
+ATOM      8  C   SER A  10A     10.984   3.907  -0.868  1.00  0.00           C
+ATOM      9  O   SER A  10A     12.210   3.805  -0.909  1.00  0.00           O
+ATOM     10  CB ASER A  10A      9.440   3.081  -2.642  0.40  0.00           C
+ATOM     11  CB BSER A  10A      9.240   3.281  -2.742  0.60  0.00           C
+ATOM     12  OG ASER A  10A     10.317   2.170  -3.270  0.40  0.00           O
+ATOM     13  OG BSER A  10A      9.917   2.470  -3.670  0.60  0.00           O
+TER      14      SER A  10A
+HETATM   15 ZN    ZN B   1       5.104   2.134  -3.504  1.00  0.00          ZN
+HETATM   16  O   HOH B   2       2.104   1.134  -1.504  1.00  0.00           O
+END
+"""
+
 sys.path.append(str(PROJECT / "scripts/lib"))  # for notebook_page
 
 

@@ -3,7 +3,6 @@ order of the object. Libraries that are missing are skipped."""
 
 import csv
 import gzip
-import importlib.util
 import io
 import pickle
 import sys
@@ -13,31 +12,11 @@ import numpy as np
 import pytest
 
 import eses_blocks as eses
-from conftest import DATA
+from conftest import DATA, PDB
 from eses_blocks._references import REFERENCES
 
 pytestmark = pytest.mark.usefixtures("needs_gemmi")
 
-# A dipeptide with an ion, a water, an insertion code, and a side chain in two locations.
-PDB = """\
-ATOM      1  N   ALA A  10      11.104   6.134  -6.504  1.00  0.00           N
-ATOM      2  CA  ALA A  10      11.639   6.071  -5.147  1.00  0.00           C
-ATOM      3  C   ALA A  10      10.594   5.544  -4.167  1.00  0.00           C
-ATOM      4  O   ALA A  10       9.393   5.761  -4.333  1.00  0.00           O
-ATOM      5  CB  ALA A  10      12.123   7.449  -4.716  1.00  0.00           C
-ATOM      6  N   SER A  10A     11.068   4.851  -3.135  1.00  0.00           N
-ATOM      7  CA  SER A  10A     10.189   4.299  -2.111  1.00  0.00           C
-ATOM      8  C   SER A  10A     10.984   3.907  -0.868  1.00  0.00           C
-ATOM      9  O   SER A  10A     12.210   3.805  -0.909  1.00  0.00           O
-ATOM     10  CB ASER A  10A      9.440   3.081  -2.642  0.40  0.00           C
-ATOM     11  CB BSER A  10A      9.240   3.281  -2.742  0.60  0.00           C
-ATOM     12  OG ASER A  10A     10.317   2.170  -3.270  0.40  0.00           O
-ATOM     13  OG BSER A  10A      9.917   2.470  -3.670  0.60  0.00           O
-TER      14      SER A  10A
-HETATM   15 ZN    ZN B   1       5.104   2.134  -3.504  1.00  0.00          ZN
-HETATM   16  O   HOH B   2       2.104   1.134  -1.504  1.00  0.00           O
-END
-"""
 KEPT = [0, 1, 2, 3, 4, 5, 6, 7, 8, 10, 12, 13]  # of the 15 atoms: location B, no water
 
 
@@ -510,160 +489,3 @@ def test_residues_agree_with_the_program(pdb, run_program, tmp_path):
     assert [float(row["sas_area"]) for row in rows] == pytest.approx(residues["sas"], abs=1e-6)
     assert [float(row["relative_sas_area"] or "nan") for row in rows] == pytest.approx(
         residues["relative_sas"], abs=1e-6, nan_ok=True)
-
-
-MMCIF = """\
-data_x
-loop_
-_atom_site.group_PDB
-_atom_site.id
-_atom_site.type_symbol
-_atom_site.label_atom_id
-_atom_site.label_comp_id
-_atom_site.label_asym_id
-_atom_site.label_seq_id
-_atom_site.label_alt_id
-_atom_site.occupancy
-_atom_site.B_iso_or_equiv
-_atom_site.Cartn_x
-_atom_site.Cartn_y
-_atom_site.Cartn_z
-_atom_site.auth_seq_id
-_atom_site.auth_asym_id
-_atom_site.pdbx_PDB_ins_code
-ATOM   1 N N     GLY A 1 . 1 0 0.0 0.0 0.0 10 H ?
-ATOM   2 C CA    GLY A 1 . 1 0 1.5 0.0 0.0 10 H ?
-ATOM   3 N N     GLY A 2 . 1 0 4.0 0.0 0.0 10 H A
-ATOM   4 C 'CA'  GLY A 2 . 1 0 5.5 0.0 0.0 10 H A
-HETATM 5 O "O2'" GOL B . . 1 0 9.0 0.0 0.0 99 H ?
-HETATM 6 O O     HOH C . . 1 0 9.0 9.0 0.0 50 H ?
-"""
-
-
-def test_label_chains_of_mmcif_files(tmp_path):
-    path = tmp_path / "label.cif.gz"
-    path.write_bytes(gzip.compress(MMCIF.encode()))
-    for found in (path, str(path), MMCIF, io.BytesIO(MMCIF.encode())):
-        result = eses.measure(found)
-        assert result.atoms["chain"].tolist() == ["H"] * 5
-        assert result.atoms["label_chain"].tolist() == list("AAAAB")
-        residues = result.residues
-        assert residues["label_chain"].tolist() == list("AAB") and residues["icode"].tolist() == ["", "A", ""]
-        assert pickle.loads(pickle.dumps(result)).atoms["label_chain"].tolist() == list("AAAAB")
-    assert eses.measure(MMCIF, select="(GOL)").atoms["label_chain"].tolist() == ["B"]
-    assert "label_chain" not in eses.measure(MMCIF.replace("label_asym_id", "other")).atoms
-    # The rows of a wrapped loop are not lines.
-    assert "label_chain" not in eses.measure(MMCIF.replace("10 H A\n", "\n10 H A\n")).atoms
-    assert "label_chain" not in eses.measure(PDB).atoms
-
-
-def test_chain_names_are_chosen(tmp_path):
-    path = tmp_path / "label.cif"
-    path.write_text(MMCIF)
-    for found in (path, MMCIF):
-        result = eses.measure(found, chain_names="label")
-        assert result.atoms["chain"].tolist() == list("AAAAB")
-        assert result.residues["auth_chain"].tolist() == list("HHH") and "label_chain" not in result.residues
-        assert result.chains["chain"].tolist() == ["A", "B"]
-        assert eses.measure(found, chain_names="label", chains=["B"]).atoms["name"].tolist() == ["O2'"]
-    assert eses.read_atoms(path, chain_names="label").labels.chain.tolist() == list("AAAAB")
-    assert eses.read_atoms(path).labels.chain.tolist() == list("HHHHH")
-    with pytest.raises(ValueError, match="chain_names must be 'auth' or 'label', not 'both'"):
-        eses.read_atoms(path, chain_names="both")
-    with pytest.raises(ValueError, match="PDB files have no chain names label_asym_id"):
-        eses.measure(PDB, chain_names="label")
-
-
-def test_radii_in_place_of_occupancies():
-    text = "ATOM      1  CA  ALA A   1       0.000   0.000   0.000  2.25  0.00           C\n"
-    result = eses.measure(text, radii="occupancy")
-    assert result.sas_area == pytest.approx(4 * np.pi * 3.65**2)
-    assert result.radii.source == "the input file" and len(result.radii.guessed) == 0
-    gemmi = pytest.importorskip("gemmi")
-    with pytest.raises(ValueError, match="needs a PDB or mmCIF file"):
-        eses.measure(gemmi.read_pdb_string(text), radii="occupancy")
-
-
-def test_label_chains_of_gemmi():
-    gemmi = pytest.importorskip("gemmi")
-    structure = gemmi.make_structure_from_block(gemmi.cif.read_string(MMCIF).sole_block())
-    assert eses.measure(structure).residues["label_chain"].tolist() == list("AAB")
-
-
-def test_radii_of_ligands_follow_from_their_bonds():
-    text = "".join(f"HETATM{i:5d}  {name:3} GOL A   1    {4.0 * i:8.3f}   0.000   0.000  1.00  0.00           {name[0]}\n"
-                   for i, name in enumerate(("C1", "O1", "C2", "C9"), 1))
-    if importlib.util.find_spec("biotite") is None:
-        with pytest.raises(ImportError, match="needs Biotite"):
-            eses.measure(text, radii="protor+ccd")
-        return
-    by_element, by_bonds = eses.measure(text), eses.measure(text, radii="protor+ccd")
-    assert by_element.radii.guessed.tolist() == [0, 1, 2, 3]
-    # A methylene and a hydroxyl group and a methine; glycerol has no fourth atom of this name.
-    assert by_bonds.atoms["radius"][:3].tolist() == [1.88, 1.46, 1.88]
-    assert by_bonds.atoms["radius"][3] == by_element.atoms["radius"][3]
-    assert by_bonds.radii.guessed.tolist() == [3] and "Biotite" in by_bonds.radii.source
-    assert by_bonds.radii.name == "protor+ccd"
-    # Atoms that the set names keep their radii.
-    assert eses.measure(PDB, radii="protor+ccd").sas_area == eses.measure(PDB).sas_area
-
-
-def models_text():
-    """Three models of a few atoms that move."""
-    atoms = [line for line in PDB.splitlines(True) if line.startswith(("ATOM", "HETATM"))]
-    return "".join(f"MODEL     {number:4}\n" + "".join(f"{line[:30]}{float(line[30:38]) * (1 + number / 50):8.3f}{line[38:]}"
-                                                        for line in atoms) + "ENDMDL\n" for number in (1, 2, 7))
-
-
-def test_models_of_a_file(tmp_path):
-    path = tmp_path / "nmr.pdb"
-    path.write_text(models_text())
-    expected = [eses.measure(path, model=number, unknown_radius=1.5).sas_area for number in (1, 2, 7)]
-    assert len(set(expected)) == 3
-    found = eses.measure(path, models="all", unknown_radius=1.5)
-    assert [each.sas_area for each in found] == expected
-    assert [each.sas_area for each in eses.measure(str(path), models=[7, 1], unknown_radius=1.5)] == expected[::-2]
-    assert [each.sas_area for each in eses.measure(models_text(), models=iter((2,)), unknown_radius=1.5)] == expected[1:2]
-    with open(path, "rb") as opened:
-        assert [each.sas_area for each in eses.measure(opened, models="all", unknown_radius=1.5)] == expected
-    with pytest.raises(ValueError, match="models must be 'all' or numbers, not 'first'"):
-        eses.measure(path, models="first")
-    with pytest.raises(TypeError, match="model or models"):
-        eses.measure(path, models="all", model=1)
-    with pytest.raises(TypeError, match="only files have models"):
-        eses.measure(([[0, 0, 0]], [1]), models="all")
-    with pytest.raises(ValueError, match="there is no model 3"):
-        eses.measure(path, models=[3])
-
-
-def test_models_of_an_mmcif_file():
-    rows = "".join(f"ATOM {model * 10 + k} C CA ALA A 1 {k} {3.0 * k * model} 0 0 1 {model}\n"
-                   for model in (1, 4) for k in (1, 2))
-    columns = ("group_PDB id type_symbol label_atom_id label_comp_id label_asym_id label_entity_id label_seq_id Cartn_x Cartn_y "
-               "Cartn_z occupancy pdbx_PDB_model_num").split()
-    text = "data_x\nloop_\n" + "".join(f"_atom_site.{name}\n" for name in columns) + rows + "#\n"
-    found = eses.measure(text, models="all")
-    assert [each.sas_area for each in found] == [eses.measure(text, model=number).sas_area for number in (1, 4)]
-    assert found[0].sas_area != found[1].sas_area
-
-
-def test_atoms_that_a_file_leaves_out_are_counted():
-    water = "HETATM   90  O   HOH A  90      40.000   2.000   3.000  1.00  0.00           O\n"
-    text = "".join(line for line in PDB.splitlines(True) if line.startswith("ATOM")) + water
-    found = eses.measure(text)
-    assert found.left_out["water"] == 1
-    assert found.left_out == found.molecule.left_out
-    assert "water" not in eses.measure(text, waters=True).left_out
-    atoms = eses.read_atoms(io.StringIO(text), format="pdb")
-    assert pickle.loads(pickle.dumps(atoms)).left_out == atoms.left_out and atoms.left_out["water"] == 1
-
-
-@pytest.mark.parametrize("suffix", ["xyzr", "pqr"])
-def test_options_of_structures_are_refused_for_files_without(tmp_path, suffix):
-    path = tmp_path / f"atom.{suffix}"
-    path.write_text("0 0 0 1.5\n" if suffix == "xyzr" else "ATOM 1 C LIG 1 0 0 0 0 1.5\n")
-    for options in ({"chain_names": "label"}, {"radii": "occupancy"}, {"chains": ["A"]}, {"select": "A"}):
-        for found in (path, path.read_text()):
-            with pytest.raises(ValueError, match=f"needs a PDB or mmCIF file; .* is read as {suffix}"):
-                eses.measure(found, format=suffix, **options)
-    assert eses.measure(path, chain_names="auth").sas_area == pytest.approx(4 * np.pi * 2.9**2)
