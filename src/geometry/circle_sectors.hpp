@@ -40,10 +40,12 @@ struct CoveredSectors {
     const std::int32_t n = length[cap];
     return n > 0 && n < sector_count ? std::rotl((Sectors{1} << n) - 1, first[cap]) : 0;
   }
-  /// With a margin of one sector at each end, besides the sectors of the ends.
+  /// With a margin of one sector at each end, besides the sectors of the ends. The first sector of
+  /// a cap without any is any number, from which unsigned integers can be subtracted.
   Sectors touched_by(std::size_t cap) const {
     const std::int32_t n = length[cap] + 4;
-    return n >= sector_count ? ~Sectors{0} : std::rotl((Sectors{1} << n) - 1, first[cap] - 2);
+    const auto begin = static_cast<std::int32_t>(static_cast<std::uint32_t>(first[cap]) - 2);
+    return n >= sector_count ? ~Sectors{0} : std::rotl((Sectors{1} << n) - 1, begin);
   }
 };
 

@@ -68,8 +68,8 @@ class Column {
   int residue_number(const Row& row, const std::string& number) const {
     constexpr std::ptrdiff_t max_digits = 9;  // such that it is in the range of int
     try {
-      const int value = gemmi::cif::as_int(number);
-      if (std::count_if(number.begin(), number.end(), is_digit) <= max_digits) return value;
+      if (std::count_if(number.begin(), number.end(), is_digit) <= max_digits)
+        return gemmi::cif::as_int(number);
     } catch (const std::invalid_argument&) {  // The message below has the line.
     }
     fail(row,
