@@ -61,8 +61,9 @@ inline void mark_residues(gemmi::Model& model) {
         residue.flag = 'S';
 }
 
-// What mark_residues has found.
+/// Returns whether mark_residues has found several atoms, but none of a backbone.
 inline bool has_no_backbone(const gemmi::Residue& residue) { return residue.flag == 'S'; }
+/// Returns whether mark_residues has found another molecule than the name says.
 inline bool is_other_molecule(const gemmi::Residue& residue) { return residue.flag == 'O'; }
 
 inline bool is_hetatm(const gemmi::Residue& residue) { return residue.het_flag == 'H'; }
