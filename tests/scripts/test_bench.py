@@ -1,4 +1,4 @@
-"""Tests of scripts/benchmarks/bench and mesh-times: measuring, saving, comparing, and errors."""
+"""Tests of scripts/benchmarks/bench: measuring, saving, comparing, and errors."""
 
 import gzip
 import json
@@ -227,30 +227,3 @@ class Failures(BenchTest):
     def test_invalid_options_are_refused(self):
         for arguments in (("--runs", "0"), ("--spacing", "x"), ("--block-size", "x"), ("--what",)):
             self.refused(*arguments, code=2)
-
-
-class MeshTimes(TestCase):
-    def mesh_times(self, *arguments, script, code=0):
-        nanoshaper = write_program(self.folder / "NanoShaper", script)
-        done = run("benchmarks/mesh-times", *arguments, "--nanoshaper", nanoshaper,
-                   "--program", PROGRAM, "--runs", "1")
-        self.assertDone(done, code)
-        return done
-
-    def test_both_programs_get_the_same_atoms_and_spacing(self):
-        """Instead of NanoShaper, a program reads the settings and writes a mesh."""
-        done = self.mesh_times(DATA / "c60.xyzr", "--spacing", "0.5", script="""
-            [ $(wc -l < atoms.xyzr) = 60 ] || exit 3
-            grep -qx 'Grid_scale = 2.0' "$1" || exit 4
-            echo OFF > triangulatedSurf.off
-            """)
-        header, _, row = done.stdout.splitlines()
-        self.assertEqual(header, "| structure | NanoShaper | eses-blocks | ratio |")
-        self.assertRegex(row, r"^\| c60 (\| [0-9.]+ s, \d+ MB ){2}\| [0-9.]+ \|$")
-
-    def test_failures_are_named(self):
-        for script in ("echo no atoms; exit 1", "echo no atoms"):
-            done = self.mesh_times(DATA / "c60.xyzr", script=script, code=1)
-            self.assertIn("no atoms", done.stderr)
-        done = self.mesh_times(self.folder / "none.xyzr", script="exit 0", code=1)
-        self.assertIn("none.xyzr does not exist", done.stderr)
