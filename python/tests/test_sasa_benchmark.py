@@ -30,7 +30,7 @@ def test_errors_are_differences_from_exact_areas_and_failures_are_counted(tmp_pa
     path, output = DATA / "boxb.pqr", tmp_path / "rows.json"
     starter = f"import runpy, sys; sys.path.insert(0, {str(tmp_path)!r}); sys.argv = ['sasa'] + sys.argv[1:]; " \
               f"runpy.run_path({str(SCRIPT)!r}, run_name='__main__')"
-    done = subprocess.run([sys.executable, "-c", starter, "--runs", "2", "--json", str(output), str(path)],
+    done = subprocess.run([sys.executable, "-c", starter, "--runs", "2", "--more", "--json", str(output), str(path)],
                           capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
     rows = {row["method"]: row for row in json.loads(output.read_text())["rows"]}
@@ -39,5 +39,6 @@ def test_errors_are_differences_from_exact_areas_and_failures_are_counted(tmp_pa
     assert sampled["atoms"] == atoms and sampled["sum"] == pytest.approx(0.25 * atoms)
     assert sampled["worst"] == pytest.approx(0.25)
     assert rows["eses, exact, also the SES"]["worst"] < 1e-9
+    assert rows["eses, also derivatives"]["cpu"] > 0
     assert "zsasa, 64 points, bit masks" not in rows and "no bit masks" in done.stderr
     assert "| zsasa, 100 points |" in done.stdout and "| 0.25 | 0." in done.stdout
