@@ -1,18 +1,14 @@
 """Measures the cost of a run of the program, for the scripts that measure."""
 
 import contextlib
-import datetime
 import json
 import os
-import pathlib
 import resource
 import signal
 import subprocess
-import sys
-import tempfile
 import time
 
-from eses_tools.common import Failed, command_of, complete_file, file_argument, machine
+from eses_tools.common import Failed, file_argument
 
 
 GRACE = 5  # seconds
@@ -103,63 +99,3 @@ def run_program(program, arguments, directory):
         report = json.load(report_file)
     return report, {"user": usage.ru_utime, "system": usage.ru_stime, "wall": wall,
                     "peak_bytes": peak_bytes(usage, report), "seconds": report["seconds"]}
-
-
-def measure_once(program, arguments, scratch):
-    """Runs the program in a new directory and removes its files."""
-    with tempfile.TemporaryDirectory(dir=scratch) as name:
-        return run_program(program, arguments, pathlib.Path(name))
-
-
-def summarize(measured):
-    """Combines several runs: least time, highest memory, and the costs of all runs."""
-    report = measured[0][0]
-    costs = [cost for _, cost in measured]
-    return {
-        "atoms": report["atoms"], "points": report["grid"]["points"],
-        "output_bytes": report["output"]["bytes"],
-        "area": report["area"], "volume": report["volume"],
-        "cpu": min(cost["user"] + cost["system"] for cost in costs),
-        "wall": min(cost["wall"] for cost in costs),
-        "peak_bytes": max(cost["peak_bytes"] for cost in costs),
-        "runs": costs,
-    }
-
-
-def rings_for(copies):
-    """Returns the largest divisor up to the square root, for a shape that is neither tall nor
-    wide."""
-    return max(n for n in range(1, copies + 1) if copies % n == 0 and n * n <= copies)
-
-
-def assemble(program, source, copies, target):
-    """Writes a complex of copies of the structure with eses-assemble."""
-    command = [*command_of("assemble"), file_argument(source), "--copies", str(copies),
-               "--rings", str(rings_for(copies)), "--output", target, "--program", program]
-    done = subprocess.run(command, stdin=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True,
-                          check=False)
-    if done.returncode != 0:
-        raise Failed(done.stderr.strip())
-
-
-# ------------------------------------------------------------------- measurements that are saved
-
-
-def save(path, build, settings, **results):
-    figures = {"date": datetime.datetime.now().astimezone().isoformat(timespec="seconds"),
-               "build": build, "machine": machine(), "settings": settings, **results}
-    with complete_file(path, encoding="utf-8") as target:
-        json.dump(figures, target, indent=1)
-        target.write("\n")
-
-
-def load(path, *results):
-    """Loads saved measurements that have at least these results."""
-    try:
-        figures = json.loads(path.read_text(encoding="utf-8"))
-    except ValueError as error:
-        raise Failed(f"{path}: no JSON: {error}") from None
-    expected = {"date", "machine", "settings", *results}
-    if not isinstance(figures, dict) or not expected <= set(figures):
-        raise Failed(f"{path} is not what this script writes")
-    return figures

@@ -1,8 +1,10 @@
-"""Draws pairs of panels on logarithmic scales as SVG."""
+"""Saves measurements with date, build and machine, and draws them as SVG with matplotlib."""
 
+import datetime
 import importlib.util
+import json
 
-from eses_tools.common import Failed
+from eses_tools.common import Failed, complete_file, machine
 
 WIDTH, HEIGHT = 600 / 72, 315 / 72  # inches; an SVG of 600 pt is 800 px wide
 TOP, BOTTOM = 0.87, 0.25  # share of the height: the axes, between legend and caption
@@ -13,12 +15,25 @@ ORANGE = {"color": "#D55E00", "marker": "s"}
 GREEN = {"color": "#009E73", "marker": "^"}
 GREY = {"color": "#555555", "marker": "v"}
 
-GUIDE_STYLES = {
-    -1: {"linestyle": "--", "label": "ideal"},
-    -2: {"linestyle": "--", "label": "$h^{-2}$"},
-    -3: {"linestyle": ":", "label": "$h^{-3}$"},
-    1: {"linestyle": "--", "label": "linear in $n$"},
-}
+
+def save(path, build, settings, **results):
+    figures = {"date": datetime.datetime.now().astimezone().isoformat(timespec="seconds"),
+               "build": build, "machine": machine(), "settings": settings, **results}
+    with complete_file(path, encoding="utf-8") as target:
+        json.dump(figures, target, indent=1)
+        target.write("\n")
+
+
+def load(path, *results):
+    """Loads saved measurements that have at least these results."""
+    try:
+        figures = json.loads(path.read_text(encoding="utf-8"))
+    except ValueError as error:
+        raise Failed(f"{path}: no JSON: {error}") from None
+    expected = {"date", "machine", "settings", *results}
+    if not isinstance(figures, dict) or not expected <= set(figures):
+        raise Failed(f"{path} is not what this script writes")
+    return figures
 
 
 def require_matplotlib():
@@ -56,52 +71,6 @@ def plain_ticks(axis, places=None):
         axis.set_minor_locator(ticker.NullLocator())
     axis.set_major_formatter(ticker.FuncFormatter(lambda value, _: f"{value:,.12g}"))
     axis.set_minor_formatter(ticker.NullFormatter())
-
-
-def draw_series(axes, series, styles, x_of, y_of):
-    for key, rows in series.items():
-        rows = sorted(rows, key=x_of)
-        axes.plot([x_of(row) for row in rows], [y_of(row) for row in rows],
-                  **{"markersize": 5, **styles[key]})
-
-
-def draw_guides(axes, anchor, slopes):
-    """Draws lines of given slopes through a point across the panel, without changing its scale."""
-    x, y = anchor
-    ends = axes.get_xlim()
-    for slope in slopes:
-        axes.plot(ends, [y * (end / x) ** slope for end in ends], color="0.45", linewidth=1.2,
-                  zorder=1, scalex=False, scaley=False, **GUIDE_STYLES[slope])
-
-
-def set_scale(axes, x, y):
-    """Leaves room around the points. The y-axis spans at least a decade, so that slopes are
-    visible."""
-    axes.set_xscale("log")
-    axes.set_yscale("log")
-    axes.set_xlim(min(x) / 1.15, max(x) * 1.15)
-    low, high = min(y) / 1.5, max(y) * 1.5
-    spread = max(1, (10 * low / high) ** 0.5)
-    axes.set_ylim(low / spread, high * spread)
-
-
-def panels(pyplot, series, styles, x_of, quantities):
-    """Draws two panels with the same data.
-
-    `series`: key -> rows, drawn by `styles[key]`. `quantities`: a title and a function y_of for
-    each panel. A row for which y_of returns None is left out of that panel.
-    """
-    figure, both = pyplot.subplots(1, 2, figsize=(WIDTH, HEIGHT))
-    for axes, (name, y_of) in zip(both, quantities):
-        known = {key: [row for row in rows if y_of(row) is not None]
-                 for key, rows in series.items()}
-        shown = [row for rows in known.values() for row in rows]
-        set_scale(axes, [x_of(row) for row in shown], [y_of(row) for row in shown])
-        draw_series(axes, {key: rows for key, rows in known.items() if rows}, styles, x_of, y_of)
-        axes.grid(True, color="0.9", linewidth=0.7)
-        axes.set_title(name, loc="left")
-        plain_ticks(axes.yaxis)
-    return figure, both
 
 
 def origin(figures):
