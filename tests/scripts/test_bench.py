@@ -14,7 +14,7 @@ from support import DATA, PROGRAM, TestCase, run, write_program
 
 from eses_tools import common, measuring  # after support, which makes the modules of the scripts known
 
-COLUMNS = ("structure", "atoms", "points", "CPU s", "wall s", "peak MB", "MB out", "x copy")
+COLUMNS = ("structure", "atoms", "points", "CPU s", "wall s", "peak MB", "MB written", "x copy")
 
 
 def run_program(*arguments):
@@ -88,9 +88,8 @@ class Figures(BenchTest):
         lines = done.stdout.splitlines()
         for column in COLUMNS:
             self.assertIn(column, lines[0])
-        self.assertEqual([line.split()[0] for line in lines[1:]],
-                         ["boxb", "c60", "packed", "total"])
-        self.assertIn("1,298", lines[-1])  # atoms
+        self.assertEqual([line.split(" | ")[:2] for line in lines[2:]],
+                         [["| boxb", "619"], ["| c60", "60"], ["| packed", "619"]])
         saved = self.read()
         self.assertEqual(saved["settings"], {
             "runs": 1, "threads": 1, "probe_radius": 1.4, "spacing": 0.4, "margin": 0.8,
@@ -101,7 +100,6 @@ class Figures(BenchTest):
             for key in ("cpu", "wall", "copy_cpu"):
                 self.assertGreater(row[key], 0)
             self.assertGreater(row["peak_bytes"], 1_000_000)
-            self.assertIn("total", row["seconds"])
 
     def test_bytes_and_settings_are_those_of_the_program(self):
         arguments = self.folder / "arguments"
@@ -143,7 +141,7 @@ class Comparison(BenchTest):
 
     def lines(self):
         done = self.bench(self.input, "--against", self.saved)
-        return {line.split()[0]: line for line in done.stdout.partition("against")[2].splitlines()}
+        return {line.strip("|").split()[0]: line for line in done.stdout.partition("against")[2].splitlines() if line}
 
     def test_comparison_shows_times_and_different_results(self):
         def change(figures):
@@ -155,9 +153,9 @@ class Comparison(BenchTest):
         lines = self.lines()
         self.assertIn(" 1000.000 ", lines["c60"])
         self.assertIn(" -100.0 % ", lines["c60"])
-        self.assertTrue(lines["c60"].endswith(" DIFFER"), lines["c60"])
-        self.assertTrue(lines["boxb"].endswith(" same"), lines["boxb"])
-        self.assertIn("geometric", lines)
+        self.assertTrue(lines["c60"].endswith(" DIFFER |"), lines["c60"])
+        self.assertTrue(lines["boxb"].endswith(" same |"), lines["boxb"])
+        self.assertIn("CPU", lines)  # geometric mean
 
     def test_figures_without_block_size_are_compared(self):
         self.change(lambda figures: (figures["settings"].pop("block_size"),
@@ -170,7 +168,7 @@ class Comparison(BenchTest):
         self.change(lambda figures: figures.update(machine={"cpu": "abacus"}))
         self.assertIn("abacus", " ".join(self.lines().values()))
         self.change(lambda figures: figures["structures"].clear())
-        self.assertIn("no", self.lines())
+        self.assertNotIn("boxb", self.lines())
 
     def test_figures_with_other_settings_are_refused(self):
         for option, value in (("--spacing", "0.5"), ("--threads", "1"), ("--block-size", "32"),
