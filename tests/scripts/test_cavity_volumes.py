@@ -1,4 +1,4 @@
-"""Tests scripts/benchmarks/cavity-volumes; skipped without numpy."""
+"""Tests scripts/benchmarks/cavity-volumes; skipped without scipy."""
 
 import importlib.util
 import unittest
@@ -6,7 +6,7 @@ import unittest
 from support import PROGRAM, TestCase, run
 
 
-@unittest.skipUnless(importlib.util.find_spec("numpy"), "needs numpy")
+@unittest.skipUnless(importlib.util.find_spec("scipy"), "needs scipy")
 class CavityVolumes(TestCase):
     def test_volumes_of_flood_fills_approach_the_exact_ones(self):
         """A hollow cube of atoms has one cavity. The grids know nothing of its faces and arcs."""
