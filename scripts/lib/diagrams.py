@@ -1,14 +1,13 @@
-"""Draws diagrams as SVG files with the standard library alone. The bytes are always the same.
+"""Draws diagrams as SVG files with the standard library alone, and the surface of discs. The bytes are always the same.
 
 Lengths on the page are in pixels. A panel maps scene coordinates, with y upwards, to the page.
 Labels are plain text with $mathematics$: letters in italics, `_x` or `_{xyz}` as subscripts.
 """
 
+import collections
 import math
 import re
 import xml.sax.saxutils
-
-from eses_tools.common import Failed
 
 # Colours of Okabe and Ito, which colour-blind readers can distinguish, and light tints of them.
 BLUE, ORANGE, GREEN, PURPLE = "#0072B2", "#D55E00", "#009E73", "#9A5580"
@@ -18,16 +17,26 @@ BLACK, DARK, GREY, LIGHT = "#222222", "#444444", "#8A8A8A", "#ECECEC"
 FONT_SIZE = 14
 SUBSCRIPT_SIZE = 10.5
 SPACE_WIDTH = 4.5
-LETTER_WIDTH = 0.56  # share of the font size: the average of a sans-serif font, with some room
+STEP = 0.06  # radians between the points of an arc
 
 
 def number(value):
-    text = f"{value:.2f}".rstrip("0").rstrip(".")
+    text = f"{value:.1f}".removesuffix(".0")
     return "0" if text == "-0" else text
+
+
+def angle_of(center, point):
+    return math.atan2(point[1] - center[1], point[0] - center[0])
 
 
 def on_circle(center, radius, angle):
     return center[0] + radius * math.cos(angle), center[1] + radius * math.sin(angle)
+
+
+def on_arc(center, radius, start, end):
+    """Returns points between two angles (radians), counter-clockwise if `end` is the larger one."""
+    steps = max(1, math.ceil(abs(end - start) / STEP))
+    return [on_circle(center, radius, start + (end - start) * step / steps) for step in range(steps + 1)]
 
 
 def toward(start, end, length):
@@ -44,84 +53,44 @@ def segments(label):
                 yield part, False, False
             continue
         for subscript, other in re.findall(r"_(\{[^}]*\}|.)|([^_]+)", part):
-            if subscript:
-                yield subscript.strip("{}"), True, True
-            else:
-                yield other, True, False
+            yield subscript.strip("{}") or other, True, bool(subscript)
 
 
-def label_width(label):
-    return LETTER_WIDTH * sum(len(text) * (SUBSCRIPT_SIZE if is_subscript else FONT_SIZE)
-                              for text, _, is_subscript in segments(label))
-
-
-def attributes(values):
+def attributes(**values):
     return "".join(f' {name.replace("_", "-")}={xml.sax.saxutils.quoteattr(str(value))}'
-                   for name, value in values.items())
+                   for name, value in values.items() if value is not None)
 
 
-def shape_style(stroke=None, fill=None, width=1.5, dash=None, opacity=None):
-    style = {"fill": fill or "none"}
-    if stroke:
-        style.update(stroke=stroke, stroke_width=number(width))
-    if dash:
-        style["stroke_dasharray"] = dash
-    if opacity is not None:
-        style["fill_opacity"] = number(opacity)
-    return attributes(style)
+def shape_style(stroke=None, fill="none", width=1.5, dash=None, opacity=None):
+    return attributes(fill=fill, stroke=stroke, stroke_width=width if stroke else None, stroke_dasharray=dash,
+                      fill_opacity=opacity)
 
 
 class Diagram:
     def __init__(self, width, height, title):
         self.width, self.height, self.title = width, height, title
         self.elements = []
-        self.labels = []  # with their boxes: left, top, right, bottom
-
-    def add(self, element):
-        self.elements.append(element)
 
     def label(self, x, y, text, anchor="start", color=BLACK):
         """Writes a label with its vertical middle at `y`."""
-        width = label_width(text)
-        left = x - {"start": 0, "middle": width / 2, "end": width}[anchor]
-        self.labels.append((text, (left, y - 0.55 * FONT_SIZE, left + width, y + 0.55 * FONT_SIZE)))
-        spans = ""
-        lowered, space = 0, 0
+        spans, lowered, space = "", 0, 0
         for part, is_italic, is_subscript in segments(text):
             wanted = 4 if is_subscript else 0
-            style = {}
             # Renderers drop spaces at the ends of a part, so a shift replaces them.
             space += SPACE_WIDTH if part.startswith(" ") else 0
-            if space:
-                style["dx"] = space
-            if wanted != lowered:
-                style["dy"] = wanted - lowered
-            if is_italic and any(letter.isalpha() for letter in part):
-                style["font_style"] = "italic"
-            if is_subscript:
-                style["font_size"] = SUBSCRIPT_SIZE
+            style = attributes(
+                dx=space or None, dy=wanted - lowered or None,
+                font_style="italic" if is_italic and any(letter.isalpha() for letter in part) else None,
+                font_size=SUBSCRIPT_SIZE if is_subscript else None)
             lowered, space = wanted, SPACE_WIDTH if part.endswith(" ") else 0
-            spans += f"<tspan{attributes(style)}>{xml.sax.saxutils.escape(part.strip())}</tspan>"
-        place = attributes({"x": number(x), "y": number(y + 0.35 * FONT_SIZE), "fill": color,
-                            "text_anchor": anchor})
-        self.add(f"<text{place}>{spans}</text>")
-
-    def check_labels(self):
-        """Throws Failed if a label leaves the page or two labels overlap."""
-        for index, (text, box) in enumerate(self.labels):
-            if box[0] < 0 or box[1] < 0 or box[2] > self.width or box[3] > self.height:
-                raise Failed(f"{self.title}: the label '{text}' leaves the page")
-            for other, other_box in self.labels[:index]:
-                if (box[0] < other_box[2] and other_box[0] < box[2] and
-                        box[1] < other_box[3] and other_box[1] < box[3]):
-                    raise Failed(f"{self.title}: the labels '{text}' and '{other}' overlap")
+            spans += f"<tspan{style}>{xml.sax.saxutils.escape(part.strip())}</tspan>"
+        place = attributes(x=number(x), y=number(y + 0.35 * FONT_SIZE), fill=color, text_anchor=anchor)
+        self.elements.append(f"<text{place}>{spans}</text>")
 
     def text(self):
-        self.check_labels()
-        head = attributes({"xmlns": "http://www.w3.org/2000/svg", "width": self.width,
-                           "height": self.height, "viewBox": f"0 0 {self.width} {self.height}",
-                           "font_family": "DejaVu Sans, Verdana, Arial, sans-serif",
-                           "font_size": FONT_SIZE, "role": "img"})
+        head = attributes(xmlns="http://www.w3.org/2000/svg", width=self.width, height=self.height,
+                          viewBox=f"0 0 {self.width} {self.height}",
+                          font_family="DejaVu Sans, Verdana, Arial, sans-serif", font_size=FONT_SIZE, role="img")
         title = xml.sax.saxutils.escape(self.title)
         return "\n".join([f"<svg{head}>", f"<title>{title}</title>",
                           '<rect width="100%" height="100%" fill="#FFFFFF"/>',
@@ -137,62 +106,104 @@ class Panel:
     def page(self, point):
         return (self.origin[0] + self.scale * point[0], self.origin[1] - self.scale * point[1])
 
-    def place(self, point):
-        return " ".join(number(value) for value in self.page(point))
-
     def circle(self, center, radius, **style):
         x, y = self.page(center)
-        place = attributes({"cx": number(x), "cy": number(y), "r": number(radius * self.scale)})
-        self.diagram.add(f"<circle{place}{shape_style(**style)}/>")
+        place = attributes(cx=number(x), cy=number(y), r=number(radius * self.scale))
+        self.diagram.elements.append(f"<circle{place}{shape_style(**style)}/>")
 
     def dot(self, center, color=BLACK, pixels=3.5, is_hollow=False):
-        x, y = self.page(center)
-        place = attributes({"cx": number(x), "cy": number(y), "r": number(pixels)})
-        style = shape_style(color, "#FFFFFF") if is_hollow else shape_style(None, color)
-        self.diagram.add(f"<circle{place}{style}/>")
-
-    def path(self, data, **style):
-        self.diagram.add(f'<path d="{data}"{shape_style(**style)}/>')
+        style = {"stroke": color, "fill": "#FFFFFF"} if is_hollow else {"fill": color}
+        self.circle(center, pixels / self.scale, **style)
 
     def lines(self, points, is_closed=False, **style):
-        data = "M" + "L".join(self.place(point) for point in points) + ("Z" if is_closed else "")
-        self.path(data, **style)
+        data = "L".join(" ".join(map(number, self.page(point))) for point in points) + ("Z" if is_closed else "")
+        self.diagram.elements.append(f'<path d="M{data}"{shape_style(**style)}/>')
 
     def rectangle(self, low, high, **style):
         self.lines([low, (high[0], low[1]), high, (low[0], high[1])], is_closed=True, **style)
 
-    def arc_data(self, center, radius, start, end):
-        """Returns the part of a path that continues to the end of an arc, from its start."""
-        size = number(radius * self.scale)
-        is_large = 1 if abs(end - start) > math.pi else 0
-        is_clockwise = 1 if end < start else 0
-        return f"A{size} {size} 0 {is_large} {is_clockwise} " + self.place(
-            on_circle(center, radius, end))
-
     def arc(self, center, radius, start, end, **style):
-        """Draws an arc between two angles (radians), counter-clockwise if `end` is the larger
-        one."""
-        self.path("M" + self.place(on_circle(center, radius, start)) +
-                  self.arc_data(center, radius, start, end), **style)
-
-    def sector(self, center, inner, outer, start, end, **style):
-        """Draws the region between two arcs about the same centre."""
-        self.path("M" + self.place(on_circle(center, outer, start)) +
-                  self.arc_data(center, outer, start, end) +
-                  "L" + self.place(on_circle(center, inner, end)) +
-                  self.arc_data(center, inner, end, start) + "Z", **style)
+        self.lines(on_arc(center, radius, start, end), **style)
 
     def arrow(self, start, end, color=BLACK, width=1.5):
         self.lines([start, end], stroke=color, width=width)
-        (x0, y0), (x1, y1) = self.page(start), self.page(end)
-        length = math.hypot(x1 - x0, y1 - y0)
-        ux, uy = (x1 - x0) / length, (y1 - y0) / length
-        corners = [(x1, y1), (x1 - 8 * ux - 3.5 * uy, y1 - 8 * uy + 3.5 * ux),
-                   (x1 - 8 * ux + 3.5 * uy, y1 - 8 * uy - 3.5 * ux)]
-        data = "M" + "L".join(f"{number(x)} {number(y)}" for x, y in corners) + "Z"
-        self.path(data, fill=color)
+        length, half = 8 / self.scale, 3.5 / self.scale  # of the head
+        x, y = toward(end, start, length)
+        ux, uy = (half * (b - a) / math.dist(start, end) for a, b in zip(start, end))
+        self.lines([end, (x - uy, y + ux), (x + uy, y - ux)], is_closed=True, fill=color)
 
     def label(self, point, text, offset=(0, 0), **how):
         """Draws a label. `offset` is in pixels, to the right and upwards."""
         x, y = self.page(point)
         self.diagram.label(x + offset[0], y - offset[1], text, **how)
+
+
+# ------------------------------------------------------------------------------- surface of discs
+
+# An accessible arc of the SAS circle of one disc, counter-clockwise between two angles.
+Face = collections.namedtuple("Face", "disc start end")
+
+
+class DiscSurface:
+    """The solvent excluded surface of discs in a plane, in place of spheres. `discs` are (x, y, radius). The
+    accessible set is bounded by arcs of SAS circles, which meet at vertices, where the probe touches two
+    discs."""
+
+    def __init__(self, discs, probe):
+        self.discs, self.probe = discs, probe
+        self.faces = [face for disc in discs for face in self.faces_of(disc)]
+
+    def ends_on(self, disc):
+        """Returns the angles at which other SAS circles meet that of the disc."""
+        radius = disc[2] + self.probe
+        for other in self.discs:
+            distance, reach = math.dist(disc[:2], other[:2]), other[2] + self.probe
+            if other is disc or distance >= radius + reach:
+                continue
+            middle = angle_of(disc, other)
+            half = math.acos((distance ** 2 + radius ** 2 - reach ** 2) / (2 * distance * radius))
+            yield (middle - half) % math.tau
+            yield (middle + half) % math.tau
+
+    def faces_of(self, disc):
+        """Returns the arcs whose middles are in no other SAS circle. At each end the other circle covers one
+        side, so faces do not touch each other."""
+        ends = sorted(self.ends_on(disc)) or [0]
+        arcs = [Face(disc, start, end) for start, end in zip(ends, ends[1:] + [ends[0] + math.tau])]
+        return [face for face in arcs
+                if all(math.dist(on_circle(disc, disc[2] + self.probe, (face.start + face.end) / 2), other[:2])
+                       >= other[2] + self.probe for other in self.discs if other is not disc)]
+
+    def ends_of(self, face):
+        return [on_circle(face.disc, face.disc[2] + self.probe, angle) for angle in (face.start, face.end)]
+
+    def vertex_behind(self, face):
+        return self.ends_of(face)[1]
+
+    def loop(self, first):
+        """Returns the faces around one component of the boundary, beginning with `first`."""
+        faces = [first]
+        while (face := self.next_face(faces[-1])) is not first:
+            faces.append(face)
+        return faces
+
+    def next_face(self, face):
+        vertex = self.vertex_behind(face)
+        return min(self.faces, key=lambda other: math.dist(vertex, self.ends_of(other)[0]))
+
+    def sas(self, faces):
+        """Returns points on the SAS along a loop."""
+        return [point for face in faces for point in on_arc(face.disc, face.disc[2] + self.probe, face.start, face.end)]
+
+    def contact_angles(self, face):
+        """Returns where the probe at the end of a face touches its disc and the next one, as
+        seen from the probe."""
+        vertex = self.vertex_behind(face)
+        first, second = (angle_of(vertex, disc) for disc in (face.disc, self.next_face(face).disc))
+        return first, second if second <= first else second - math.tau  # clockwise
+
+    def ses(self, faces):
+        """Returns points on the solvent excluded surface along a loop."""
+        return [point for face in faces
+                for point in [*on_arc(face.disc, face.disc[2], face.start, face.end),
+                              *on_arc(self.vertex_behind(face), self.probe, *self.contact_angles(face))]]
