@@ -1,6 +1,7 @@
 #include "input/read_input.hpp"
 
 #include <new>
+#include <optional>
 #include <span>
 #include <stdexcept>
 #include <string>
@@ -10,6 +11,7 @@
 #include "eses/surface.hpp"
 #include "input/atom_reader.hpp"
 #include "input/other_formats.hpp"
+#include "input/radii_set.hpp"
 #include "input/read_structure.hpp"
 #include "input/reading_limit.hpp"
 #include "input/text_fields.hpp"
@@ -28,6 +30,22 @@ auto with_enough_memory(const std::string& name, Read&& read) {
   } catch (const std::length_error&) {  // The text does not fit into a string.
   }
   throw MemoryLimitError(formatted("cannot read {}: out of memory", name));
+}
+
+void require_valid(const StructureOptions& options) {
+  const auto& radius = options.unknown_radius;
+  if (radius && !(*radius >= 0 && *radius <= max_coordinate))
+    throw std::invalid_argument(formatted("unknown_radius is {}; it must be 0 to {:.0f} angstrom",
+                                          *radius, max_coordinate));
+  const std::optional<RadiiSet> radii = named_radii_set(options.radii);
+  if (radius && radii && radii->is_occupancy)
+    throw std::invalid_argument(
+        "the radii 'occupancy' are known for all atoms; omit the unknown radius");
+  if (options.model < 0)
+    throw std::invalid_argument(formatted("model is {}; it must not be negative", options.model));
+  if (options.altloc.size() > 1)
+    throw std::invalid_argument(formatted("altloc is {}; it must be one character, or empty",
+                                          detail::quoted(options.altloc)));
 }
 
 // Sets the format by the suffix, unless the user has chosen one. Returns whether the user has.
@@ -55,6 +73,7 @@ auto with_structure(const std::filesystem::path& path, TextSource& source, bool 
 
 AtomFile read_input(const std::filesystem::path& path, ReadOptions options,
                     const std::function<void(AtomFile& atoms)>& after_part) {
+  require_valid(options.structure);
   const bool is_chosen = choose_format(path, options);
   TextSource source = TextSource::open_input(path);
   if (is_structure(options.format))
@@ -82,31 +101,14 @@ std::vector<int> read_model_numbers(const std::filesystem::path& path, ReadOptio
 }  // namespace eses::detail
 
 namespace eses {
-namespace {
-
-void require_valid(const StructureOptions& options) {
-  const auto& radius = options.unknown_radius;
-  if (radius && !(*radius >= 0 && *radius <= max_coordinate))
-    throw std::invalid_argument(detail::formatted(
-        "unknown_radius is {}; it must be 0 to {:.0f} angstrom", *radius, max_coordinate));
-  if (options.model < 0)
-    throw std::invalid_argument(
-        detail::formatted("model is {}; it must not be negative", options.model));
-  if (options.altloc.size() > 1)
-    throw std::invalid_argument(detail::formatted(
-        "altloc is {}; it must be one character, or empty", detail::quoted(options.altloc)));
-}
-
-}  // namespace
 
 AtomFile read_atoms(const std::filesystem::path& path, const ReadOptions& options) {
-  require_valid(options.structure);
   return detail::read_input(path, options, {});
 }
 
 AtomFile parse_atoms(std::string_view text, AtomFormat format, std::string_view name,
                      const StructureOptions& structure) {
-  require_valid(structure);
+  detail::require_valid(structure);
   const ReadOptions options{.format = format, .structure = structure};
   if (is_structure(format))
     return detail::read_structure(

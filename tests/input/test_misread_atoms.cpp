@@ -254,8 +254,8 @@ TEST_CASE("radii in place of occupancies are all known", "[structure]") {
   StructureOptions options;
   options.radii = "occupancy";
   options.unknown_radius = 1.5;
-  CHECK(error_of([&] { read_pdb(line_of({.occupancy = 1.7}), options); }) ==
-        "t.pdb: the radii 'occupancy' are known for all atoms; omit the unknown radius");
+  CHECK_THROWS_WITH(read_pdb(line_of({.occupancy = 1.7}), options),
+                    "the radii 'occupancy' are known for all atoms; omit the unknown radius");
 }
 
 TEST_CASE("PDBQT files of other names are recognised", "[structure][cli]") {

@@ -271,11 +271,6 @@ AtomFile read_structure(StructureText text,
     throw Error(formatted("{}: PDB files have no chain names label_asym_id; use the mmCIF file",
                           text.name));
   const RadiiSet radii = find_radii_set(options.radii);
-  if (radii.is_occupancy && options.unknown_radius)
-    throw Error(
-        formatted("{}: the radii 'occupancy' are known for all atoms; omit the unknown "
-                  "radius",
-                  text.name));
   text.require_memory(expected_bytes(text.text, text.format));
   text.check();
   ParsedStructure parsed = parse(text, radii.is_occupancy);
