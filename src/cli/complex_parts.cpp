@@ -160,20 +160,14 @@ ComplexParts divide(const PartChoice& choice, const DividedFile& file, std::stri
 
 std::vector<ComplexParts> divide_by_ligand(const std::string& ligand, const DividedFile& file) {
   std::vector<ComplexParts> divisions;
-  const ResidueRuns runs = residue_runs(file.labels);
-  std::size_t first = 0;
-  for (std::size_t run = 0; run < runs.labels.size(); ++run) {
-    const auto end = first + static_cast<std::size_t>(runs.atoms[run]);
-    const AtomLabel& label = runs.labels[run];
-    if (label.residue == ligand) {
-      ComplexParts& parts = divisions.emplace_back();
-      parts.names = {residue_name(label), "all other atoms"};
-      parts.part_of_atom.assign(file.labels.size(), 1);
-      std::fill(parts.part_of_atom.begin() + static_cast<std::ptrdiff_t>(first),
-                parts.part_of_atom.begin() + static_cast<std::ptrdiff_t>(end), 0);
-    }
-    first = end;
-  }
+  residue_runs(file.labels)
+      .for_each([&](const AtomLabel& label, std::size_t begin, std::size_t end) {
+        if (label.residue != ligand) return;
+        ComplexParts& parts = divisions.emplace_back();
+        parts.names = {residue_name(label), "all other atoms"};
+        parts.part_of_atom.assign(file.labels.size(), 1);
+        std::ranges::fill(std::span(parts.part_of_atom).subspan(begin, end - begin), 0U);
+      });
   if (divisions.empty()) refuse_unknown(file, "residue", ligand, "--ligand", &AtomLabel::residue);
   return divisions;
 }

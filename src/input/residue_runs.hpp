@@ -1,6 +1,7 @@
 #pragma once
 /// Residues of consecutive atoms, which need far fewer labels than atoms.
 
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <string>
@@ -33,6 +34,17 @@ struct ResidueRuns {
       atoms.push_back(0);
     }
     ++atoms.back();
+  }
+
+  /// Calls `action(label, begin, end)` for each run, with the range of its atoms.
+  template <class Action>
+  void for_each(Action&& action) const {
+    std::size_t begin = 0;
+    for (std::size_t run = 0; run < labels.size(); ++run) {
+      const std::size_t end = begin + static_cast<std::size_t>(atoms[run]);
+      action(labels[run], begin, end);
+      begin = end;
+    }
   }
 };
 

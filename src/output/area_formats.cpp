@@ -36,16 +36,15 @@ bool is_in_main_chain(std::string_view atom) {
 std::vector<ResidueAreas> residue_areas(const MeasuredAtoms& atoms, const ResidueRuns& runs) {
   const std::vector<bool> are_polar = find_polar_atoms(atoms.atoms, atoms.labels);
   std::vector<ResidueAreas> all;
-  std::size_t atom = 0;
-  for (const std::uint64_t count : runs.atoms) {
+  runs.for_each([&](const AtomLabel&, std::size_t begin, std::size_t end) {
     ResidueAreas& areas = all.emplace_back();
-    for (const std::size_t end = atom + static_cast<std::size_t>(count); atom < end; ++atom) {
+    for (std::size_t atom = begin; atom < end; ++atom) {
       const double sas = atoms.areas.sas[atom];
       areas.all += sas;
       if (is_in_main_chain(atoms.labels[atom].atom_name)) areas.main_chain += sas;
       if (are_polar[atom]) areas.polar += sas;
     }
-  }
+  });
   return all;
 }
 

@@ -1,6 +1,7 @@
 #include "output/area_table_writer.hpp"
 
 #include <map>
+#include <numeric>
 #include <vector>
 
 #include "system/resources.hpp"
@@ -18,15 +19,8 @@ struct ChainArea {
   double area = 0;  // square angstrom
 };
 
-// Calls `action(label, atoms, area)` for each residue.
-template <class Action>
-void for_each_residue(const ResidueRuns& runs, std::span<const double> areas, Action&& action) {
-  for (std::size_t run = 0; run < runs.labels.size(); ++run) {
-    double sum = 0;
-    for (const double area : areas.first(runs.atoms[run])) sum += area;
-    areas = areas.subspan(runs.atoms[run]);
-    action(runs.labels[run], runs.atoms[run], sum);
-  }
+double sum_of(std::span<const double> areas, std::size_t begin, std::size_t end) {
+  return std::accumulate(&areas[begin], areas.data() + end, 0.0);
 }
 
 }  // namespace
@@ -49,22 +43,22 @@ double chain_table_memory(double chains, double name_bytes) {
 
 void append_residues(BufferedText& text, const ResidueRuns& runs, std::span<const double> areas) {
   text.append("chain,residue_number,residue,atoms,area\n");
-  for_each_residue(runs, areas, [&](const AtomLabel& label, std::uint64_t atoms, double area) {
+  runs.for_each([&](const AtomLabel& label, std::size_t begin, std::size_t end) {
     text.append("{},{},{},{},{:.6f}\n", csv_field(label.chain), csv_field(label.residue_number),
-                csv_field(label.residue), atoms, area);
+                csv_field(label.residue), end - begin, sum_of(areas, begin, end));
   });
 }
 
 void append_chains(BufferedText& text, const ResidueRuns& runs, std::span<const double> areas) {
   std::vector<ChainArea> chains;  // in the order of first occurrence
   std::map<std::string_view, std::size_t> indices;
-  for_each_residue(runs, areas, [&](const AtomLabel& label, std::uint64_t atoms, double area) {
+  runs.for_each([&](const AtomLabel& label, std::size_t begin, std::size_t end) {
     const auto [index, is_new] = indices.try_emplace(label.chain, chains.size());
     if (is_new) chains.push_back({label.chain});
     ChainArea& chain = chains[index->second];
     ++chain.residues;
-    chain.atoms += atoms;
-    chain.area += area;
+    chain.atoms += end - begin;
+    chain.area += sum_of(areas, begin, end);
   });
   text.append("chain,residues,atoms,area\n");
   for (const ChainArea& chain : chains)
@@ -74,11 +68,11 @@ void append_chains(BufferedText& text, const ResidueRuns& runs, std::span<const 
 
 void append_atom_header(BufferedText& text) { text.append(atom_header); }
 
-void append_atom(BufferedText& text, const AtomRow& atom) {
-  const auto& [chain, residue, residue_number, atom_name, element] = atom.label;
-  text.append("{},{},{},{},{},{},{},{:.6f}\n", atom.serial, csv_field(atom_name),
-              csv_field(residue), csv_field(residue_number), csv_field(chain), csv_field(element),
-              atom.radius, atom.area);
+void append_atom(BufferedText& text, std::uint64_t serial, const AtomLabel& label, double radius,
+                 double area) {
+  const auto& [chain, residue, residue_number, atom_name, element] = label;
+  text.append("{},{},{},{},{},{},{},{:.6f}\n", serial, csv_field(atom_name), csv_field(residue),
+              csv_field(residue_number), csv_field(chain), csv_field(element), radius, area);
 }
 
 std::uint64_t typical_atom_table_bytes(std::uint64_t atoms, std::uint64_t name_bytes) {

@@ -36,19 +36,13 @@ double chain_table_memory(double chains, double name_bytes);
 void append_residues(BufferedText& text, const ResidueRuns& runs, std::span<const double> areas);
 void append_chains(BufferedText& text, const ResidueRuns& runs, std::span<const double> areas);
 
-/// The data of an atom in atoms.csv.
-struct AtomRow {
-  std::uint64_t serial = 0;  ///< number of the atom in the file, from 1
-  AtomLabel label;
-  double radius = 0;  ///< angstrom
-  double area = 0;    ///< square angstrom
-};
-
 /// Appends the header line of atoms.csv.
 void append_atom_header(BufferedText& text);
 
-/// Appends a line of atoms.csv.
-void append_atom(BufferedText& text, const AtomRow& atom);
+/// Appends a line of atoms.csv. `serial` is the number of the atom in the file, from 1. Radius and
+/// area are in angstrom and square angstrom.
+void append_atom(BufferedText& text, std::uint64_t serial, const AtomLabel& label, double radius,
+                 double area);
 
 /// Returns the expected length of atoms.csv for atoms whose names have this total length.
 std::uint64_t typical_atom_table_bytes(std::uint64_t atoms, std::uint64_t name_bytes);

@@ -58,6 +58,17 @@ std::filesystem::path existing_part(std::filesystem::path directory) {
   return directory;
 }
 
+bool is_same_directory(const std::filesystem::path& a, const std::filesystem::path& b) {
+  struct stat of_a {
+  }, of_b{};
+  if (stat(a.c_str(), &of_a) == 0 && stat(b.c_str(), &of_b) == 0)
+    return of_a.st_dev == of_b.st_dev && of_a.st_ino == of_b.st_ino;
+  const auto plain = [](const std::filesystem::path& path) {
+    return (std::filesystem::absolute(path) / "").lexically_normal();
+  };
+  return plain(a) == plain(b);
+}
+
 FilePath end_of_links(const std::filesystem::path& file) {
   constexpr int max_links = 40;  // the limit of Linux
   FilePath path = divided(file.native());

@@ -24,6 +24,10 @@ struct FilePath {
 /// The directory itself, or the nearest one above it that exists.
 std::filesystem::path existing_part(std::filesystem::path directory);
 
+/// Returns whether two directories are the same one, by their links or, if one does not exist yet,
+/// by their names.
+bool is_same_directory(const std::filesystem::path& a, const std::filesystem::path& b);
+
 /// Follows symbolic links from `file` to the path where a file is to be written, so that the links
 /// themselves are kept.
 FilePath end_of_links(const std::filesystem::path& file);

@@ -89,7 +89,8 @@ void VertexBox::add_records(std::span<const char> records, std::size_t record_by
     }
 }
 
-Vec3 gltf_center(Vec3 center) {
+Vec3 gltf_center(const Grid& grid) {
+  const Vec3 center = 0.5 * (grid.origin + grid.upper());
   return {std::round(center.x), std::round(center.y), std::round(center.z)};
 }
 

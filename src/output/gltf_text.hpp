@@ -12,6 +12,7 @@
 #include <span>
 #include <string>
 
+#include "eses/grid.hpp"
 #include "eses/summary.hpp"
 #include "eses/vec3.hpp"
 #include "mesh/triangulate.hpp"
@@ -36,8 +37,8 @@ constexpr std::size_t gltf_vertex_bytes(bool has_colors) {
 /// Size of a triangle: three vertex numbers.
 inline constexpr std::size_t gltf_triangle_bytes = 3 * sizeof(std::uint32_t);
 
-/// Returns the centre to which positions are relative.
-Vec3 gltf_center(Vec3 center);
+/// Returns the centre to which the positions of vertices on a grid are relative.
+Vec3 gltf_center(const Grid& grid);
 
 /// Returns the part of the file before the vertices. Its length is constant.
 std::string gltf_header(const MeshCounts& counts, bool has_colors, Vec3 center,

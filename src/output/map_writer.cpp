@@ -11,6 +11,14 @@
 namespace eses::detail {
 namespace {
 
+bool is_compressed(std::string_view name) { return name.ends_with(".dx.gz"); }
+
+MapFormat required_format(std::string_view name) {
+  if (const auto format = map_format(name)) return *format;
+  throw std::invalid_argument(
+      formatted("the map file needs the suffix .dx, .dx.gz or .vti, found {}", name));
+}
+
 std::string scientific(Vec3 v) { return formatted("{:.12e} {:.12e} {:.12e}", v.x, v.y, v.z); }
 
 // Returns the title of a map. That of the dielectric has the values inside and outside.
@@ -95,21 +103,9 @@ MapLayout vti_layout(const Grid& grid, const GridRegion& region) {
 }  // namespace
 
 std::optional<MapFormat> map_format(std::string_view name) {
-  if (name.ends_with(".dx") || is_compressed_map(name)) return MapFormat::dx;
+  if (name.ends_with(".dx") || is_compressed(name)) return MapFormat::dx;
   if (name.ends_with(".vti")) return MapFormat::vti;
   return std::nullopt;
-}
-
-bool is_compressed_map(std::string_view name) { return name.ends_with(".dx.gz"); }
-
-MapFormat required_map_format(std::string_view name) {
-  if (const auto format = map_format(name)) return *format;
-  throw std::invalid_argument(
-      formatted("the map file needs the suffix .dx, .dx.gz or .vti, found {}", name));
-}
-
-std::string dielectric_name(std::string_view prefix, MapQuantity quantity, bool gzip) {
-  return formatted("{}{}.dx{}", prefix, "xyz"[edge_axis(quantity)], gzip ? gzip_suffix : "");
 }
 
 std::vector<MapChoice> chosen_maps(const Outputs& outputs) {
@@ -117,19 +113,21 @@ std::vector<MapChoice> chosen_maps(const Outputs& outputs) {
   if (!outputs.inside_map.empty())
     maps.push_back({.quantity = MapQuantity::inside,
                     .name = outputs.inside_map,
-                    .format = required_map_format(outputs.inside_map),
-                    .gzip = is_compressed_map(outputs.inside_map)});
+                    .format = required_format(outputs.inside_map),
+                    .gzip = is_compressed(outputs.inside_map)});
   if (outputs.ion_access)
     maps.push_back({.quantity = MapQuantity::ion_access,
                     .name = outputs.ion_access->file,
                     .format = MapFormat::dx,
-                    .gzip = is_compressed_map(outputs.ion_access->file)});
+                    .gzip = is_compressed(outputs.ion_access->file)});
   if (!outputs.dielectric) return maps;
   const auto& [prefix, solute, solvent] = *outputs.dielectric;
   for (const MapQuantity quantity :
        {MapQuantity::dielectric_x, MapQuantity::dielectric_y, MapQuantity::dielectric_z})
-    maps.push_back({quantity, dielectric_name(prefix, quantity, outputs.gzip), MapFormat::dx,
-                    solute, solvent, outputs.gzip});
+    maps.push_back({quantity,
+                    formatted("{}{}.dx{}", prefix, "xyz"[edge_axis(quantity)],
+                              outputs.gzip ? gzip_suffix : ""),
+                    MapFormat::dx, solute, solvent, outputs.gzip});
   return maps;
 }
 

@@ -23,12 +23,6 @@ enum class MapFormat {
 /// Returns the format by the suffix: `.dx`, `.dx.gz` or `.vti`.
 std::optional<MapFormat> map_format(std::string_view name);
 
-/// Returns whether a map of this name is compressed, that is, has the suffix `.dx.gz`.
-bool is_compressed_map(std::string_view name);
-
-/// Returns the format by the suffix. Throws std::invalid_argument for other suffixes.
-MapFormat required_map_format(std::string_view name);
-
 /// The quantity of a map.
 enum class MapQuantity : std::uint8_t {
   inside,      ///< points: 1 inside the surface, else 0
@@ -60,11 +54,8 @@ struct MapChoice {
 /// ions (angstrom).
 inline constexpr double min_dielectric = 1e-9, max_dielectric = 1e9, max_ion_radius = 1000;
 
-/// Returns the file name of a map of the dielectric.
-std::string dielectric_name(std::string_view prefix, MapQuantity quantity, bool gzip);
-
-/// Returns the chosen maps in the order of MapQuantity. Throws std::invalid_argument as
-/// required_map_format does.
+/// Returns the chosen maps in the order of MapQuantity. Throws std::invalid_argument if the map of
+/// the inside has an unknown suffix.
 std::vector<MapChoice> chosen_maps(const Outputs& outputs);
 
 /// Throws std::invalid_argument if a number is out of range, or if two maps have the same name.

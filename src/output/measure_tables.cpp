@@ -145,17 +145,15 @@ void append_measured_atoms(const MeasuredAtoms& atoms, BufferedText& text) {
 void append_measured_residues(const MeasuredAtoms& atoms, BufferedText& text) {
   text.append("chain,residue_number,residue,atoms,{},relative_sas_area{}{}\n", area_columns(atoms),
               part_columns(atoms), auth_column(atoms));
-  const ResidueRuns runs = residue_runs(atoms.labels);
-  std::size_t atom = 0;
-  for (std::size_t run = 0; run < runs.labels.size(); ++run) {
-    AreaSums sums;
-    for (const std::size_t end = atom + runs.atoms[run]; atom < end; ++atom) sums.add(atoms, atom);
-    const AtomLabel& label = runs.labels[run];
-    text.append("{},{},{},{},{},{}{}{}\n", csv_field(label.chain), csv_field(label.residue_number),
-                csv_field(label.residue), runs.atoms[run], area_fields(atoms, sums),
-                relative_sas(atoms, label, sums.sas), part_fields(atoms, sums),
-                auth_field(atoms, label));
-  }
+  residue_runs(atoms.labels)
+      .for_each([&](const AtomLabel& label, std::size_t begin, std::size_t end) {
+        AreaSums sums;
+        for (std::size_t atom = begin; atom < end; ++atom) sums.add(atoms, atom);
+        text.append("{},{},{},{},{},{}{}{}\n", csv_field(label.chain),
+                    csv_field(label.residue_number), csv_field(label.residue), end - begin,
+                    area_fields(atoms, sums), relative_sas(atoms, label, sums.sas),
+                    part_fields(atoms, sums), auth_field(atoms, label));
+      });
 }
 
 void append_measured_chains(const MeasuredAtoms& atoms, BufferedText& text) {

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <span>
 #include <string_view>
-#include <utility>
 
 namespace eses::detail::mesh {
 namespace {
@@ -17,9 +16,9 @@ void write_word(OutputFile& file, std::uint64_t word, std::uint64_t offset) {
 
 }  // namespace
 
-MeshFile::MeshFile(const MeshText& text, WriteHeader write_header, OutputFile& file,
-                   OutputFile* face_file, const std::filesystem::path& scratch)
-    : text_(text), write_header_(std::move(write_header)), file_(file), face_file_(face_file) {
+MeshFile::MeshFile(const MeshText& text, OutputFile& file, OutputFile* face_file,
+                   const std::filesystem::path& scratch)
+    : text_(text), file_(file), face_file_(face_file) {
   for (std::size_t i = 0; i < text.section_count(); ++i) {
     Section& section = sections_.emplace_back();
     if (is_first_of_file(i)) {
@@ -69,7 +68,7 @@ std::uint64_t MeshFile::write_header_of(std::size_t section) {
     bytes += part.size();
   });
   if (section == 0)
-    write_header_(text, counts_, box_);
+    text_.append_header(text, counts_, box_);
   else
     text_.append_face_header(text, counts_);
   text.flush();

@@ -22,8 +22,6 @@ namespace eses::detail::mesh {
 /// copies them. The memory does not grow with the mesh.
 class MeshFile {
  public:
-  /// Writes the header of the mesh file. Its length does not depend on the counts and the box.
-  using WriteHeader = std::function<void(BufferedText& text, const MeshCounts&, const VertexBox&)>;
   /// The sections of a piece as texts, and the offset of each in its section.
   struct Texts {
     std::vector<TextBuffer> sections;
@@ -32,7 +30,7 @@ class MeshFile {
 
   /// `face_file` is the file of the triangles if the format has one, else null. Keeps references to
   /// `text` and the files. Scratch files are in the directory `scratch`.
-  MeshFile(const MeshText& text, WriteHeader write_header, OutputFile& file, OutputFile* face_file,
+  MeshFile(const MeshText& text, OutputFile& file, OutputFile* face_file,
            const std::filesystem::path& scratch);
 
   // A piece passes three steps.
@@ -67,7 +65,6 @@ class MeshFile {
   std::uint64_t write_ends(std::uint64_t begin, const std::function<void()>& check);
 
   const MeshText& text_;
-  WriteHeader write_header_;
   OutputFile& file_;
   OutputFile* face_file_;
   std::deque<Section> sections_;

@@ -1,15 +1,15 @@
 #pragma once
-/// Numbering of chains and residues.
+/// Chains and residues of atoms, as a mesh names and numbers them.
 
-#include <cstddef>
 #include <cstdint>
-#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "eses/atoms.hpp"
+#include "input/residue_runs.hpp"
 #include "system/formatted.hpp"
+#include "system/resources.hpp"
 
 namespace eses::detail::mesh {
 
@@ -18,15 +18,23 @@ struct GroupNumbers {
   std::uint32_t chain = 0, residue = 0;
 };
 
-/// Numbers of the chains and residues of labels, from 0 in the order of their first occurrence.
-struct LabelNumbers {
-  std::vector<std::uint32_t> chain_of, residue_of;  ///< by label
-  std::vector<AtomIndex> chains, residues;          ///< by number: the first label that has it
+/// The chains and residues of a file.
+struct GroupNames {
+  bool are_known = false;  ///< whether the file has labels
+  /// In the order of their numbers. Only the process that writes the mesh has them.
+  std::vector<AtomLabel> chains, residues;
+
+  /// Returns the estimated memory of numbering in bytes: the numbers of the atoms, and temporary
+  /// lists of the first atoms of groups.
+  static double memory_bytes(double atoms, double groups) {
+    return sizeof(GroupNumbers) * atoms + 2 * list_growth * sizeof(AtomIndex) * groups;
+  }
 };
 
-/// Numbers chains and residues. A chain is a chain name; a residue is a combination of chain name,
+/// Numbers the chains and residues of atoms from 0 in the order of their first occurrence, and sets
+/// the numbers of each atom. A chain is a chain name; a residue is a combination of chain name,
 /// residue number and residue name. Names are compared as truncated by truncated_name.
-LabelNumbers number_labels(std::span<const AtomLabel> labels);
+GroupNames number_groups(const ResidueRuns& runs, std::vector<GroupNumbers>& of_atom);
 
 /// Returns the beginning of a name, as written to a mesh file. Names are truncated because PLY
 /// readers limit the length of lines.

@@ -123,16 +123,13 @@ void require_vertex_count(std::uint64_t vertices) {
 }
 
 MeshText::MeshText(MeshFormat format, MeshColor color, MeshSource source)
-    : format_(format), color_(color), source_(source) {
+    : format_(format),
+      color_(color),
+      source_(source),
+      optional_(optional_fields(color, source.has_groups)),
+      gltf_center_(gltf_center(source.grid)),
+      fields_(vertex_fields(optional_)) {
   if (has_coordinate_texts(format)) coordinates_ = coordinate_tokens(source.grid);
-  fields_ = vertex_fields(optional_fields());
-}
-
-OptionalFields MeshText::optional_fields() const {
-  return {.has_colors = has_colors(),
-          .has_groups = source_.has_groups,
-          .has_potential = source_.potential_limit.has_value(),
-          .has_components = has_components()};
 }
 
 std::size_t MeshText::section_count() const {
@@ -140,13 +137,12 @@ std::size_t MeshText::section_count() const {
   return format_ == MeshFormat::stl ? 1 : 2;
 }
 
-void MeshText::append_header(BufferedText& text, std::span<const AtomLabel> chains,
-                             std::span<const AtomLabel> residues, const MeshCounts& counts,
+void MeshText::append_header(BufferedText& text, const MeshCounts& counts,
                              const VertexBox& box) const {
   switch (format_) {
     case MeshFormat::ply:
     case MeshFormat::ascii_ply:
-      append_ply_header(text, chains, residues, counts);
+      append_ply_header(text, counts);
       break;
     case MeshFormat::obj:
       text.append("# {}, eses-blocks; angstrom\n", names_of(source_.surface).name);
@@ -159,7 +155,7 @@ void MeshText::append_header(BufferedText& text, std::span<const AtomLabel> chai
                          source_.density, source_.probe_radius);
       break;
     case MeshFormat::vtp:
-      append_vtp_header(text, source_.surface, optional_fields(), chains, residues, counts);
+      append_vtp_header(text, source_.surface, optional_, source_.chains, source_.residues, counts);
       break;
     case MeshFormat::stl: {
       std::array<char, sizeof(std::uint32_t)> count{};
@@ -170,7 +166,7 @@ void MeshText::append_header(BufferedText& text, std::span<const AtomLabel> chai
       break;
     }
     case MeshFormat::glb:
-      text.append("{}", gltf_header(counts, has_colors(), gltf_center(source_.center), box));
+      text.append("{}", gltf_header(counts, optional_.has_colors, gltf_center_, box));
       break;
   }
 }
@@ -180,9 +176,7 @@ void MeshText::append_face_header(BufferedText& text, const MeshCounts& counts) 
                      source_.density, source_.probe_radius);
 }
 
-void MeshText::append_ply_header(BufferedText& text, std::span<const AtomLabel> chains,
-                                 std::span<const AtomLabel> residues,
-                                 const MeshCounts& counts) const {
+void MeshText::append_ply_header(BufferedText& text, const MeshCounts& counts) const {
   constexpr bool is_little = std::endian::native == std::endian::little;
   text.append(
       "ply\nformat {} 1.0\n"
@@ -191,11 +185,11 @@ void MeshText::append_ply_header(BufferedText& text, std::span<const AtomLabel> 
       format_ == MeshFormat::ascii_ply ? "ascii"
       : is_little                      ? "binary_little_endian"
                                        : "binary_big_endian",
-      names_of(source_.surface).name, comment_of(optional_fields()));
-  for (std::size_t i = 0; i < chains.size(); ++i)
-    text.append("comment chain {} {}\n", i, ply_text(truncated_name(chains[i].chain)));
-  for (std::size_t i = 0; i < residues.size(); ++i)
-    text.append("comment residue {} {}\n", i, ply_text(residue_text(residues[i])));
+      names_of(source_.surface).name, comment_of(optional_));
+  for (std::size_t i = 0; i < source_.chains.size(); ++i)
+    text.append("comment chain {} {}\n", i, ply_text(truncated_name(source_.chains[i].chain)));
+  for (std::size_t i = 0; i < source_.residues.size(); ++i)
+    text.append("comment residue {} {}\n", i, ply_text(residue_text(source_.residues[i])));
   const std::string vertices = std::to_string(counts.vertices);
   const std::string triangles = std::to_string(counts.triangles);
   // The padding keeps the length of the header independent of the counts.
@@ -211,7 +205,7 @@ Color MeshText::color_of(const FileVertex& vertex) const {
   const VertexLabels& labels = vertex.labels;
   if (color_ == MeshColor::potential)
     return potential_color(labels.potential, *source_.potential_limit);
-  if (has_components()) return component_color(labels.component);
+  if (optional_.has_components) return component_color(labels.component);
   if (color_ == MeshColor::atom) return distinct_color(labels.source);
   if (color_ == MeshColor::chain) return distinct_color(labels.chain);
   return patch_color(labels.patch);
@@ -226,16 +220,16 @@ char* MeshText::put_fields(char* out, const FileVertex& vertex, PutPosition put_
   const VertexLabels& labels = vertex.labels;
   out = put_position(out, vertex.position);
   out = put_normal(out, vertex.normal);
-  if (has_colors())
+  if (optional_.has_colors)
     for (const std::uint8_t part : color_of(vertex)) out = put_integer(out, part);
   out = put_integer(out, labels.patch);
   out = put_integer(out, labels.source);
-  if (source_.has_groups) {
+  if (optional_.has_groups) {
     out = put_integer(out, labels.chain);
     out = put_integer(out, labels.residue);
   }
-  if (source_.potential_limit) out = put_potential(out, labels.potential);
-  if (has_components()) out = put_integer(out, labels.component);
+  if (optional_.has_potential) out = put_potential(out, labels.potential);
+  if (optional_.has_components) out = put_integer(out, labels.component);
   return out;
 }
 
@@ -269,7 +263,7 @@ char* MeshText::put_obj_vertex(char* out, const FileVertex& vertex) const {
   *out++ = 'v';
   *out++ = ' ';
   out = put_coordinates(out, vertex);
-  if (has_colors()) {
+  if (optional_.has_colors) {
     const Color color = color_of(vertex);
     out = put_vector(out, 1.0 / 255 * Vec3{double(color[0]), double(color[1]), double(color[2])});
   }
@@ -281,8 +275,8 @@ char* MeshText::put_obj_vertex(char* out, const FileVertex& vertex) const {
 }
 
 char* MeshText::put_glb_vertex(char* out, const FileVertex& vertex) const {
-  out = put_gltf_vertex(out, vertex.position, vertex.normal, gltf_center(source_.center));
-  return has_colors() ? put_gltf_color(out, color_of(vertex)) : out;
+  out = put_gltf_vertex(out, vertex.position, vertex.normal, gltf_center_);
+  return optional_.has_colors ? put_gltf_color(out, color_of(vertex)) : out;
 }
 
 void MeshText::append_vertex(TextBuffer& text, const FileVertex& vertex) const {
@@ -366,7 +360,7 @@ void MeshText::append(const MeshPiece& piece, std::span<TextBuffer> sections) co
 }
 
 void MeshText::require_counts(const MeshCounts& counts) const {
-  if (format_ == MeshFormat::glb) require_gltf_size(counts, has_colors());
+  if (format_ == MeshFormat::glb) require_gltf_size(counts, optional_.has_colors);
   if (format_ == MeshFormat::stl && counts.triangles > std::numeric_limits<std::uint32_t>::max())
     throw Error(
         formatted("the mesh has {} triangles, more than a .stl file can have", counts.triangles));
@@ -415,11 +409,7 @@ MeshBytes typical_file_bytes(MeshFormat format, const OptionalFields& fields) {
 
 MeshBytes typical_mesh_bytes(const MeshOptions& choice, bool has_labels) {
   const MeshFormat format = required_mesh_format(choice);
-  MeshBytes bytes =
-      typical_file_bytes(format, {.has_colors = choice.color != MeshColor::none,
-                                  .has_groups = has_labels,
-                                  .has_potential = choice.color == MeshColor::potential,
-                                  .has_components = choice.color == MeshColor::component});
+  MeshBytes bytes = typical_file_bytes(format, optional_fields(choice.color, has_labels));
   if (format == MeshFormat::vtp) {
     bytes.scratch_vertex = bytes.vertex - sizeof(Vec3);
     bytes.scratch_triangle = vtp_triangle_bytes;

@@ -32,12 +32,12 @@ void require_vertex_count(std::uint64_t vertices);
 /// The data of mesh files besides vertices and triangles.
 struct MeshSource {
   SurfaceKind surface = SurfaceKind::ses;
-  bool has_groups = false;                     ///< whether vertices have chain and residue
-  std::uint64_t atom_count = 0;                ///< of the whole molecule
-  double probe_radius = 0;                     ///< angstrom
+  bool has_groups = false;                      ///< whether vertices have chain and residue
+  std::span<const AtomLabel> chains, residues;  ///< by number, if `has_groups`
+  std::uint64_t atom_count = 0;                 ///< of the whole molecule
+  double probe_radius = 0;                      ///< angstrom
   double density = 0;                          ///< expected number of vertices in a square angstrom
   Grid grid;                                   ///< the vertices lie on its edges
-  Vec3 center;                                 ///< centre of the grid, in angstrom
   std::optional<double> potential_limit = {};  ///< see MeshPotential; empty without a potential
 };
 
@@ -59,7 +59,7 @@ class MeshText {
   bool has_columns() const { return format_ == MeshFormat::vtp; }
   /// Size of the records of vertices whose bounding box is in the header; 0 if there is none.
   std::size_t boxed_vertex_bytes() const {
-    return format_ == MeshFormat::glb ? gltf_vertex_bytes(has_colors()) : 0;
+    return format_ == MeshFormat::glb ? gltf_vertex_bytes(optional_.has_colors) : 0;
   }
   /// The lists of a piece that `append` needs.
   PieceContents piece_contents() const { return contents_of(format_); }
@@ -71,9 +71,7 @@ class MeshText {
   /// Appends the header, with the names of all chains and residues in formats for which
   /// can_name_groups is true. Its length does not depend on `counts` and `box`, which is the
   /// bounding box of the vertices if `boxed_vertex_bytes` is not 0.
-  void append_header(BufferedText& text, std::span<const AtomLabel> chains,
-                     std::span<const AtomLabel> residues, const MeshCounts& counts,
-                     const VertexBox& box) const;
+  void append_header(BufferedText& text, const MeshCounts& counts, const VertexBox& box) const;
   /// Appends the header of the separate file of the triangles. Its length does not depend on
   /// `counts`.
   void append_face_header(BufferedText& text, const MeshCounts& counts) const;
@@ -84,14 +82,8 @@ class MeshText {
   /// Throws Error if the file of a mesh would be too large for its format.
   void require_counts(const MeshCounts& counts) const;
 
-  /// The optional fields of the vertices.
-  OptionalFields optional_fields() const;
-
  private:
-  bool has_colors() const { return color_ != MeshColor::none; }
-  bool has_components() const { return color_ == MeshColor::component; }
-  void append_ply_header(BufferedText& text, std::span<const AtomLabel> chains,
-                         std::span<const AtomLabel> residues, const MeshCounts& counts) const;
+  void append_ply_header(BufferedText& text, const MeshCounts& counts) const;
   void append_vertex(TextBuffer& text, const FileVertex& vertex) const;
   void append_columns(std::span<const FileVertex> vertices, std::span<TextBuffer> columns) const;
   void append_triangles(const MeshPiece& piece, TextBuffer& text) const;
@@ -108,6 +100,8 @@ class MeshText {
   MeshFormat format_;
   MeshColor color_;
   MeshSource source_;
+  OptionalFields optional_;
+  Vec3 gltf_center_;
   TokensOfAxes coordinates_;  // only for formats whose text has the digits of write_scientific()
   std::vector<VertexField> fields_;  // of a record
 };

@@ -2,12 +2,10 @@
 
 #include <fcntl.h>
 #include <sys/stat.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <array>
 #include <cerrno>
-#include <new>
 #include <span>
 #include <string_view>
 #include <system_error>
@@ -36,19 +34,19 @@ struct NamedFile {
   std::string name;
 };
 
-std::vector<NamedFile> text_files(const Outputs& choice, bool gzip) {
+std::vector<NamedFile> text_files(const Outputs& choice) {
   std::vector<NamedFile> files;
   const std::array is_chosen{choice.box, choice.grid, choice.edges, choice.areas};
   for (std::size_t i = 0; i < is_chosen.size(); ++i)
     if (is_chosen[i])
       files.push_back({static_cast<RunFile>(i),
-                       formatted("{}{}", eses_file_names[i], gzip ? gzip_suffix : "")});
+                       formatted("{}{}", eses_file_names[i], choice.gzip ? gzip_suffix : "")});
   return files;
 }
 
 // Returns the chosen files without the mesh.
 std::vector<NamedFile> named_files(const Outputs& choice) {
-  std::vector<NamedFile> files = text_files(choice, choice.gzip);
+  std::vector<NamedFile> files = text_files(choice);
   if (choice.residues)
     files.insert(files.end(), {{RunFile::residues, residues_name}, {RunFile::chains, chains_name}});
   if (choice.atoms) files.push_back({RunFile::atoms, atoms_name});
@@ -59,13 +57,12 @@ std::vector<NamedFile> named_files(const Outputs& choice) {
 
 // Returns the names of the chosen files in their other form, plain or compressed, if the choice of
 // that form is not part of the name that the user gave.
-std::vector<std::string> other_names(const Outputs& choice) {
+std::vector<std::string> other_names(Outputs choice) {
+  choice.gzip = !choice.gzip;
   std::vector<std::string> names;
-  for (NamedFile& file : text_files(choice, !choice.gzip)) names.push_back(std::move(file.name));
-  if (choice.dielectric)
-    for (const MapChoice& map : chosen_maps(choice))
-      if (is_of_edges(map.quantity))
-        names.push_back(dielectric_name(choice.dielectric->prefix, map.quantity, !choice.gzip));
+  for (NamedFile& file : text_files(choice)) names.push_back(std::move(file.name));
+  for (MapChoice& map : chosen_maps(choice))
+    if (is_of_edges(map.quantity)) names.push_back(std::move(map.name));
   return names;
 }
 
@@ -117,14 +114,6 @@ void require_mesh_path(const std::filesystem::path& file) {
     throw Error(formatted("{} would go where runs keep what can be resumed, and be removed",
                           file.string()));
   require_replaceable(file);  // The message has the name that the user gave.
-}
-
-// Whether two directories are the same one. If one does not exist yet, their names are compared.
-bool is_same_directory(const std::string& a, const std::string& b) {
-  struct stat of_a {
-  }, of_b{};
-  if (stat(a.c_str(), &of_a) != 0 || stat(b.c_str(), &of_b) != 0) return a == b;
-  return of_a.st_dev == of_b.st_dev && of_a.st_ino == of_b.st_ino;
 }
 
 void require_different(std::span<const FilePath> paths) {
@@ -258,30 +247,6 @@ void OutputFiles::commit(const std::function<void()>& check) {
     if (file) file->remove_older();
   for (const std::string& name : stale_) directory_->remove(name);
   commit_all(files_, check);
-}
-
-// Removes the checksum files first, which mark chunks as complete, and the file that identifies the
-// run last.
-void remove_checkpoint_directory(const std::filesystem::path& directory) noexcept {
-  try {
-    std::error_code error;  // Errors are ignored: files that are left do no harm.
-    std::vector<std::filesystem::path> sums, others;
-    for (const auto& entry : std::filesystem::directory_iterator(directory, error))
-      (entry.path().extension() == sums_suffix ? sums : others).push_back(entry.path());
-    for (const auto* const paths : {&sums, &others})
-      for (const auto& path : *paths)
-        if (path.filename() != run_name) std::filesystem::remove(path, error);
-    std::filesystem::remove_all(directory, error);
-  } catch (const std::bad_alloc&) {  // The files are left, which does no harm.
-  }
-}
-
-void OutputFiles::remove_checkpoint() noexcept {
-  struct stat status {};
-  if (directory_ &&
-      fstatat(directory_->descriptor(), checkpoint_name, &status, AT_SYMLINK_NOFOLLOW) == 0 &&
-      S_ISDIR(status.st_mode))
-    remove_checkpoint_directory(path_in(directory_->path(), checkpoint_name));
 }
 
 }  // namespace eses::detail

@@ -21,15 +21,6 @@ namespace eses::detail {
 /// Name of the checkpoint directory in the output directory.
 inline constexpr char checkpoint_name[] = ".eses-blocks.resume";
 
-/// Name of the file in the checkpoint directory that identifies the run.
-inline constexpr char run_name[] = "run";
-/// Suffix of the checksum file that marks a chunk as complete.
-inline constexpr char sums_suffix[] = ".sums";
-
-/// Removes a checkpoint directory with all its files. If the removal is interrupted, the remaining
-/// chunks can still be recognized as incomplete.
-void remove_checkpoint_directory(const std::filesystem::path& directory) noexcept;
-
 /// The files that a run can write. Maps are in the order of MapQuantity.
 enum class RunFile : std::uint8_t {
   box,
@@ -98,9 +89,6 @@ class OutputFiles {
   /// files are complete. `check` is called between the steps. After an exception, from `check` or
   /// otherwise, none of the files exists.
   void commit(const std::function<void()>& check);
-
-  /// Removes the checkpoint after a successful `commit`.
-  void remove_checkpoint() noexcept;
 
  private:
   void open(const OutputDirectory& directory, RunFile file, const std::string& name) {

@@ -10,6 +10,38 @@
 namespace eses::detail::mesh {
 namespace {
 
+// A column: the same field of all records.
+struct Column {
+  const char *name, *type;     //< of the array
+  std::size_t components = 1;  //< number of values per point or cell
+  std::uint64_t begin = 0;     //< offset of the first value in the data
+};
+
+// The columns of the data after the XML. Each column has its size in bytes before it, as 8 bytes.
+struct VtpColumns {
+  std::vector<Column> vertices;
+  Column corners, ends;  //< of the triangles: vertices, and ends in the list of all corners
+};
+
+VtpColumns vtp_columns(const MeshCounts& counts, const OptionalFields& fields) {
+  VtpColumns columns;
+  std::uint64_t bytes = 0;
+  const auto with_begin = [&bytes](Column column, std::uint64_t values_bytes) {
+    column.begin = bytes + sizeof(std::uint64_t);
+    bytes = column.begin + values_bytes;
+    return column;
+  };
+  for (const VertexField& field : vertex_fields(fields))
+    columns.vertices.push_back(with_begin(
+        {.name = field.name, .type = field.type.vtp_name, .components = field.components.size()},
+        counts.vertices * field.bytes()));
+  columns.corners =
+      with_begin({.name = "connectivity", .type = "Int32"}, counts.triangles * vtp_triangle_bytes);
+  columns.ends =
+      with_begin({.name = "offsets", .type = "Int64"}, counts.triangles * vtp_offset_bytes);
+  return columns;
+}
+
 // Pads the attribute with blanks to the length of the longest value.
 std::string attribute(std::string_view name, std::uint64_t value) {
   constexpr std::size_t max_digits = 20;
@@ -36,6 +68,13 @@ void append_names_begin(BufferedText& text, std::string_view array, std::size_t 
 
 }  // namespace
 
+OptionalFields optional_fields(MeshColor color, bool has_groups) {
+  return {.has_colors = color != MeshColor::none,
+          .has_groups = has_groups,
+          .has_potential = color == MeshColor::potential,
+          .has_components = color == MeshColor::component};
+}
+
 std::string_view comment_of(const OptionalFields& fields) {
   if (fields.has_potential) return "; potential: kT/e";
   return fields.has_components ? "; component: 0 outside, cavities from 1" : "";
@@ -57,25 +96,6 @@ std::vector<VertexField> vertex_fields(const OptionalFields& optional) {
   if (optional.has_potential) fields.push_back({"potential", float32, {"potential"}});
   if (optional.has_components) fields.push_back({"component", uint32, {"component"}});
   return fields;
-}
-
-VtpColumns vtp_columns(const MeshCounts& counts, const OptionalFields& fields) {
-  VtpColumns columns;
-  std::uint64_t bytes = 0;
-  const auto with_begin = [&bytes](Column column, std::uint64_t values_bytes) {
-    column.begin = bytes + sizeof(std::uint64_t);
-    bytes = column.begin + values_bytes;
-    return column;
-  };
-  for (const VertexField& field : vertex_fields(fields))
-    columns.vertices.push_back(with_begin(
-        {.name = field.name, .type = field.type.vtp_name, .components = field.components.size()},
-        counts.vertices * field.bytes()));
-  columns.corners =
-      with_begin({.name = "connectivity", .type = "Int32"}, counts.triangles * vtp_triangle_bytes);
-  columns.ends =
-      with_begin({.name = "offsets", .type = "Int64"}, counts.triangles * vtp_offset_bytes);
-  return columns;
 }
 
 void append_vtp_header(BufferedText& text, SurfaceKind surface, const OptionalFields& fields,

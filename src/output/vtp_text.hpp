@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "eses/atoms.hpp"
+#include "eses/outputs.hpp"
 #include "eses/summary.hpp"
 #include "mesh/triangulate.hpp"
 #include "output/buffered_text.hpp"
@@ -28,6 +29,9 @@ struct OptionalFields {
   bool has_potential = false;
   bool has_components = false;
 };
+
+/// Returns the optional fields of the vertices with these colours.
+OptionalFields optional_fields(MeshColor color, bool has_groups);
 
 /// Returns what the comment of a file says about optional fields, with a semicolon before it.
 std::string_view comment_of(const OptionalFields& fields);
@@ -49,21 +53,6 @@ struct VertexField {
 
 /// Returns the fields of a vertex record in binary PLY files, which is also the record for VTP.
 std::vector<VertexField> vertex_fields(const OptionalFields& optional);
-
-/// A column: the same field of all records.
-struct Column {
-  const char *name, *type;     ///< of the array
-  std::size_t components = 1;  ///< number of values per point or cell
-  std::uint64_t begin = 0;     ///< offset of the first value in the data
-};
-
-/// The columns of the data after the XML. Each column has its size in bytes before it, as 8 bytes.
-struct VtpColumns {
-  std::vector<Column> vertices;
-  Column corners, ends;  ///< of the triangles: vertices, and ends in the list of all corners
-};
-
-VtpColumns vtp_columns(const MeshCounts& counts, const OptionalFields& fields);
 
 /// Appends the XML before the data. Only files with groups have the names of all chains and
 /// residues. The length does not depend on the counts.

@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <fstream>
 #include <iterator>
+#include <new>
 #include <set>
 #include <string_view>
 #include <system_error>
@@ -24,6 +25,8 @@ namespace {
 static_assert(sizeof(ChunkInfo) == 272);
 static_assert(sizeof(AtomSum) == 32);
 
+// Suffix of the file that marks a chunk as complete.
+constexpr char sums_suffix[] = ".sums";
 constexpr std::array<const char*, chunk_text_count> text_suffixes{
     ".grid", ".edges", ".mesh", ".inside", ".ions", ".edges_x", ".edges_y", ".edges_z"};
 
@@ -39,6 +42,21 @@ std::optional<PlaneRange> planes_of(const std::string& name) {
   planes = {begin, end};
   if (name != name_of(planes, sums_suffix) || planes.is_empty()) return std::nullopt;
   return planes;
+}
+
+// Removes the directory of a checkpoint with all its files: first the files that mark chunks as
+// complete, and the file that identifies the run last. If the removal is interrupted, the remaining
+// chunks can still be recognized as incomplete.
+void remove_directory(const std::filesystem::path& directory) noexcept try {
+  std::error_code error;  // Errors are ignored: files that are left do no harm.
+  std::vector<std::filesystem::path> sums, others;
+  for (const auto& entry : std::filesystem::directory_iterator(directory, error))
+    (entry.path().extension() == sums_suffix ? sums : others).push_back(entry.path());
+  for (const auto* const paths : {&sums, &others})
+    for (const auto& path : *paths)
+      if (path.filename() != run_name) std::filesystem::remove(path, error);
+  std::filesystem::remove_all(directory, error);
+} catch (const std::bad_alloc&) {  // The files are left, which does no harm.
 }
 
 std::string read_all(const std::filesystem::path& path) {
@@ -97,6 +115,14 @@ std::uint32_t TextChecksum::value() const {
   for (const auto& [offset, part] : parts_)
     sum = crc32_combine(sum, part.checksum, static_cast<z_off_t>(part.bytes));
   return static_cast<std::uint32_t>(sum);
+}
+
+void remove_checkpoint(const std::filesystem::path& output_directory) noexcept try {
+  const std::string path = path_in(output_directory, checkpoint_name);
+  std::error_code error;
+  if (std::filesystem::is_directory(std::filesystem::symlink_status(path, error)))
+    remove_directory(path);
+} catch (const std::bad_alloc&) {
 }
 
 Checkpoint::Checkpoint(const std::filesystem::path& output_directory, std::string identity,
@@ -244,8 +270,8 @@ std::string Checkpoint::sums_path(const PlaneRange& planes) const {
 void Checkpoint::finish(const PlaneChunk& chunk) {
   for (const auto& text : chunk.texts)
     if (text) text->sync();
-  const auto sums = as_chars(std::span(chunk.sums));
-  const SumsHeader header{chunk.info, chunk.sums.size(), checksum(sums)};
+  const auto sums = as_chars(std::span(chunk.atom_sums));
+  const SumsHeader header{chunk.info, chunk.atom_sums.size(), checksum(sums)};
   const std::uint64_t header_checksum = checksum(bytes_of(header));
   write_complete(name_of(chunk.info.planes, sums_suffix),
                  {bytes_of(header_checksum), bytes_of(header), sums});
@@ -267,9 +293,9 @@ PlaneChunk Checkpoint::read(const PlaneRange& planes) const {
   }
   if (is_sound) {
     chunk.info = header.info;
-    chunk.sums.resize(header.count);
-    file.read_at(as_chars(std::span(chunk.sums)), begin);
-    is_sound = header.checksum == checksum(as_chars(std::span(chunk.sums)));
+    chunk.atom_sums.resize(header.count);
+    file.read_at(as_chars(std::span(chunk.atom_sums)), begin);
+    is_sound = header.checksum == checksum(as_chars(std::span(chunk.atom_sums)));
   }
   if (!is_sound)
     throw Error(formatted("cannot resume: {} is damaged; remove it to compute its planes again",
@@ -278,12 +304,12 @@ PlaneChunk Checkpoint::read(const PlaneRange& planes) const {
 }
 
 void Checkpoint::remove() {
-  remove_checkpoint_directory(path_);
+  remove_directory(path_);
   lock_.reset();
 }
 
 void Checkpoint::remove_temporary() noexcept {
-  if (chunks_ == Chunks::temporary) remove_checkpoint_directory(path_);
+  if (chunks_ == Chunks::temporary) remove_directory(path_);
 }
 
 }  // namespace eses::detail

@@ -16,21 +16,13 @@
 #include <vector>
 
 #include "grid/plane_range.hpp"
-#include "input/file_index.hpp"
 #include "output/file.hpp"
 #include "output/map_writer.hpp"
 #include "output/output_directory.hpp"
+#include "run/range_sums.hpp"
 #include "run/request.hpp"
-#include "solve/region_totals.hpp"
 
 namespace eses::detail {
-
-/// An atom's area share of a range of planes, in units of `area_share_unit`.
-struct AtomSum {
-  AreaShare share = 0;
-  FileIndex atom{};
-  std::array<std::uint32_t, 3> padding{};  ///< explicit padding, as the struct is written to disk
-};
 
 /// The texts of a chunk: the lines of grid_info.txt and intersection_info.txt, the pieces of the
 /// mesh (see piece_bytes.hpp), and rows of words for each map, by its quantity.
@@ -44,14 +36,12 @@ constexpr ChunkText text_of(MapQuantity quantity) {
                                 static_cast<std::size_t>(quantity));
 }
 
-/// The data of a chunk besides its texts and sums.
+/// The data of a chunk besides its texts and the sums of its atoms.
 struct ChunkInfo {
   PlaneRange planes;
   std::array<std::uint64_t, chunk_text_count> bytes{};      ///< length of each text
   std::array<std::uint32_t, chunk_text_count> checksums{};  ///< crc32
-  std::int64_t verified_points = 0, verified_edges = 0;
-  MeshCounts mesh;
-  RegionTotals totals;
+  RangeSums sums;
 
   /// Length of a text in bytes.
   std::uint64_t bytes_of(ChunkText text) const { return bytes[static_cast<std::size_t>(text)]; }
@@ -61,7 +51,7 @@ struct ChunkInfo {
 struct PlaneChunk {
   ChunkInfo info;
   /// Shares of the atoms with a share that is not 0, ascending.
-  std::vector<AtomSum> sums;
+  std::vector<AtomSum> atom_sums;
   /// Scratch files of the texts. They are closed when the chunk is complete.
   std::array<std::unique_ptr<ScratchFile>, chunk_text_count> texts;
 
@@ -87,6 +77,12 @@ class TextChecksum {
   std::mutex mutex_;
   std::map<std::uint64_t, Part> parts_;  // by offset
 };
+
+/// Name of the file in the directory of a checkpoint that identifies the run.
+inline constexpr char run_name[] = "run";
+
+/// Removes the checkpoint that an earlier run has left in an output directory.
+void remove_checkpoint(const std::filesystem::path& output_directory) noexcept;
 
 /// A hidden directory in the output directory that keeps the chunks of a run, so that another run
 /// can continue. Each text of a chunk is a file. The file of the sums is written last: a chunk with

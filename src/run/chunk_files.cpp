@@ -5,8 +5,23 @@
 #include <utility>
 
 #include "output/grid_map.hpp"
+#include "run/piece_bytes.hpp"
 
 namespace eses::detail {
+namespace {
+
+// Writes the mesh, see append_piece.
+class MeshIntoChunk final : public PieceTextSink {
+ public:
+  explicit MeshIntoChunk(WriteAt write_at)
+      : PieceTextSink(&Piece::mesh_bytes, std::move(write_at)) {}
+  void prepare(Piece& piece) override {
+    piece.mesh_bytes.buffer.clear();
+    append_piece(piece.mesh_bytes.buffer, piece.mesh);
+  }
+};
+
+}  // namespace
 
 ChunkFiles::ChunkFiles(Checkpoint& checkpoint, const Outputs& outputs, const GridRegion& region)
     : checkpoint_(checkpoint), region_(region) {
@@ -51,15 +66,12 @@ void ChunkFiles::add_map(MapQuantity quantity) {
 
 void ChunkFiles::finish(const SweepSums& sums, const Slab& slab) {
   ChunkInfo& info = chunk_.info;
-  info.totals = sums.totals;
-  info.mesh = sums.mesh;
-  info.verified_points = sums.verified_points;
-  info.verified_edges = sums.verified_edges;
+  info.sums = sums;
   for (std::size_t text = 0; text < chunk_text_count; ++text) {
     if (texts_[text] != nullptr) info.bytes[text] = texts_[text]->size();
     info.checksums[text] = checksums_[text].value();
   }
-  slab.for_each_sum(sums.atom_shares, [&](const AtomSum& sum) { chunk_.sums.push_back(sum); });
+  slab.for_each_sum(sums.atom_shares, [&](const AtomSum& sum) { chunk_.atom_sums.push_back(sum); });
   checkpoint_.finish(chunk_);
 }
 

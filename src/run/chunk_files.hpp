@@ -9,7 +9,6 @@
 #include "run/checkpoint.hpp"
 #include "run/sink.hpp"
 #include "run/slabs.hpp"
-#include "run/sweep.hpp"
 
 namespace eses::detail {
 

@@ -38,7 +38,7 @@ std::uint64_t hash_of_atoms(std::span<const Atom> atoms,
   return sum;
 }
 
-std::uint64_t hash_of_names(const GroupNames& groups) {
+std::uint64_t hash_of_names(const mesh::GroupNames& groups) {
   std::uint64_t sum = 0, residue = 0;
   for (const AtomLabel& label : groups.residues) {
     uLong hash = 0;
@@ -74,7 +74,7 @@ std::string map_identity(const Outputs& outputs) {
 }  // namespace
 
 std::uint64_t hash_of(std::span<const Atom> atoms, std::span<const mesh::GroupNumbers> groups,
-                      const GroupNames& names) {
+                      const mesh::GroupNames& names) {
   return hash_of_atoms(atoms, groups) ^ hash_of_names(names);
 }
 

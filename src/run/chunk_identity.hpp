@@ -15,7 +15,7 @@ namespace eses::detail {
 
 /// Returns a hash of all atoms, and of their groups and names, if there are any.
 std::uint64_t hash_of(std::span<const Atom> atoms, std::span<const mesh::GroupNumbers> groups,
-                      const GroupNames& names);
+                      const mesh::GroupNames& names);
 
 /// Returns a text that differs between runs whose chunks must not be combined. `hash` is that of
 /// the atoms.

@@ -14,7 +14,6 @@
 
 #include "eses/error.hpp"
 #include "output/output_files.hpp"
-#include "run/areas.hpp"
 #include "run/chunk_files.hpp"
 #include "run/exact_measures.hpp"
 #include "run/merge.hpp"
@@ -73,7 +72,7 @@ void combine_verifications(Verification& found, const Processes& processes) {
 Measures measure_surface(const Request& request, PlannedRun& run,
                          const std::function<void()>& check) {
   const MeasureSettings settings{.probe_radius = request.parameters.probe_radius,
-                                 .threads = run.process_schedule.threads,
+                                 .threads = run.slab_plan.threads,
                                  .check = check,
                                  .max_filled_void = request.parameters.max_filled_void};
   return run.cavities.patches ? measure_kept_patches(run.cavities.patches, settings)
@@ -88,7 +87,7 @@ void verify_volume(const Request& request, const PlannedRun& run,
   const Stopwatch watch;
   const VolumeBounds bounds =
       bound_inside_cells(run.slab.molecule, request.parameters.probe_radius, run.plan.grid.spacing,
-                         run.process_schedule.threads, check);
+                         run.slab_plan.threads, check);
   if (const auto fault = find_volume_fault(summary.inside_points, run.plan.grid.spacing, bounds))
     summary.verification->faults.push_back(*fault);
   summary.seconds.verify += watch.seconds();
@@ -123,7 +122,9 @@ void set_results(const Request& request, const PlannedRun& run, SweepSums& sums,
   const bool is_void = request.outputs.mesh && request.outputs.mesh->component.value_or(0) > 0;
   fill_totals(is_void ? complement(sums.totals, run.plan.tiling.region.point_count()) : sums.totals,
               run.plan.grid.spacing, summary);
-  summary.atom_areas = areas_of(std::exchange(sums.atom_shares, {}), run.plan.grid.spacing);
+  summary.atom_areas.reserve(sums.atom_shares.size());
+  for (const AreaShare share : std::exchange(sums.atom_shares, {}))
+    summary.atom_areas.push_back(atom_area(share, run.plan.grid.spacing));
   summary.area = std::accumulate(summary.atom_areas.begin(), summary.atom_areas.end(), 0.0);
 }
 
@@ -174,7 +175,7 @@ OutputPaths paths_of(const Request& request, const Processes& processes) {
 RunResult execute(const Request& request, PlannedRun& run, const Callbacks& callbacks,
                   const Processes& processes) {
   const Stopwatch total;
-  processes.all_or_throw([&] { start_threads(run.process_schedule.threads); });
+  processes.all_or_throw([&] { start_threads(run.slab_plan.threads); });
   std::optional<RunFiles> files;
   processes.all_or_throw([&] {
     files.emplace(request, run, processes.is_first());

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "eses/diagnostics.hpp"
+#include "eses/surface.hpp"
 #include "geometry/box.hpp"
 #include "system/formatted.hpp"
 
@@ -163,6 +164,10 @@ std::optional<FarAtomsWarning> require_dense_grid(std::span<const Atom> atoms, d
 }  // namespace eses::detail
 
 namespace eses {
+
+std::optional<FarAtoms> find_far_atoms(const Surface& surface, const GridOptions& options) {
+  return detail::find_far_atoms(surface.atoms(), surface.probe_radius(), options);
+}
 
 std::string describe(const FarAtoms& far) {
   return detail::sentence(far, "index",

@@ -10,9 +10,9 @@
 #include "output/area_table_writer.hpp"
 #include "output/eses_writer.hpp"
 #include "output/grid_map.hpp"
+#include "output/mesh_groups.hpp"
 #include "output/mesh_writer.hpp"
 #include "run/checkpoint.hpp"
-#include "run/group_names.hpp"
 #include "run/layer_mesh.hpp"
 #include "run/row_batches.hpp"
 #include "system/gzip.hpp"
@@ -180,8 +180,8 @@ double expected_memory(const SurfaceSurvey& survey, const MemoryBudget& budget, 
   constexpr double bytes_per_area = 2 * sizeof(double) + list_growth * sizeof(AtomSum);
   double names = 0;
   if (budget.has_groups)
-    names += GroupNames::memory_bytes(atoms,
-                                      static_cast<double>(labels.residue_runs + labels.chain_runs));
+    names += mesh::GroupNames::memory_bytes(
+        atoms, static_cast<double>(labels.residue_runs + labels.chain_runs));
   if (outputs.residues)
     names += chain_table_memory(static_cast<double>(labels.chain_runs),
                                 static_cast<double>(labels.chain_text_bytes));

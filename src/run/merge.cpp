@@ -20,10 +20,6 @@ constexpr std::uint64_t bytes_per_read = std::uint64_t{1} << 22;
 }  // namespace
 
 Merge::Merge(PlannedRun& run, std::function<void()> check) : run_(run), check_(std::move(check)) {
-  read_chunks();
-}
-
-void Merge::read_chunks() {
   std::int64_t next = run_.plan.tiling.region.begin[2];
   sums_.atom_shares.resize(run_.atoms);
   for (const PlaneRange& planes : run_.checkpoint->complete()) {
@@ -32,12 +28,8 @@ void Merge::read_chunks() {
     if (info.planes.begin != next)
       throw Error("the checkpoint has gaps or overlaps; remove its directory and run again");
     next = info.planes.end;
-    sums_.totals.add(info.totals);
-    sums_.mesh.vertices += info.mesh.vertices;
-    sums_.mesh.triangles += info.mesh.triangles;
-    sums_.verified_points += info.verified_points;
-    sums_.verified_edges += info.verified_edges;
-    for (const AtomSum& sum : std::exchange(chunk.sums, {}))
+    sums_.add(info.sums);
+    for (const AtomSum& sum : std::exchange(chunk.atom_sums, {}))
       sums_.atom_shares.at(as_number(sum.atom)) += sum.share;
   }
   if (next != run_.plan.tiling.region.end[2]) throw Error("chunks of the run are missing");
@@ -108,7 +100,7 @@ void Merge::add_pieces(RunMesh& mesh) {
     PieceReader reader(first_vertex, [&](const mesh::MeshPiece& piece) { mesh.add(piece); });
     read(chunk, ChunkText::mesh, 1,
          [&](std::span<const char> bytes, std::uint64_t) { reader.add(bytes); });
-    first_vertex += chunk.info.mesh.vertices;
+    first_vertex += chunk.info.sums.mesh.vertices;
   }
 }
 

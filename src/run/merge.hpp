@@ -10,7 +10,6 @@
 #include "run/checkpoint.hpp"
 #include "run/planned_run.hpp"
 #include "run/run_mesh.hpp"
-#include "run/sweep.hpp"
 
 namespace eses::detail {
 
@@ -32,7 +31,6 @@ class Merge {
   std::uint64_t write_text(OutputFile& file, ChunkText text);
 
  private:
-  void read_chunks();
   template <class Take>
   void read(PlaneChunk& chunk, ChunkText text, std::uint64_t unit, Take&& take) const;
   void require_sound(const PlaneChunk& chunk, ChunkText text, std::uint32_t checksum) const;

@@ -33,8 +33,8 @@ struct Piece {
   /// Rows of words for GridMap, by MapQuantity.
   std::array<std::vector<std::uint64_t>, map_quantities> map_rows;
   mesh::MeshPiece mesh;
-  mesh::MeshFile::Texts mesh_texts;  ///< see MeshIntoFile
-  PieceText mesh_bytes;              ///< see MeshIntoChunk
+  mesh::MeshFile::Texts mesh_texts;  ///< see RunMesh
+  PieceText mesh_bytes;              ///< see ChunkFiles
 };
 
 /// The contents of the pieces and blocks of a sweep.

@@ -252,7 +252,9 @@ void choose_schedule(const SurfaceSurvey& survey, const MemoryBudget& budget,
                           Verifier::memory_bytes(p.verify, schedule.threads, plan.crossings);
     smallest = std::min(smallest, memory);
     if (memory > limit || !is_available(memory)) continue;
-    plan.take(schedule);
+    plan.tiling = schedule.tiling;
+    plan.threads = schedule.threads;
+    plan.blocks_ahead = schedule.blocks_ahead;
     plan.memory_bytes = whole_bytes(memory);
     return;
   }

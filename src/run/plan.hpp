@@ -29,13 +29,6 @@ struct Plan {
   std::uint64_t memory_bytes = 0;
   FileSizes files = {};
 
-  Schedule schedule() const { return {tiling, threads, blocks_ahead}; }
-  /// Takes the choices of a schedule.
-  void take(const Schedule& schedule) {
-    tiling = schedule.tiling;
-    threads = schedule.threads;
-    blocks_ahead = schedule.blocks_ahead;
-  }
   /// Whether the region to compute contains the whole surface.
   bool is_whole_surface() const { return cut_depth <= 0 && tiling.region == grid.whole(); }
 };

@@ -73,7 +73,7 @@ void require_memory_held(const InputFile& file, std::uint64_t limit) {
 // Numbers the groups of `run.names` if the outputs need it. Returns the totals of the names.
 LabelTotals take_groups(const Outputs& outputs, PlannedRun& run,
                         std::vector<mesh::GroupNumbers>& groups) {
-  if (needs_groups(outputs)) run.groups = number_groups(run.names.residues(), groups);
+  if (needs_groups(outputs)) run.groups = mesh::number_groups(run.names.residues(), groups);
   LabelTotals totals = total_labels(run.names.residues().labels);
   totals.atom_text_bytes = run.names.text_bytes();
   return totals;
@@ -156,11 +156,6 @@ std::vector<double> radii_of(std::span<const Atom> atoms) {
   return radii;
 }
 
-Share share_of(const Request& request, const Processes& processes) {
-  if (request.part) return *request.part;
-  return {processes.rank(), processes.count()};
-}
-
 // Returns the number of threads of this process. Several processes on a machine share its
 // processors.
 int threads_of(const Request& request, const Processes::Machine& machine,
@@ -173,7 +168,7 @@ int threads_of(const Request& request, const Processes::Machine& machine,
 // patches are dropped if the memory limit excludes them: the minimum limit in messages is without
 // them.
 void plan_slab(const Request& request, const LabelTotals& labels, std::uint64_t sharing,
-               const Processes& processes, PlannedRun& run, Plan& slab) {
+               const Processes& processes, PlannedRun& run) {
   const auto plan = [&] {
     plan_schedule({.available = [sharing] { return available_memory() / sharing; },
                    .held = processes.mpi_memory() + held_bytes(run),
@@ -181,7 +176,7 @@ void plan_slab(const Request& request, const LabelTotals& labels, std::uint64_t 
                    .has_groups = run.groups.are_known,
                    .caller = request.caller_memory,
                    .is_in_place = run.is_in_place},
-                  run.slab.molecule, request.outputs, slab);
+                  run.slab.molecule, request.outputs, run.slab_plan);
   };
   try {
     plan();
@@ -200,7 +195,8 @@ void plan_slab(const Request& request, const LabelTotals& labels, std::uint64_t 
 void plan_schedules(const Request& request, const LabelTotals& labels,
                     const Processes::Machine& machine, const Processes& processes,
                     PlannedRun& run) {
-  Plan slab = run.plan;
+  Plan& slab = run.slab_plan;
+  slab = run.plan;
   slab.tiling.region = with_planes(run.plan.tiling.region, run.slab.planes);
   slab.parameters.threads = threads_of(request, machine, processes);
   processes.all_or_throw([&] {
@@ -208,9 +204,8 @@ void plan_schedules(const Request& request, const LabelTotals& labels,
       if (slab.parameters.threads == 0) slab.threads = available_threads();
       return;
     }
-    plan_slab(request, labels, static_cast<std::uint64_t>(machine.processes), processes, run, slab);
+    plan_slab(request, labels, static_cast<std::uint64_t>(machine.processes), processes, run);
   });
-  run.process_schedule = slab.schedule();
   run.plan.crossings = processes.sum(slab.crossings);
   run.plan.memory_bytes = processes.max(slab.memory_bytes);
   run.plan.blocks_ahead = processes.max(slab.blocks_ahead);
@@ -408,7 +403,7 @@ LabelTotals take_molecule(const Molecule& molecule, const Request& request, Plan
 
 PlannedRun plan_run(const Request& request, const Processes& processes) {
   PlannedRun run;
-  run.share = share_of(request, processes);
+  run.share = request.part.value_or(Share{processes.rank(), processes.count()});
   run.is_in_place = processes.count() == 1 && !request.keeps_chunks();
   const Processes::Machine machine = processes.machine(available_threads());
   const auto* const molecule = std::get_if<Molecule>(&request.atoms);

@@ -11,10 +11,10 @@
 #include "eses/read_atoms.hpp"
 #include "input/atom_names.hpp"
 #include "input/potential_map.hpp"
+#include "output/mesh_groups.hpp"
 #include "run/checkpoint.hpp"
 #include "run/far_atoms.hpp"
 #include "run/file_diagnostics.hpp"
-#include "run/group_names.hpp"
 #include "run/plan.hpp"
 #include "run/request.hpp"
 #include "run/slabs.hpp"
@@ -26,10 +26,10 @@ namespace eses::detail {
 /// A run that is ready: its plan, its input, and the part of it that belongs to this process.
 struct PlannedRun {
   /// The plan of the whole run. Its `threads`, `blocks_ahead`, `memory_bytes` and block size are
-  /// maxima over the processes; a process uses `process_schedule`.
+  /// maxima over the processes.
   Plan plan;
-  Schedule process_schedule;  ///< for the slab
-  Share share;                ///< of the parts of a run, or of its MPI ranks
+  Plan slab_plan;  ///< with the schedule that this process uses for its slab
+  Share share;     ///< of the parts of a run, or of its MPI ranks
   Slab slab;
   /// Whether texts are written directly to the output files: a single process sweeps the whole
   /// region as one range. Otherwise each range becomes a chunk of the checkpoint.
@@ -37,7 +37,7 @@ struct PlannedRun {
   std::uint64_t atoms = 0;  ///< number of atoms of the file or molecule
   std::optional<FarAtomsWarning> far_atoms;
   FileDiagnostics diagnostics;  ///< of all atoms; only in the first process
-  GroupNames groups;            ///< if the mesh names or colours them
+  mesh::GroupNames groups;      ///< if the mesh names or colours them
   /// Residues of the atoms, if tables of residues are written. Also names of the atoms, if
   /// atoms.csv is written and the file has names; a molecule in memory has labels instead. Only in
   /// the first process.

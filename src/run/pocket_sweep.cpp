@@ -158,11 +158,9 @@ class PocketSink final : public Sink {
   ProgressReport& report_;
 };
 
-// Sweeps over all planes of the grid. `place` is null if no place is searched. Calls
-// `finish(finder, min_volume)` after the last plane, and returns its result.
-template <class Finish>
-auto sweep_planes(const Molecule& molecule, double probe_radius, const Place* place,
-                  const PocketOptions& options, Finish&& finish) {
+// Sweeps over all planes of the grid. `place` is null if no place is searched.
+PocketFinder sweep_planes(const Molecule& molecule, double probe_radius, const Place* place,
+                          const PocketOptions& options) {
   const auto [spacing, margin] = pocket_grid(options.spacing);
   const Grid grid = make_grid(molecule.atoms(), spacing, margin);
   // Each sweep expects half of the memory of the finder.
@@ -190,8 +188,12 @@ auto sweep_planes(const Molecule& molecule, double probe_radius, const Place* pl
       report.check();
     }
   }
+  return finder;
+}
+
+double min_volume(const PocketOptions& options, double probe_radius) {
   const double probe_volume = 4 * std::numbers::pi / 3 * std::pow(probe_radius, 3);
-  return finish(finder, options.min_volume.value_or(min_probe_volumes * probe_volume));
+  return options.min_volume.value_or(min_probe_volumes * probe_volume);
 }
 
 }  // namespace
@@ -225,16 +227,14 @@ GridOptions pocket_grid(double spacing) {
 }
 
 Pockets sweep_pockets(const Molecule& molecule, double probe_radius, const PocketOptions& options) {
-  return sweep_planes(
-      molecule, probe_radius, nullptr, options,
-      [](PocketFinder& finder, double min_volume) { return finder.finish(min_volume); });
+  return sweep_planes(molecule, probe_radius, nullptr, options)
+      .finish(min_volume(options, probe_radius));
 }
 
 PlacedPockets sweep_pockets_at(const Molecule& molecule, double probe_radius, const Place& place,
                                const PocketOptions& options) {
-  return sweep_planes(
-      molecule, probe_radius, &place, options,
-      [](PocketFinder& finder, double min_volume) { return finder.finish_at_place(min_volume); });
+  return sweep_planes(molecule, probe_radius, &place, options)
+      .finish_at_place(min_volume(options, probe_radius));
 }
 
 }  // namespace eses::detail

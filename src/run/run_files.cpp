@@ -1,10 +1,13 @@
 #include "run/run_files.hpp"
 
+#include <algorithm>
+#include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 
+#include "output/area_table_writer.hpp"
 #include "output/eses_writer.hpp"
-#include "run/areas.hpp"
 #include "system/gzip.hpp"
 #include "system/resources.hpp"
 
@@ -17,6 +20,62 @@ std::uint64_t write_empty_member(OutputFile& file) {
   const std::span<const char> member = gzip.member({});
   file.write_at(member, 0);
   return member.size();
+}
+
+// Returns the label of an atom of the file. It is empty if the input has no names.
+AtomLabel label_of(const PlannedRun& run, FileIndex atom) {
+  if (run.names.has_atoms()) return run.names.label(atom);
+  const std::span<const AtomLabel> labels = run.slab.molecule.labels();
+  return labels.empty() ? AtomLabel() : labels[as_number(atom)];
+}
+
+TextSink appender(OutputFile& file) {
+  return [&file](std::string_view text) { file.append(text); };
+}
+
+// Writes partition_area.txt. Returns its length in bytes.
+std::uint64_t write_areas(std::span<const double> areas, bool gzip, OutputFile& file,
+                          const std::function<void()>& check) {
+  // Number of lines that are formatted and compressed at a time.
+  constexpr std::size_t lines_per_part = std::size_t{1} << 16;
+  std::optional<Gzip> compressor;
+  if (gzip) compressor.emplace();
+  TextBuffer text;
+  for (std::size_t begin = 0; begin < areas.size(); begin += lines_per_part) {
+    check();
+    text.clear();
+    append_areas(text, begin, areas.subspan(begin, std::min(lines_per_part, areas.size() - begin)));
+    file.append(compressor ? compressor->member(text.text()) : text.text());
+  }
+  return file.size();
+}
+
+// Writes the tables of residues and chains. Returns their length in bytes.
+std::uint64_t write_area_tables(std::span<const double> areas, const PlannedRun& run,
+                                OutputFile& residues, OutputFile& chains) {
+  BufferedText residue_table(appender(residues)), chain_table(appender(chains));
+  append_residues(residue_table, run.names.residues(), areas);
+  residue_table.flush();
+  append_chains(chain_table, run.names.residues(), areas);
+  chain_table.flush();
+  return residues.size() + chains.size();
+}
+
+// Writes atoms.csv. Returns its length in bytes.
+std::uint64_t write_atom_table(std::span<const double> areas, const PlannedRun& run,
+                               OutputFile& file, const std::function<void()>& check) {
+  BufferedText table([&](std::string_view text) {
+    check();
+    file.append(text);
+  });
+  append_atom_header(table);
+  for (std::size_t i = 0; i < areas.size(); ++i) {
+    const double radius = run.radii.empty() ? run.slab.molecule.atoms()[i].radius : run.radii[i];
+    append_atom(table, i + 1, label_of(run, FileIndex{static_cast<AtomIndex>(i)}), radius,
+                areas[i]);
+  }
+  table.flush();
+  return file.size();
 }
 
 }  // namespace
@@ -49,7 +108,7 @@ void RunFiles::add_sinks() {
           map.add_rows(first_row, words);
         }));
   }
-  if (mesh_) sinks_.add(mesh_->sink());
+  if (mesh_) sinks_.add(*mesh_);
 }
 
 void RunFiles::finish_text(RunFile which, std::uint64_t bytes) {
@@ -57,7 +116,7 @@ void RunFiles::finish_text(RunFile which, std::uint64_t bytes) {
 }
 
 void RunFiles::write(GridMap& map, const std::function<void()>& check) {
-  bytes_ += map.write(file(file_of(map.quantity())), run_.process_schedule.threads, check);
+  bytes_ += map.write(file(file_of(map.quantity())), run_.slab_plan.threads, check);
 }
 
 std::uint64_t RunFiles::write_areas_of(std::span<const double> areas,
@@ -108,8 +167,8 @@ void RunFiles::finish(const std::function<void()>& check, Summary& summary) {
   files_->commit(check);
   if (run_.checkpoint)
     run_.checkpoint->remove();
-  else
-    files_->remove_checkpoint();
+  else if (!file_names(request_.outputs).empty())  // the output directory is locked
+    remove_checkpoint(request_.output_directory);
   summary.bytes_written = bytes_;
 }
 

@@ -15,11 +15,12 @@ mesh::MeshText make_text(const MeshOptions& mesh, const PlannedRun& run) {
       mesh.color,
       {.surface = run.plan.parameters.surface(),
        .has_groups = run.groups.are_known,
+       .chains = run.groups.chains,
+       .residues = run.groups.residues,
        .atom_count = run.atoms,
        .probe_radius = run.plan.parameters.probe_radius,
        .density = vertices_per_area / (spacing * spacing),
        .grid = run.plan.grid,
-       .center = 0.5 * (run.plan.grid.origin + run.plan.grid.upper()),
        .potential_limit = mesh.potential ? std::optional(mesh.potential->limit) : std::nullopt}};
 }
 
@@ -41,13 +42,8 @@ RunMesh::RunMesh(const Request& request, const PlannedRun& run, OutputFiles* fil
       filter_is_used_(request.outputs.mesh->quality),
       text_(make_text(*request.outputs.mesh, run)) {
   if (files == nullptr) return;
-  file_.emplace(
-      text_,
-      [this](BufferedText& header, const MeshCounts& counts, const mesh::VertexBox& box) {
-        text_.append_header(header, run_.groups.chains, run_.groups.residues, counts, box);
-      },
-      *files->find(RunFile::mesh), files->find(RunFile::mesh_faces),
-      mesh_directory_of(*request.outputs.mesh));
+  file_.emplace(text_, *files->find(RunFile::mesh), files->find(RunFile::mesh_faces),
+                mesh_directory_of(*request.outputs.mesh));
   if (filter_is_used_)
     filter_.emplace(run.plan.grid, run.plan.tiling.region_with_halo, text_.piece_contents(),
                     [this](const mesh::MeshPiece& piece) { file_->add(piece); });
@@ -66,9 +62,19 @@ mesh::VertexMaker RunMesh::vertex_maker() const {
                             .component_of = component_of_crossing(run_, mesh.color)});
 }
 
-std::unique_ptr<Sink> RunMesh::sink() {
-  if (filter_) return std::make_unique<MeshIntoFilter>(*filter_);
-  return std::make_unique<MeshIntoFile>(*file_);
+void RunMesh::prepare(Piece& piece) {
+  if (!filter_) file_->format(piece.mesh, piece.mesh_texts);
+}
+
+void RunMesh::place(Piece& piece) {
+  if (filter_)
+    filter_->add(piece.mesh);
+  else
+    file_->place(piece.mesh, piece.mesh_texts);
+}
+
+void RunMesh::store(const Piece& piece) {
+  if (!filter_) file_->write(piece.mesh_texts);
 }
 
 void RunMesh::add(const mesh::MeshPiece& piece) {

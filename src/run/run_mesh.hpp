@@ -3,7 +3,6 @@
 
 #include <cstdint>
 #include <functional>
-#include <memory>
 #include <optional>
 
 #include "eses/summary.hpp"
@@ -18,13 +17,11 @@
 namespace eses::detail {
 
 /// The mesh of a run. The first process writes its file, and has its `files`; they are null in the
-/// others, which only make pieces.
-class RunMesh {
+/// others, which only make pieces. It is the sink of a sweep that writes directly to the file.
+class RunMesh final : public Sink {
  public:
   /// Keeps references to all arguments. Writes the header of the file.
   RunMesh(const Request& request, const PlannedRun& run, OutputFiles* files);
-  RunMesh(const RunMesh&) = delete;
-  RunMesh& operator=(const RunMesh&) = delete;
 
   /// The lists that the sweep makes of each piece.
   mesh::PieceContents swept_contents() const {
@@ -32,8 +29,9 @@ class RunMesh {
   }
   /// Makes the vertices of the pieces.
   mesh::VertexMaker vertex_maker() const;
-  /// Returns the receiver of a sweep that writes directly to the file.
-  std::unique_ptr<Sink> sink();
+  void prepare(Piece& piece) override;
+  void place(Piece& piece) override;
+  void store(const Piece& piece) override;
   /// Adds the next piece, from a chunk. One thread alone may call it.
   void add(const mesh::MeshPiece& piece);
   /// Finishes the mesh after all pieces were added. Sets its counts and angles in the summary.

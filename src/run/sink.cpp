@@ -1,7 +1,5 @@
 #include "run/sink.hpp"
 
-#include "run/piece_bytes.hpp"
-
 namespace eses::detail {
 
 void Sinks::take_block(const BlockResult& block, std::size_t thread) {
@@ -33,11 +31,6 @@ void PieceTextSink::store(const Piece& piece) {
 
 void MapSink::store(const Piece& piece) {
   take_rows_(piece.first_row, piece.map_rows[static_cast<std::size_t>(quantity_)]);
-}
-
-void MeshIntoChunk::prepare(Piece& piece) {
-  piece.mesh_bytes.buffer.clear();
-  append_piece(piece.mesh_bytes.buffer, piece.mesh);
 }
 
 }  // namespace eses::detail

@@ -9,11 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "mesh/quality_filter.hpp"
-#include "output/mesh_file.hpp"
 #include "run/piece.hpp"
-#include "run/progress_report.hpp"
-#include "run/verifier.hpp"
 
 namespace eses::detail {
 
@@ -95,62 +91,6 @@ class MapSink final : public Sink {
  private:
   MapQuantity quantity_;
   TakeRows take_rows_;
-};
-
-/// Writes the mesh to its file.
-class MeshIntoFile final : public Sink {
- public:
-  explicit MeshIntoFile(mesh::MeshFile& file) : file_(file) {}
-  void prepare(Piece& piece) override { file_.format(piece.mesh, piece.mesh_texts); }
-  void place(Piece& piece) override { file_.place(piece.mesh, piece.mesh_texts); }
-  void store(const Piece& piece) override { file_.write(piece.mesh_texts); }
-
- private:
-  mesh::MeshFile& file_;
-};
-
-/// Improves the triangles of the mesh.
-class MeshIntoFilter final : public Sink {
- public:
-  explicit MeshIntoFilter(mesh::QualityFilter& filter) : filter_(filter) {}
-  void place(Piece& piece) override { filter_.add(piece.mesh); }
-
- private:
-  mesh::QualityFilter& filter_;
-};
-
-/// Writes the mesh to a chunk, see append_piece.
-class MeshIntoChunk final : public PieceTextSink {
- public:
-  explicit MeshIntoChunk(WriteAt write_at)
-      : PieceTextSink(&Piece::mesh_bytes, std::move(write_at)) {}
-  void prepare(Piece& piece) override;
-};
-
-/// Passes blocks to the verification.
-class BlocksIntoVerifier final : public Sink {
- public:
-  explicit BlocksIntoVerifier(Verifier& verifier) : verifier_(verifier) {}
-  void take_block(const BlockResult& block, std::size_t thread) override {
-    verifier_.take(block, thread);
-  }
-
- private:
-  Verifier& verifier_;
-};
-
-/// Passes blocks to a callback of the run.
-class BlocksIntoCallback final : public Sink {
- public:
-  BlocksIntoCallback(const SolvedBlockCallback& callback, ProgressReport& report)
-      : callback_(callback), report_(report) {}
-  void take_block(const BlockResult& block, std::size_t /*thread*/) override {
-    report_.call([&] { callback_(block); });
-  }
-
- private:
-  const SolvedBlockCallback& callback_;
-  ProgressReport& report_;
 };
 
 }  // namespace eses::detail

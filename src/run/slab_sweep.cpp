@@ -18,13 +18,27 @@ constexpr std::int64_t max_ranges = 64;
 
 // Returns the blocks of a range of planes.
 BlockTiling tiling_of(const PlannedRun& run, const PlaneRange& planes) {
-  BlockTiling tiling = make_tiling(run.plan.grid, run.process_schedule.tiling.block_size,
+  BlockTiling tiling = make_tiling(run.plan.grid, run.slab_plan.tiling.block_size,
                                    with_planes(run.plan.tiling.region, planes));
   // The cells between this range and the next one belong to the next one, which computes the last
   // plane of this range again.
   if (planes.end < run.plan.tiling.region.end[2]) tiling.region_with_halo.end[2] = planes.end;
   return tiling;
 }
+
+// Passes blocks to a callback of the run.
+class BlocksIntoCallback final : public Sink {
+ public:
+  BlocksIntoCallback(const SolvedBlockCallback& callback, ProgressReport& report)
+      : callback_(callback), report_(report) {}
+  void take_block(const BlockResult& block, std::size_t /*thread*/) override {
+    report_.call([&] { callback_(block); });
+  }
+
+ private:
+  const SolvedBlockCallback& callback_;
+  ProgressReport& report_;
+};
 
 // Adds the seconds of the threads of a sweep.
 void add_seconds(const PhaseSeconds& of_sweep, PhaseSeconds& seconds) {
@@ -41,7 +55,7 @@ std::vector<PlaneRange> ranges_to_sweep(const Request& request, const PlannedRun
   for (const PlaneRange& range : remaining(run.slab.planes, run.finished_planes)) {
     std::int64_t planes = range.count();
     if (request.keeps_chunks()) {
-      const std::int64_t layer = run.process_schedule.tiling.block_size[2] - 1;
+      const std::int64_t layer = run.slab_plan.tiling.block_size[2] - 1;
       const std::int64_t layers = (run.slab.planes.count() + layer - 1) / layer;
       planes = layer * ((layers + max_ranges - 1) / max_ranges);
     }
@@ -88,8 +102,7 @@ Plan SlabSweep::plan_of(const PlaneRange& planes) {
     return std::llround(check_count_ * static_cast<double>(before) /
                         static_cast<double>(all_planes_));
   };
-  Plan plan = run_.plan;
-  plan.take(run_.process_schedule);
+  Plan plan = run_.slab_plan;
   plan.tiling = tiling_of(run_, planes);
   const std::int64_t before = checks_before(swept_planes_);
   swept_planes_ += planes.count();
@@ -145,7 +158,7 @@ SweepSums SlabSweep::sweep(const PlaneRange& planes, Sink& sink, Summary& summar
     const Stopwatch drawing;
     verifier.emplace(run_.slab.molecule.atoms(), plan, run_.filled().get());
     summary.seconds.verify += drawing.seconds();
-    sinks.add(std::make_unique<BlocksIntoVerifier>(*verifier));
+    sinks.add(*verifier);
   }
   std::optional<LayerMesh> mesh;
   if (mesh_ != nullptr)

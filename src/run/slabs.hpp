@@ -8,11 +8,9 @@
 
 #include "geometry/box.hpp"
 #include "grid/plane_range.hpp"
-#include "input/file_index.hpp"
 #include "output/mesh_groups.hpp"
-#include "run/checkpoint.hpp"
 #include "run/plan.hpp"
-#include "solve/area_shares.hpp"
+#include "run/range_sums.hpp"
 #include "surface/molecule.hpp"
 
 namespace eses::detail {

@@ -12,24 +12,14 @@
 #include "run/piece.hpp"
 #include "run/plan.hpp"
 #include "run/progress_report.hpp"
+#include "run/range_sums.hpp"
 #include "run/sink.hpp"
 #include "run/work_list.hpp"
 #include "solve/block_solver.hpp"
-#include "solve/region_totals.hpp"
 #include "surface/patch_schedule.hpp"
 #include "system/monitor.hpp"
 
 namespace eses::detail {
-
-/// The sums of a sweep. They do not depend on the division of its region into blocks.
-struct SweepSums {
-  RegionTotals totals;
-  std::vector<AreaShare> atom_shares;  ///< by atom of the surface
-  MeshCounts mesh;
-  std::int64_t verified_points = 0, verified_edges = 0;  ///< see SlabSweep
-  std::size_t fault_count = 0;                           ///< of the verification
-  PhaseSeconds seconds;                                  ///< of all threads
-};
 
 /// A sweep over the region of a plan. It builds patches, solves the blocks layer by layer, and
 /// makes pieces of each layer.

@@ -94,7 +94,7 @@ double Verifier::memory_bytes(std::int64_t checked, int threads, double crossing
   return bytes_per_checked * asked + bytes_per_kept * (threads + 1) * kept;
 }
 
-void Verifier::take(const BlockResult& result, std::size_t thread) {
+void Verifier::take_block(const BlockResult& result, std::size_t thread) {
   const std::int64_t block = owner_of(plan_.tiling, result.block.first);
   auto point = std::lower_bound(points_.begin(), points_.end(), block,
                                 [](const auto& p, std::int64_t b) { return p.block < b; });

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "run/plan.hpp"
-#include "solve/block_solver.hpp"
+#include "run/sink.hpp"
 #include "surface/cavity_map.hpp"
 #include "verify/definition.hpp"
 #include "verify/sample.hpp"
@@ -19,20 +19,17 @@ namespace eses::detail {
 /// Waals and the SAS surface. During the run, a random sample of crossings is kept, four times as
 /// many as are verified. Half of the verified crossings are chosen at random from this sample; the
 /// others are the crossings nearest to the seam with another patch.
-class Verifier {
+class Verifier final : public Sink {
  public:
   /// Keeps views of all arguments, which must outlive the object. `cavities` is null if none are
   /// filled.
   Verifier(std::span<const Atom> atoms, const Plan& plan, const CavityMap* cavities = nullptr);
-  Verifier(const Verifier&) = delete;
-  Verifier& operator=(const Verifier&) = delete;
 
   /// Returns the estimated memory of a verification in bytes, for this number of crossings.
   static double memory_bytes(std::int64_t checked, int threads, double crossings);
 
-  /// Takes the sampled points and crossings of a block. Must be called once for each block. Several
-  /// threads may call it at the same time with different values of `thread`, in [0, plan.threads).
-  void take(const BlockResult& result, std::size_t thread);
+  /// Takes the sampled points and crossings of a block. `thread` is in [0, plan.threads).
+  void take_block(const BlockResult& result, std::size_t thread) override;
 
   /// Performs all checks after the last block. Calls `progress`, if it is not empty, from the
   /// calling thread with the number of finished checks. An exception of `progress` ends the

@@ -145,7 +145,7 @@ namespace {
 std::string header_of(const mesh::MeshText& text, const MeshCounts& counts) {
   std::string header;
   BufferedText part([&](std::string_view passed) { header += passed; });
-  text.append_header(part, {}, {}, counts, {});
+  text.append_header(part, counts, {});
   part.flush();
   return header;
 }

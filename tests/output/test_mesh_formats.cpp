@@ -76,7 +76,7 @@ double distance_from(const Vec3& point, const Atom& atom) {
 std::string header_of(const mesh::MeshText& text, const MeshCounts& counts) {
   std::string header;
   BufferedText part([&](std::string_view passed) { header += passed; });
-  text.append_header(part, std::vector<AtomLabel>(3), std::vector<AtomLabel>(200), counts, {});
+  text.append_header(part, counts, {});
   text.append_face_header(part, counts);
   part.flush();
   return header;
@@ -169,16 +169,19 @@ TEST_CASE("mesh formats: the sizes of files are estimated", "[mesh]") {
 }
 
 TEST_CASE("mesh formats: the header's length does not depend on the counts", "[mesh]") {
+  const std::vector<AtomLabel> residues(200);
+  const std::span<const AtomLabel> labels(residues);
   for (const MeshFormat format :
        {MeshFormat::ascii_ply, MeshFormat::msms, MeshFormat::vtp, MeshFormat::stl, MeshFormat::glb})
     for (const MeshColor color : {MeshColor::none, MeshColor::patch}) {
       const mesh::MeshText text(format, color,
                                 {.has_groups = true,
+                                 .chains = labels.first(3),
+                                 .residues = labels,
                                  .atom_count = 1000,
                                  .probe_radius = 1.4,
                                  .density = 9.375,
-                                 .grid = {},
-                                 .center = {}});
+                                 .grid = {}});
       const std::uint64_t expected = header_of(text, {0, 0}).size();
       for (const std::uint64_t count : {1ULL, 99ULL, 2147483647ULL, 99999999999ULL})
         CHECK(header_of(text, {count, 2 * count}).size() == expected);

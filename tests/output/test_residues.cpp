@@ -124,9 +124,9 @@ TEST_CASE("a line of the table of atoms has the names as CSV", "[residues]") {
   std::string text;
   BufferedText table([&text](std::string_view part) { text += part; });
   append_atom_header(table);
-  append_atom(table, {1, {"A", "LIG", "52A", "CL1", "Cl"}, 1.75, 12.5});
-  append_atom(table, {2, {"A,B", "X\"Y", "-1", "C'", ""}, 2, 0});
-  append_atom(table, {3, {}, 0.1, 1e6});
+  append_atom(table, 1, {"A", "LIG", "52A", "CL1", "Cl"}, 1.75, 12.5);
+  append_atom(table, 2, {"A,B", "X\"Y", "-1", "C'", ""}, 2, 0);
+  append_atom(table, 3, {}, 0.1, 1e6);
   table.flush();
   CHECK(text ==
         "serial,name,residue,residue_number,chain,element,radius,area\n"

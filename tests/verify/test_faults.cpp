@@ -100,7 +100,7 @@ Verification verification_of(const std::vector<Atom>& atoms, const Parameters& p
         plan.tiling.block(b % blocks[0], b / blocks[0] % blocks[1], b / blocks[0] / blocks[1]);
     BlockResult result = solve_block(all.patches, plan.grid, block, workspace);
     spoil(result);
-    verifier.take(result, static_cast<std::size_t>(b % plan.threads));
+    verifier.take_block(result, static_cast<std::size_t>(b % plan.threads));
   }
   return verifier.check({});
 }
