@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <filesystem>
 #include <memory>
+#include <numeric>
 #include <system_error>
 #include <utility>
 
-#include "cli/suggestions.hpp"
 #include "eses/version.hpp"
 #include "input/read_structure.hpp"
 #include "system/dispatch.hpp"
@@ -82,29 +82,42 @@ class HelpFormatter : public CLI::Formatter {
   HelpText text_;
 };
 
-/// Throws UsageError for `--name=`, for which CLI11 would use the next argument as the value.
-void refuse_empty_values(const Arguments& arguments) {
-  for (const std::string& argument : arguments) {
-    if (argument == "--") return;
-    if (argument.starts_with("--") && argument.ends_with('='))
-      throw UsageError(formatted("{} needs a value", argument));
+/// Throws UsageError where CLI11 would take the next argument for a missing value: after `--name=`,
+/// and before another option, as in `--surface --write none`.
+void refuse_missing_values(CLI::App& app, const Arguments& arguments) {
+  for (std::size_t i = 0; i < arguments.size() && arguments[i] != "--"; ++i) {
+    const std::string& name = arguments[i];
+    if (name.starts_with("--") && name.ends_with('='))
+      throw UsageError(formatted("{} needs a value", name));
+    const auto option_named = [&](const std::string& text) {
+      return text.starts_with('-') ? app.get_option_no_throw(text) : nullptr;
+    };
+    CLI::Option* const option = option_named(name);
+    if (option == nullptr || option->get_items_expected_min() == 0 || i + 1 == arguments.size())
+      continue;
+    const std::string& value = arguments[i + 1];
+    if (option_named(value) == nullptr) continue;
+    option->add_result(value);
+    option->run_callback();  // throws with what it expects, unless it accepts all texts
+    throw UsageError(
+        formatted("{0} needs a value before {1}; for the text '{1}', write {0}={1}", name, value));
   }
 }
 
-/// Throws UsageError for an option in the place of the value of another one, as in `--surface
-/// --write none`. CLI11 would take its name for the value, and its value for a positional argument.
-void refuse_options_as_values(CLI::App& app, const Arguments& arguments) {
-  for (std::size_t i = 0; i + 1 < arguments.size() && arguments[i] != "--"; ++i) {
-    if (!arguments[i].starts_with('-')) continue;
-    CLI::Option* const option = app.get_option_no_throw(arguments[i]);
-    if (option == nullptr || option->get_items_expected_min() == 0) continue;
-    const std::string& value = arguments[++i];
-    if (!value.starts_with('-') || app.get_option_no_throw(value) == nullptr) continue;
-    option->add_result(value);
-    option->run_callback();  // throws with what it expects, unless it accepts all texts
-    throw UsageError(formatted("{} needs a value before {}; for the text '{}', write {}={}",
-                               arguments[i - 1], value, value, arguments[i - 1], value));
+/// Returns the number of letters to insert, delete or replace (Levenshtein).
+std::size_t distance_of(std::string_view a, std::string_view b) {
+  std::vector<std::size_t> row(b.size() + 1);
+  std::iota(row.begin(), row.end(), std::size_t{0});
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    std::size_t diagonal = row[0];
+    row[0] = i + 1;
+    for (std::size_t j = 0; j < b.size(); ++j) {
+      const std::size_t replaced = diagonal + (a[i] == b[j] ? 0 : 1);
+      diagonal = row[j + 1];
+      row[j + 1] = std::min({replaced, row[j] + 1, diagonal + 1});
+    }
   }
+  return row.back();
 }
 
 /// Returns what to do instead of giving an unknown option.
@@ -210,6 +223,21 @@ std::vector<std::string> split(std::string_view list, char separator) {
   return parts;
 }
 
+std::string_view closest_name(std::string_view word, std::span<const std::string> names) {
+  constexpr std::size_t min_length = 4, max_distance = 2;
+  if (word.size() < min_length) return {};
+  std::string_view best;
+  std::size_t least = max_distance + 1;
+  for (const std::string& name : names) {
+    if (name.starts_with(word)) return name;
+    if (const std::size_t distance = distance_of(word, name); distance < least) {
+      least = distance;
+      best = name;
+    }
+  }
+  return best;
+}
+
 void refuse(std::string_view name, std::string_view value, std::string_view expected) {
   throw UsageError(formatted("{} is '{}', expected {}", name, value, expected));
 }
@@ -256,8 +284,7 @@ void add_notices(CLI::App& app) {
 }
 
 void parse(CLI::App& app, const Arguments& arguments, std::string_view positionals) {
-  refuse_empty_values(arguments);
-  refuse_options_as_values(app, arguments);
+  refuse_missing_values(app, arguments);
   try {
     parse_or_refuse(app, arguments);
   } catch (const CLI::CallForHelp&) {

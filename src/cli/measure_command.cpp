@@ -57,11 +57,10 @@ bool is_table(std::string_view name) {
 
 OutputPaths paths_of(const MeasureCommandOptions& options) {
   OutputPaths paths;
-  for (const Table& table : tables)
-    if (options.tables.*table.is_chosen)
-      for (std::size_t input = 0; input < options.inputs.size(); ++input)
-        paths.add(options.output_directory, table_name(options, input, table));
-  if (options.tables.any()) paths.locks.push_back(lock_path(options.output_directory));
+  for (const Table* const table : options.written_tables)
+    for (std::size_t input = 0; input < options.inputs.size(); ++input)
+      paths.add(options.output_directory, table_name(options, input, *table));
+  if (!options.written_tables.empty()) paths.locks.push_back(lock_path(options.output_directory));
   if (options.csv.empty()) return paths;
   const auto [parent, name] = require_end_of_links(options.csv);
   require_free_name({parent, name});
@@ -179,11 +178,10 @@ void append_table(const Table& table, const MeasuredFile& file,
 void write_tables(const MeasureCommandOptions& options, std::size_t input, const MeasuredFile& file,
                   const OutputDirectory& directory) {
   std::vector<std::unique_ptr<OutputFile>> files;
-  for (const Table& table : tables) {
-    if (!(options.tables.*table.is_chosen)) continue;
+  for (const Table* const table : options.written_tables) {
     OutputFile& output = *files.emplace_back(
-        std::make_unique<OutputFile>(directory, table_name(options, input, table)));
-    append_table(table, file, [&](std::string_view part) { output.append(part); });
+        std::make_unique<OutputFile>(directory, table_name(options, input, *table)));
+    append_table(*table, file, [&](std::string_view part) { output.append(part); });
     output.close();
   }
   commit_all(files);
@@ -268,7 +266,7 @@ int perform_measure(const Arguments& arguments) {
   InterruptibleRun interruptible(paths);
   std::optional<OutputDirectory> directory, directory_of_csv;
   std::optional<OutputFile> csv;
-  if (options.tables.any()) {
+  if (!options.written_tables.empty()) {
     directory.emplace(options.output_directory);
     directory->remove_abandoned(is_table);
   }

@@ -3,9 +3,8 @@
 #include <fmt/ranges.h>
 
 #include <CLI/CLI.hpp>
-#include <cmath>
-#include <limits>
 #include <optional>
+#include <set>
 #include <stdexcept>
 #include <string_view>
 #include <utility>
@@ -13,6 +12,7 @@
 
 #include "cli/arguments.hpp"
 #include "cli/input_files.hpp"
+#include "cli/option_values.hpp"
 #include "cli/shared_options.hpp"
 #include "input/other_formats.hpp"
 #include "run/pocket_sweep.hpp"
@@ -77,15 +77,19 @@ std::optional<double> probe_radius_in(const std::string& text) {
   return is_valid ? value : std::nullopt;
 }
 
-std::optional<TableChoice> tables_in(const std::string& list) {
-  std::vector<std::pair<std::string_view, bool TableChoice::*>> members;
-  for (const Table& table : tables) members.emplace_back(table.name, table.is_chosen);
-  return choice_in<TableChoice>(list, {}, members);
-}
-
 std::optional<const Table*> table_in(const std::string& name) {
   const auto* const found = std::ranges::find(tables, name, &Table::name);
   return found == tables.end() ? std::nullopt : std::optional<const Table*>(found);
+}
+
+std::optional<TableList> tables_in(const std::string& list) {
+  std::set<const Table*> chosen;  // in the order of `tables`
+  for (const std::string& name : split(list, ','))
+    if (const auto table = table_in(name))
+      chosen.insert(*table);
+    else
+      return std::nullopt;
+  return TableList(chosen.begin(), chosen.end());
 }
 
 std::optional<SurfaceChoice> surfaces_in(const std::string& list) {
@@ -107,31 +111,18 @@ std::optional<PartChoice> parts_in(const std::string& text) {
   return choice.parts.size() < 2 ? std::nullopt : std::optional(choice);
 }
 
-/// Returns the numbers of a list, or nothing if one of its items is none.
-std::vector<double> coordinates_in(const std::string& list) {
-  std::vector<double> numbers;
-  for (const std::string& item : split(list, ',')) {
-    const std::optional<double> number = whole_text<double>(item);
-    if (!number || !std::isfinite(*number)) return {};
-    numbers.push_back(*number);
-  }
-  return numbers;
-}
-
 std::optional<PlaceChoice> place_in(const std::string& text) {
-  PlaceChoice place{.text = text, .part = {}, .point = {}, .box = {}};
-  const std::vector<double> n = coordinates_in(text);
-  if (n.size() == 3) {
-    place.point = {n[0], n[1], n[2]};
-  } else if (n.size() == 6) {
-    place.box = {Vec3{n[0], n[1], n[2]}, Vec3{n[3], n[4], n[5]}};
-    for (std::size_t axis = 0; axis < 3; ++axis)
-      if ((*place.box)[0][axis] > (*place.box)[1][axis]) return std::nullopt;
-  } else {
-    const std::optional<PartSelector> part = part_selector_in(text);
-    if (!part) return std::nullopt;
-    place.part = *part;
+  PlaceChoice place{.text = text, .part = {}, .point = position_in(text), .box = {}};
+  if (place.point) return place;
+  if (numbers_in<6>(text, ',', -max_finite, max_finite)) {
+    const std::optional<Box> box = box_in(text);
+    if (!box) return std::nullopt;
+    place.box = {box->low, box->high};
+    return place;
   }
+  const std::optional<PartSelector> part = part_selector_in(text);
+  if (!part) return std::nullopt;
+  place.part = *part;
   return place;
 }
 
@@ -167,8 +158,7 @@ void add_pocket_options(CLI::App& app, MeasureCommandOptions& options) {
       app, "--min-pocket-volume", "VOLUME",
       "leave out pockets with less volume, in cubic angstrom\n[twice the volume of the probe]",
       pockets.min_volume,
-      number_between(0, std::numeric_limits<double>::max(),
-                     "a finite number of at least 0, in cubic angstrom"));
+      number_between(0, max_finite, "a finite number of at least 0, in cubic angstrom"));
 }
 
 /// Throws UsageError if options of pockets are not needed, or out of their range.
@@ -237,7 +227,7 @@ void add_measure_options(CLI::App& app, MeasureCommandOptions& options, InputCho
   add_value(app, "--write", "LIST",
             "tables to write: some of atoms,residues,chains,\n"
             "derivatives,cavities,pieces,pockets,rsa,seq,res,pdb,cif",
-            options.tables, Format<TableChoice>{tables_in, "some of " + table_names()});
+            options.written_tables, Format<TableList>{tables_in, "some of " + table_names()});
   add_value(app, "--table", "NAME", "print one of these tables in place of the report",
             options.printed_table, Format<const Table*>{table_in, "one of " + table_names()});
   add_value(app, "--reference", "NAME",
@@ -265,12 +255,12 @@ void check_surfaces(const MeasureCommandOptions& options) {
   if (!surfaces.has_ses()) {
     refuse_if(options.cavities, "--cavities", "ses");
     refuse_if(options.pockets, "--pockets", "ses");
-    for (const Table& table : tables)
-      refuse_if(table.has(needs_ses) && options.needs(table), options.option_of(table), "ses");
+    for (const Table* const table : options.needed_tables())
+      refuse_if(table->needs_ses(), options.option_of(*table), "ses");
   }
   if (surfaces.has_ses() || surfaces.has_sas()) return;
-  for (const Table& table : tables)
-    refuse_if(options.needs(table), options.option_of(table), "sas, ses");
+  for (const Table* const table : options.needed_tables())
+    refuse_if(true, options.option_of(*table), "sas, ses");
   refuse_if(options.parts.is_chosen(), "--parts", "sas, ses");
   refuse_if(!options.reports.empty(), "--report", "sas, ses");
 }
@@ -295,9 +285,8 @@ void check(const CLI::App& app, const MeasureCommandOptions& options) {
     if (options.all_models && !is_structure(format_of(path, options.format)))
       throw UsageError(
           formatted("--model all needs PDB or mmCIF files; {} is read as PQR", path.string()));
-    for (const Table& table : tables)
-      if (table.has(needs_names) && options.needs(table))
-        refuse_xyzr(input, options.option_of(table), "names");
+    for (const Table* const table : options.needed_tables())
+      if (table->has(needs_names)) refuse_xyzr(input, options.option_of(*table), "names");
     if (options.parts.is_chosen()) refuse_xyzr(input, "--parts", "chains");
     if (!options.reports.empty()) refuse_xyzr(input, "--report", "names");
     if (has_place_of_atoms) refuse_xyzr(input, "--at", "names");

@@ -1,6 +1,7 @@
 #pragma once
 /// The command line of `eses-blocks measure` as plain data.
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <filesystem>
@@ -21,9 +22,11 @@ namespace eses::detail::cli {
 
 /// What tables need, and what they have.
 enum TableTraits : unsigned {
-  needs_names = 1,  ///< the atoms must have names
-  needs_ses = 2,    ///< the SES must be measured
-  has_areas = 4,    ///< the table has areas of atoms, of which --report chooses some
+  needs_names = 1,   ///< the atoms must have names
+  has_areas = 2,     ///< areas of atoms, of which --report chooses some
+  has_cavities = 4,  ///< cavities, or pieces of the molecule
+  has_derivatives = 8,
+  has_pockets = 16,
 };
 
 /// A table of `--write` or `--table`. The table of the file NAME.pdb has the name NAME and
@@ -31,29 +34,30 @@ enum TableTraits : unsigned {
 struct Table {
   std::string_view name;
   std::string_view ending;
-  bool TableChoice::*is_chosen;
   void (*append)(const MeasuredAtoms& atoms, BufferedText& text);
   unsigned traits;
 
   bool has(TableTraits trait) const { return (traits & trait) != 0; }
+  /// Whether the SES must be measured.
+  bool needs_ses() const { return !has(has_areas); }
 };
 inline constexpr std::array tables{
-    Table{"atoms", ".atoms.csv", &TableChoice::atoms, append_measured_atoms, has_areas},
-    Table{"residues", ".residues.csv", &TableChoice::residues, append_measured_residues,
-          needs_names | has_areas},
-    Table{"chains", ".chains.csv", &TableChoice::chains, append_measured_chains,
-          needs_names | has_areas},
-    Table{"derivatives", ".derivatives.csv", &TableChoice::derivatives, append_derivatives,
-          needs_ses},
-    Table{"cavities", ".cavities.csv", &TableChoice::cavities, append_cavities, needs_ses},
-    Table{"pieces", ".pieces.csv", &TableChoice::pieces, append_pieces, needs_ses},
-    Table{"pockets", ".pockets.csv", &TableChoice::pockets, append_pockets, needs_ses},
-    Table{"rsa", ".rsa", &TableChoice::rsa, append_rsa, needs_names | has_areas},
-    Table{"seq", ".seq", &TableChoice::seq, append_seq, needs_names | has_areas},
-    Table{"res", ".res", &TableChoice::res, append_res, needs_names | has_areas},
-    Table{"pdb", ".areas.pdb", &TableChoice::pdb, append_pdb, needs_names | has_areas},
-    Table{"cif", ".areas.cif", &TableChoice::cif, append_cif, needs_names | has_areas},
+    Table{"atoms", ".atoms.csv", append_measured_atoms, has_areas},
+    Table{"residues", ".residues.csv", append_measured_residues, needs_names | has_areas},
+    Table{"chains", ".chains.csv", append_measured_chains, needs_names | has_areas},
+    Table{"derivatives", ".derivatives.csv", append_derivatives, has_derivatives},
+    Table{"cavities", ".cavities.csv", append_cavities, has_cavities},
+    Table{"pieces", ".pieces.csv", append_pieces, has_cavities},
+    Table{"pockets", ".pockets.csv", append_pockets, has_pockets},
+    Table{"rsa", ".rsa", append_rsa, needs_names | has_areas},
+    Table{"seq", ".seq", append_seq, needs_names | has_areas},
+    Table{"res", ".res", append_res, needs_names | has_areas},
+    Table{"pdb", ".areas.pdb", append_pdb, needs_names | has_areas},
+    Table{"cif", ".areas.cif", append_cif, needs_names | has_areas},
 };
+
+/// A list of tables, in the order of `tables`.
+using TableList = std::vector<const Table*>;
 
 /// The surfaces to measure.
 struct SurfaceChoice {
@@ -91,7 +95,7 @@ struct MeasureCommandOptions {
   bool allow_far_atoms = false;           ///< see Parameters::allow_far_atoms
   PocketOptions pocket_options;           ///< of the search for pockets
   std::optional<PlaceChoice> at;          ///< only pockets and cavities at this place are reported
-  TableChoice tables;
+  TableList written_tables;
   const Table* printed_table = nullptr;  ///< printed in place of the report; null if none is
   AreaReference reference = AreaReference::tien;  ///< of relative areas
   std::filesystem::path output_directory = ".";   ///< of the tables
@@ -105,20 +109,25 @@ struct MeasureCommandOptions {
   /// Returns the number of the model of an input; 0 for the first one.
   int model_of(std::size_t input) const { return models.empty() ? structure.model : models[input]; }
 
-  bool need_pockets() const { return pockets || needed_tables().pockets; }
+  bool need_pockets() const { return pockets || needs(has_pockets); }
 
   /// The tables to write or to print.
-  TableChoice needed_tables() const {
-    TableChoice needed = tables;
-    if (printed_table != nullptr) needed.*printed_table->is_chosen = true;
+  TableList needed_tables() const {
+    TableList needed = written_tables;
+    if (printed_table != nullptr) needed.push_back(printed_table);
     return needed;
   }
 
-  bool needs(const Table& table) const { return needed_tables().*table.is_chosen; }
+  /// Whether some table has a trait.
+  bool needs(TableTraits trait) const {
+    return std::ranges::any_of(needed_tables(),
+                               [&](const Table* table) { return table->has(trait); });
+  }
 
   /// Returns the option that chooses a table, with its value, for messages.
   std::string option_of(const Table& table) const {
-    return std::string(tables.*table.is_chosen ? "--write " : "--table ") + std::string(table.name);
+    const bool is_written = std::ranges::count(written_tables, &table) > 0;
+    return (is_written ? "--write " : "--table ") + std::string(table.name);
   }
 
   /// Whether the results are printed as the report on a single file, with its chains.

@@ -227,9 +227,8 @@ MeasuredAtoms MeasuredFile::table() const {
 MeasuredFile measure_file(const MeasureCommandOptions& options, std::size_t input, int threads,
                           const CheckCallback& check) {
   const std::filesystem::path& path = options.inputs[input];
-  const TableChoice needed = options.needed_tables();
   ReadOptions reading{.format = options.format,
-                      .with_labels = options.has_report() || needed.any() ||
+                      .with_labels = options.has_report() || !options.needed_tables().empty() ||
                                      options.parts.is_chosen() || options.cavities ||
                                      options.pockets || options.at || !options.reports.empty(),
                       .structure = options.structure,
@@ -257,14 +256,15 @@ MeasuredFile measure_file(const MeasureCommandOptions& options, std::size_t inpu
   const bool only_vdw = !surfaces.has_ses() && !surfaces.has_sas();
   const bool has_chains =
       options.has_report() && surfaces.has_sas() && !result.surface.labels().empty();
-  MeasureOptions measuring{.probe_radius = only_vdw ? 0 : options.probe_radius,
-                           .ses = surfaces.has_ses(),
-                           .van_der_waals = surfaces.has_vdw(),
-                           .by_atom = needed.need_areas() || has_chains || !options.reports.empty(),
-                           .gradients = needed.derivatives,
-                           .cavities = options.cavities || needed.need_cavities(),
-                           .threads = threads,
-                           .check = check};
+  MeasureOptions measuring{
+      .probe_radius = only_vdw ? 0 : options.probe_radius,
+      .ses = surfaces.has_ses(),
+      .van_der_waals = surfaces.has_vdw(),
+      .by_atom = options.needs(has_areas) || has_chains || !options.reports.empty(),
+      .gradients = options.needs(has_derivatives),
+      .cavities = options.cavities || options.needs(has_cavities),
+      .threads = threads,
+      .check = check};
   result.measures = measure(result.surface, measuring);
   if (options.need_pockets()) {
     PocketOptions searching = options.pocket_options;
@@ -276,7 +276,7 @@ MeasuredFile measure_file(const MeasureCommandOptions& options, std::size_t inpu
     result.place->cavities = find_cavities_at(
         result.surface, result.place->place,
         {.probe_radius = options.probe_radius, .threads = threads, .check = check});
-  measuring.by_atom = needed.need_areas();
+  measuring.by_atom = options.needs(has_areas);
   measuring.gradients = measuring.cavities = false;
   // No other output shows the van der Waals surface of a part.
   measuring.van_der_waals = options.json && surfaces.has_vdw();

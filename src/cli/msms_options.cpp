@@ -11,7 +11,6 @@
 #include <vector>
 
 #include "cli/arguments.hpp"
-#include "cli/suggestions.hpp"
 #include "eses/surface.hpp"
 #include "system/formatted.hpp"
 

@@ -2,6 +2,7 @@
 
 #include <CLI/CLI.hpp>
 #include <filesystem>
+#include <initializer_list>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -11,6 +12,7 @@
 #include "cli/arguments.hpp"
 #include "cli/option_values.hpp"
 #include "cli/shared_options.hpp"
+#include "output/file_path.hpp"
 #include "output/map_writer.hpp"
 #include "output/mesh_format.hpp"
 #include "output/output_files.hpp"
@@ -19,23 +21,34 @@
 namespace eses::detail::cli {
 namespace {
 
-// Sets `target` if the length is given. Argument and option may both be given with equal values.
-void choose(const char* positional, const char* option, const Length& length, double& target) {
-  if (length.positional && length.option && *length.positional != *length.option)
-    throw UsageError(formatted("{} is {} but {} is {}; use only one of them", positional,
-                               *length.positional, option, *length.option));
-  target = length.positional ? *length.positional : length.option.value_or(target);
+// Returns the first of these options and arguments that is given; null if none is.
+const char* given(const CLI::App& app, std::initializer_list<const char*> names) {
+  for (const char* const name : names)
+    if (app.count(name) > 0) return name;
+  return nullptr;
+}
+
+// A length can be given as an argument and as an option, but only with equal values.
+void refuse_different(const CLI::App& app, const char* positional, const char* option) {
+  if (app.count(positional) == 0 || app.count(option) == 0) return;
+  const auto value_of = [&app](const char* name) {
+    return *whole_text<double>(app.get_option(name)->results().front());
+  };
+  const double first = value_of(positional), second = value_of(option);
+  if (first != second)
+    throw UsageError(formatted("{} is {} but {} is {}; use only one of them", positional, first,
+                               option, second));
 }
 
 // A custom grid needs a position and a size. The margin applies only to the default grid.
-void check_grid_choice(const CLI::App& app, const GridChoice& grid, const Length& margin) {
+void check_grid_choice(const CLI::App& app, const GridChoice& grid) {
   const bool has_position = grid.origin || grid.center;
   refuse_without(app, {"--grid-origin", "--grid-center"}, grid.points.has_value(), "--grid-points");
   refuse_without(app, {"--grid-points"}, has_position, "--grid-origin or --grid-center");
   const bool is_chosen = has_position || !grid.like.empty();
-  if (is_chosen && margin.is_given())
+  if (const char* const margin = given(app, {"--margin", "MARGIN"}); is_chosen && margin != nullptr)
     throw UsageError(
-        formatted("{} cannot be combined with {}", margin.option ? "--margin" : "MARGIN",
+        formatted("{} cannot be combined with {}", margin,
                   grid.origin ? "--grid-origin" : (grid.center ? "--grid-center" : "--grid-like")));
 }
 
@@ -103,15 +116,14 @@ void choose_mesh(const CLI::App& app, const InputFile& input, Outputs& outputs) 
 }
 
 // Sets the radii of the surface. Options that need a probe that rolls over the atoms are refused.
-void choose_surface(const CLI::App& app, const Length& probe, Options& options) {
+void choose_surface(const CLI::App& app, Options& options) {
   Parameters& parameters = options.request.parameters;
-  choose("PROBE", "--probe-radius", probe, parameters.probe_radius);
   if (options.surface == SurfaceKind::ses) return;
   const bool is_sas = options.surface == SurfaceKind::sas;
   const std::string chosen = formatted("--surface {}", names_of(options.surface).option);
-  if (!is_sas && probe.is_given())
-    throw UsageError(formatted("{} cannot be combined with {}; it has no probe", chosen,
-                               probe.option ? "--probe-radius" : "PROBE"));
+  if (const char* const probe = given(app, {"--probe-radius", "PROBE"});
+      !is_sas && probe != nullptr)
+    throw UsageError(formatted("{} cannot be combined with {}; it has no probe", chosen, probe));
   const auto refuse_if = [&](bool is_chosen, std::string_view option) {
     if (is_chosen)
       throw UsageError(formatted("{} cannot be combined with {}; it needs the {}", chosen, option,
@@ -134,14 +146,13 @@ void refuse_files(const Outputs& outputs) {
 
 }  // namespace
 
-void choose_values(const CLI::App& app, const Lengths& lengths, Options& options) {
-  choose_surface(app, lengths.probe_radius, options);
-  GridOptions grid;
-  choose("SPACING", "--spacing", lengths.spacing, grid.spacing);
-  choose("MARGIN", "--margin", lengths.margin, grid.margin);
-  options.request.parameters.grid = grid;
-  check_grid_choice(app, options.grid, lengths.margin);
-  options.grid.has_spacing = lengths.spacing.is_given();
+void choose_values(const CLI::App& app, Options& options) {
+  refuse_different(app, "PROBE", "--probe-radius");
+  refuse_different(app, "SPACING", "--spacing");
+  refuse_different(app, "MARGIN", "--margin");
+  choose_surface(app, options);
+  check_grid_choice(app, options.grid);
+  options.grid.has_spacing = given(app, {"--spacing", "SPACING"}) != nullptr;
   if (options.is_join) options.request.join = Join::required;
   if (options.request.part && options.request.parameters.exact)
     throw UsageError("--exact cannot be combined with --part; it needs all atoms in one process");

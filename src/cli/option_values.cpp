@@ -15,21 +15,6 @@ namespace {
 
 constexpr std::int64_t max_whole = std::numeric_limits<std::int64_t>::max();
 
-// Parses a list of exactly `count` numbers in [min, max].
-template <std::size_t count, class Number>
-std::optional<std::array<Number, count>> numbers_in(const std::string& list, char separator,
-                                                    Number min, Number max) {
-  const std::vector<std::string> parts = split(list, separator);
-  if (parts.size() != count) return std::nullopt;
-  std::array<Number, count> numbers{};
-  for (std::size_t i = 0; i < count; ++i) {
-    const std::optional<Number> number = whole_text<Number>(parts[i]);
-    if (!number || !(*number >= min && *number <= max)) return std::nullopt;  // also for NaN
-    numbers[i] = *number;
-  }
-  return numbers;
-}
-
 }  // namespace
 
 void leave_out_text_files(Outputs& outputs) {

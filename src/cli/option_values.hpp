@@ -2,11 +2,15 @@
 /// Values of the options of the surface command. Each function returns nothing if a text has
 /// another format.
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <limits>
 #include <optional>
 #include <string>
+#include <vector>
 
+#include "cli/arguments.hpp"
 #include "eses/outputs.hpp"
 #include "grid/tiling.hpp"
 #include "run/request.hpp"
@@ -15,6 +19,21 @@ namespace eses::detail::cli {
 
 inline constexpr double min_positive = std::numeric_limits<double>::denorm_min();
 inline constexpr double max_finite = std::numeric_limits<double>::max();
+
+/// Parses a list of exactly `count` numbers in [min, max].
+template <std::size_t count, class Number>
+std::optional<std::array<Number, count>> numbers_in(const std::string& list, char separator,
+                                                    Number min, Number max) {
+  const std::vector<std::string> parts = split(list, separator);
+  if (parts.size() != count) return std::nullopt;
+  std::array<Number, count> numbers{};
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::optional<Number> number = whole_text<Number>(parts[i]);
+    if (!number || !(*number >= min && *number <= max)) return std::nullopt;  // also for NaN
+    numbers[i] = *number;
+  }
+  return numbers;
+}
 
 /// Parses a whole number of bytes, with an optional suffix for a power of 1024: K, M, G or T.
 std::optional<std::uint64_t> bytes_in(const std::string& text);

@@ -16,7 +16,6 @@
 #include "cli/option_checks.hpp"
 #include "cli/option_values.hpp"
 #include "cli/shared_options.hpp"
-#include "cli/suggestions.hpp"
 #include "eses/error.hpp"
 #include "input/grid_reader.hpp"
 #include "output/map_writer.hpp"
@@ -101,28 +100,25 @@ void add_grid_choice(CLI::App& app, GridChoice& grid) {
       ->excludes("--grid-origin", "--grid-center", "--grid-points");
 }
 
-void add_grid_options(CLI::App& app, Options& options, Lengths& lengths) {
+void add_grid_options(CLI::App& app, Options& options) {
   begin_group(app, "Surface and grid");
-  const GridOptions grid;
   Parameters& parameters = options.request.parameters;
+  GridOptions& grid = std::get<GridOptions>(parameters.grid);
   add_value(app, "FILE", "", "input file (xyzr, PQR, PDB or mmCIF); - for standard input",
             options.input().path, any_text("a file"))
       ->required();
   const auto add_length = [&app](const char* positional, const char* option,
-                                 const std::string& description, double fallback, Length& length,
+                                 const std::string& description, double& length,
                                  const Format<double>& format) {
-    add_value(app, positional, "", formatted("same as {}", option), length.positional, format);
-    add_value(app, option, "ANGSTROM", formatted("{} [{}]", description, fallback), length.option,
-              format);
+    add_value(app, positional, "", formatted("same as {}", option), length, format);
+    add_value(app, option, "ANGSTROM", formatted("{} [{}]", description, length), length, format);
   };
   add_length("PROBE", "--probe-radius", "radius of the solvent probe, 0.01 to 1000",
-             parameters.probe_radius, lengths.probe_radius,
-             length_between(min_probe_radius, max_probe_radius));
+             parameters.probe_radius, length_between(min_probe_radius, max_probe_radius));
   add_length(
-      "SPACING", "--spacing", "distance between grid points, > 0", grid.spacing, lengths.spacing,
+      "SPACING", "--spacing", "distance between grid points, > 0", grid.spacing,
       number_between(min_positive, max_finite, "a finite number greater than 0, in angstrom"));
   add_length("MARGIN", "--margin", "distance from molecule to grid boundary, >= 0", grid.margin,
-             lengths.margin,
              number_between(0, max_finite, "a finite number of at least 0, in angstrom"));
   add_value(app, "--surface", "NAME", "ses, sas (solvent accessible) or vdw (van der Waals) [ses]",
             options.surface,
@@ -316,7 +312,7 @@ void add_messages(CLI::App& app, Options& options) {
   add_notices(app);
 }
 
-void add_options(CLI::App& app, Options& options, Lengths& lengths) {
+void add_options(CLI::App& app, Options& options) {
   set_up(app,
          {.usage = surface_usage,
           .examples = surface_examples,
@@ -324,7 +320,7 @@ void add_options(CLI::App& app, Options& options, Lengths& lengths) {
           .common = {"--probe-radius", "--spacing", "--surface", "--fill-cavities", "--output-dir",
                      "--write", "--mesh", "--color", "--radii", "--waters", "--no-hetatm",
                      "--chains", "--select", "--threads", "--dry-run", "--quiet", "--json"}});
-  add_grid_options(app, options, lengths);
+  add_grid_options(app, options);
   add_file_options(app, options);
   add_structure_options(app, options.input().structure);
   add_solver_maps(app, options.request.outputs);
@@ -374,13 +370,6 @@ std::string advice_for_command(const Arguments& arguments, std::string_view mess
 
 }  // namespace
 
-bool is_same_directory(const std::filesystem::path& a, const std::filesystem::path& b) {
-  const auto plain = [](const std::filesystem::path& path) {
-    return (std::filesystem::absolute(path) / "").lexically_normal();
-  };
-  return plain(a) == plain(b);
-}
-
 bool asks_to_be_independent(std::span<const std::string> arguments) {
   const auto end = std::find(arguments.begin(), arguments.end(), "--");
   return std::any_of(arguments.begin(), end, [](const std::string& argument) {
@@ -409,9 +398,8 @@ Options parse_arguments(const Arguments& arguments) {
       "another one, and -o - or --write none writes none.",
       "eses-blocks");
   Options options;
-  Lengths lengths;
   options.request.output_directory = ".";
-  add_options(app, options, lengths);
+  add_options(app, options);
   require_known_instruction_set();
   refuse_separate_number(arguments);
   try {
@@ -419,7 +407,7 @@ Options parse_arguments(const Arguments& arguments) {
   } catch (const UsageError& error) {
     throw UsageError(error.what() + advice_for_command(arguments, error.what()));
   }
-  choose_values(app, lengths, options);
+  choose_values(app, options);
   refuse_structure_options(app, options.input());
   return options;
 }

@@ -39,9 +39,6 @@ struct Options {
   InputFile& input() { return std::get<InputFile>(request.atoms); }
 };
 
-/// Returns whether two paths name the same directory, without following symbolic links.
-bool is_same_directory(const std::filesystem::path& a, const std::filesystem::path& b);
-
 /// Returns whether --independent or --part is among the arguments. Used before MPI is initialized,
 /// which may remove its own arguments from the command line.
 bool asks_to_be_independent(std::span<const std::string> arguments);

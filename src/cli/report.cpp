@@ -14,6 +14,7 @@
 #include "cli/messages.hpp"
 #include "cli/shared_report.hpp"
 #include "eses/version.hpp"
+#include "output/file_path.hpp"
 #include "output/mesh_format.hpp"
 #include "output/output_files.hpp"
 #include "system/bytes_text.hpp"

@@ -42,17 +42,6 @@
 
 namespace eses::detail {
 
-/// The tables to write.
-struct TableChoice {
-  bool atoms = false, residues = false, chains = false, derivatives = false;
-  bool cavities = false, pieces = false, pockets = false;
-  bool rsa = false, seq = false, res = false, pdb = false, cif = false;  ///< see area_formats.hpp
-
-  bool need_areas() const { return atoms || residues || chains || rsa || seq || res || pdb || cif; }
-  bool need_cavities() const { return cavities || pieces; }
-  bool any() const { return need_areas() || derivatives || need_cavities() || pockets; }
-};
-
 /// The atoms of a table, their areas and derivatives. All spans by atom have the same length, if
 /// they are not empty.
 struct MeasuredAtoms {
