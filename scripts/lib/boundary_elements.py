@@ -218,23 +218,10 @@ class Surface:
         return total
 
 
-def bempp_double_layer(mesh):
-    """Returns a function such as Surface.double_layer(), which uses a dense matrix of bempp-cl for
-    flat triangles."""
-    import bempp_cl.api as bempp
-    from bempp_cl.api.operators.boundary import laplace
-    grid = bempp.Grid(numpy.ascontiguousarray(mesh.points.T, dtype=float),
-                      numpy.ascontiguousarray(mesh.triangles.T, dtype=numpy.uint32))
-    space = bempp.function_space(grid, "P", 1)
-    matrix = laplace.double_layer(space, space, space, assembler="dense",
-                                  device_interface="numba").weak_form().to_dense()
-    return lambda values: matrix @ values
-
-
 # --------------------------------------------------------------------------------------- energy
 
 
-def solve(surface, double_layer, charges, inner, outer):
+def solve(surface, charges, inner, outer):
     """Returns the solvation energy where the Coulomb energy of two charges is their product divided
     by their distance, and the number of iterations. `inner` and `outer` are the dielectrics.
 
@@ -247,7 +234,7 @@ def solve(surface, double_layer, charges, inner, outer):
     coulomb = fmm3dpy.lfmm3d(eps=TOLERANCE, sources=numpy.transpose(charges.positions),
                              charges=numpy.array(charges.values), targets=surface.points.T, pgt=2)
     scale = surface.test(numpy.ones(len(surface.points))) * (inner + outer) / 2
-    shape = 2 * scale.shape
+    double_layer, shape = surface.double_layer(), 2 * scale.shape
 
     def equation(phi):
         return ((inner + outer) / 2 * surface.test(surface.interpolation @ phi)

@@ -3,8 +3,10 @@
 import datetime
 import importlib.util
 import json
+import pathlib
 
-from eses_tools.common import Failed, complete_file, machine
+from eses_tools.common import (PROGRAM, PROJECT, Failed, complete_file, describe_build, machine, require_output,
+                               require_writable)
 
 WIDTH, HEIGHT = 600 / 72, 315 / 72  # inches; an SVG of 600 pt is 800 px wide
 TOP, BOTTOM = 0.87, 0.25  # share of the height: the axes, between legend and caption
@@ -13,7 +15,6 @@ TOP, BOTTOM = 0.87, 0.25  # share of the height: the axes, between legend and ca
 BLUE = {"color": "#0072B2", "marker": "o"}
 ORANGE = {"color": "#D55E00", "marker": "s"}
 GREEN = {"color": "#009E73", "marker": "^"}
-GREY = {"color": "#555555", "marker": "v"}
 
 
 def save(path, build, settings, **results):
@@ -34,6 +35,32 @@ def load(path, *results):
     if not isinstance(figures, dict) or not expected <= set(figures):
         raise Failed(f"{path} is not what this script writes")
     return figures
+
+
+def add_options(parser):
+    """Adds the options that measured() needs."""
+    parser.add_argument("--program", type=pathlib.Path, default=PROGRAM, metavar="FILE",
+                        help="path of eses-blocks (default: build/eses-blocks)")
+    parser.add_argument("-o", "--output", type=pathlib.Path, default=PROJECT / "doc", metavar="DIR",
+                        help="directory of the figure and the numbers (default: doc)")
+    parser.add_argument("--continue", dest="resumed", action="store_true",
+                        help="keep the saved rows and measure only what is missing")
+    parser.add_argument("--from", dest="saved", type=pathlib.Path, metavar="FILE",
+                        help="plot the numbers of this file and measure nothing")
+
+
+def measured(options, name, measure_missing):
+    """Returns the measurements of OUTPUT/NAME.json, which `measure_missing(options, rows, path, build)`
+    completes, or those of --from."""
+    require_matplotlib()  # fail now rather than after an hour of measuring
+    require_writable(options.output)
+    options.program = options.program.absolute()
+    path = options.saved or options.output / f"{name}.json"
+    if not options.saved:
+        require_output(path)
+        rows = load(path, "rows")["rows"] if options.resumed else []
+        measure_missing(options, rows, path, describe_build(options.program))
+    return load(path, "build", "rows")
 
 
 def require_matplotlib():

@@ -1,7 +1,4 @@
-"""Tests of scripts/benchmarks/boundary-elements: exact energies, the solver, messages and plotting.
-
-bempp-cl is not run: it compiles for minutes.
-"""
+"""Tests of scripts/benchmarks/boundary-elements: exact energies, the solver, messages and plotting."""
 
 import importlib.machinery
 import importlib.util
@@ -85,6 +82,6 @@ class Figures(TestCase):
         self.run_script("--from", self.folder / "missing", code=1)
         self.run_script("--cases", "unknown", code=2)
 
-    @unittest.skipIf(can_import(SCRIPT, "bempp_cl"), "bempp-cl is installed")
+    @unittest.skipIf(can_import(SCRIPT, "fmm3dpy"), "fmm3dpy is installed")
     def test_missing_package_is_named(self):
-        self.assertIn("bempp-cl is missing", self.run_script(code=1).stderr)
+        self.assertIn("fmm3dpy is missing", self.run_script(code=1).stderr)
