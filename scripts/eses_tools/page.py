@@ -218,11 +218,19 @@ def radius_about(middle, molecule):
     return float(radius)
 
 
-def several_chains(molecules):
-    """Whether the surface of a molecule has atoms of several chains."""
-    return any(one.atom is not None and one.atoms.residues is not None
-               and len({one.atoms.residues[atom][2] for atom in numpy.unique(one.atom)}) > 1
-               for one in molecules)
+def default_color(molecules):
+    """Returns the scheme of colours that a page shows at first."""
+    if any(one.potential is not None for one in molecules):
+        return "potential"
+    for one in molecules:
+        if one.color is not None:
+            is_by_patch = one.patch is not None and numpy.array_equal(
+                one.color, numpy.array(PATCH_COLORS)[one.patch - 1])
+            return "patch" if is_by_patch else "file"
+    has_chains = any(one.atom is not None and one.atoms.residues is not None
+                     and len({one.atoms.residues[atom][2] for atom in numpy.unique(one.atom)}) > 1
+                     for one in molecules)
+    return "chain" if has_chains else "plain"
 
 
 def describe(molecule):
@@ -302,9 +310,7 @@ def make_page(molecules, title, color=None, style="none", opacity=None, potentia
     if opacity is None:
         opacity = 100 if style == "none" else 45
     described = [describe(one) for one in molecules]
-    settings = {"color": color or ("potential" if values else
-                                   "chain" if several_chains(molecules) else "plain"),
-                "style": style, "opacity": opacity}
+    settings = {"color": color or default_color(molecules), "style": style, "opacity": opacity}
     data = {"settings": settings,
             "limits": {"potential": potential_limit, "diverging": DIVERGING,
                        "patches": PATCH_COLORS},

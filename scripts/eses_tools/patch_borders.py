@@ -15,6 +15,7 @@ TOLERANCE = 1e-3  # angstrom; normals of PLY files have single precision
 MIN_GAP = 0.02  # angstrom; nearer to a contact circle the probe radius is inexact
 BATCH = 200000  # divided triangles at once, which bounds the memory
 HALVINGS = 5  # of an edge, to find a border on it
+RINGS = 3  # of vertices around a border that know the kinds beyond it
 CELL = 4.0  # angstrom; side of the cells in which spheres are looked up
 
 
@@ -165,10 +166,12 @@ def contacts(points, normals, kinds, atoms, used):
 
 def border_heights(points, normals, triangles, kinds, atoms):
     """Returns two bytes for each vertex: the heights at it of the next kind of patch (1, 2, 3, 1) and
-    of the one after that. Its own kind has 255, and a kind that no neighbour has 0. If heights are
-    interpolated in the triangles, two kinds are equally high where their border meets an edge."""
-    edges = numpy.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]])
-    edges = numpy.unique(numpy.sort(edges[kinds[edges[:, 0]] != kinds[edges[:, 1]]], axis=1), axis=0)
+    of the one after that. Its own kind has 255, and a kind that is not near 0. If heights are
+    interpolated in the triangles, two kinds are equally high where their border meets an edge. Heights
+    around a border fall with the distance: one that ends in a thin triangle would show as a line."""
+    all_edges = numpy.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]])
+    is_mixed = kinds[all_edges[:, 0]] != kinds[all_edges[:, 1]]
+    edges = numpy.unique(numpy.sort(all_edges[is_mixed], axis=1), axis=0)
     heights = numpy.zeros((len(points), 2), "u1")
     if len(edges) == 0:
         return heights
@@ -186,14 +189,27 @@ def border_heights(points, normals, triangles, kinds, atoms):
                                       probes[ends], touched[ends], centers, radii, weights)[:, 0] == 0
             low, high = numpy.where(is_first, middle, low), numpy.where(is_first, high, middle)
         shares[part] = (low + high) / 2
-    lengths = numpy.linalg.norm(points[edges[:, 0]] - points[edges[:, 1]], axis=1)
-    nearest = numpy.full((len(points), 2), numpy.inf)
+    lengths = edge_lengths(points, edges)
+    nearest = numpy.full((len(points), 4), numpy.inf)  # distance from the border to each kind
     for vertex, other, share in ((edges[:, 0], edges[:, 1], shares), (edges[:, 1], edges[:, 0], 1 - shares)):
-        which = (kinds[other].astype(int) - kinds[vertex]) % 3 - 1
-        numpy.minimum.at(nearest, (vertex, which), share * lengths)
-    is_near = numpy.isfinite(nearest)
-    heights[is_near] = numpy.clip(numpy.rint(255 * (1 - nearest[is_near] / lengths.max())), 1, 254)
+        numpy.minimum.at(nearest, (vertex, kinds[other]), share * lengths)
+    own = numpy.arange(len(points)), kinds
+    for _ in range(RINGS - 1):
+        is_near = numpy.isfinite(nearest).any(axis=1)
+        around = all_edges[is_near[all_edges].any(axis=1)]
+        given = nearest[around] + edge_lengths(points, around)[:, None, None]
+        for vertex, other in ((0, 1), (1, 0)):
+            numpy.minimum.at(nearest, around[:, vertex], given[:, other])
+        nearest[own] = numpy.inf
+    next_kinds = 1 + (kinds[:, None] + numpy.arange(2)) % 3
+    distances = numpy.take_along_axis(nearest, next_kinds, axis=1)
+    is_near = numpy.isfinite(distances)
+    heights[is_near] = numpy.clip(numpy.rint(255 * (1 - distances[is_near] / lengths.max())), 1, 254)
     return heights
+
+
+def edge_lengths(points, edges):
+    return numpy.linalg.norm(points[edges[:, 0]] - points[edges[:, 1]], axis=1)
 
 
 def divide(points, normals, triangles, kinds, atoms, colors, pieces):

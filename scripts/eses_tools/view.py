@@ -329,7 +329,7 @@ def parse():
     look.add_argument("--color", metavar="NAME",
                       help="colours of the surface: patch, atom, element, chain, residue, area, "
                            "component, potential, file or plain (default: potential if there is one, "
-                           "chain if there are several, otherwise plain)")
+                           "file if a mesh has colours, chain if there are several, otherwise plain)")
     look.add_argument("--table", type=pathlib.Path, metavar="FILE.csv",
                       help="colour by the columns of a table with a column serial (of atoms) or "
                            "residue_number and chain")

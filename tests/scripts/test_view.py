@@ -134,6 +134,11 @@ class Files(TestCase):
             for value, expected in zip(first_row(self.colored_page(name), "color_of_file"), red):
                 self.assertAlmostEqual(value, expected, delta=3)  # glTF has 8 bits of intensity
 
+    def test_meshes_are_shown_in_their_colours(self):
+        for color, expected in (("patch", "patch"), ("chain", "file")):
+            self.assertDone(run_view(self.mesh("m.ply", "--color", color), "-o", self.page))
+            self.assertEqual(data_of(self.page)[0]["settings"]["color"], expected)
+
     def colored_page(self, name):
         self.assertDone(run_view(self.mesh(name, "--color", "chain"), "--color", "file", "-o",
                                  self.page))
@@ -319,6 +324,42 @@ class Page(TestCase):
         self.assertGreater(colored, 20000)
         self.assertLess(between / colored, 0.015)
 
+    def test_heights_of_colours_do_not_end_in_thin_triangles(self):
+        """The colour of such a height, within a quarter of the highest one, would be seen as a line."""
+        self.atoms.write_text(TWO_ATOMS.replace("-6 0 0", "-1.5 0.1 0").replace(" 6 0 0", " 1.5 0.1 0"))
+        self.open(self.atoms, "--spacing", "0.23")
+        for scheme in ("chain", "patch"):
+            short, ended = self.ask(f"""
+              const molecule = viewer.molecules[0], counts = [0, 0];
+              const bytes = paintVertices(molecule, "{scheme}", viewer.limits, false);
+              const at = (vertex) => molecule.points.subarray(3 * vertex, 3 * vertex + 3);
+              forEdges(molecule.triangle, (one, other) => {{
+                if (Math.hypot(...at(one).map((value, axis) => value - at(other)[axis])) > 0.08) return;
+                counts[0]++;
+                for (let kind = 3; kind < 16; kind += 4)
+                  if (bytes[16 * one + kind] > 191 && bytes[16 * other + kind] === 0) counts[1]++;
+              }});
+              return counts""")
+            self.assertGreater(short, 500)
+            self.assertEqual(ended, 0, scheme)
+
+    def test_slow_pictures_are_noticed_by_their_mean_time(self):
+        """Browsers ask for pictures before those before them are drawn: 17 and 1000 ms alternate."""
+        self.open(self.atoms)
+        self.ask("viewer.isSlow = false; viewer.isChanging = true; const now = performance.now();"
+                 "viewer.frames = [2034, 2017, 1017, 1000].map((age) => now - age); viewer.update()")
+        self.wait_for("return window.eses.then((viewer) => viewer.isSlow)", True)
+
+    def test_labels_do_not_cover_each_other(self):
+        self.atoms.write_text(TWO_ATOMS + "".join(
+            f"ATOM {n} ZN ZN C {n} {0.1 * n} 9 0 0 0.7\n" for n in range(3, 8)))
+        self.open(self.atoms)
+        boxes = self.ask("return Array.from(document.querySelectorAll('#labels div:not([hidden])'), (one) =>"
+                         "Object.values(one.getBoundingClientRect().toJSON()))")
+        self.assertEqual(len(boxes), 2)  # above and below; three others would cover them
+        self.assertNotEqual(boxes[0][1], boxes[1][1])
+        self.assertGreaterEqual(abs(boxes[0][1] - boxes[1][1]), boxes[0][3])
+
     def test_borders_of_patches_are_exact(self):
         """Between two atoms, the saddle ends where the probe leaves the contact circle."""
         half, probe = 1.6, 1.4
@@ -431,7 +472,7 @@ class Page(TestCase):
     def test_columns_of_tables_are_colours(self):
         """Negative and positive values of two residues, of which the second is named by its chain."""
         table = self.folder / "t.csv"
-        table.write_text('"chain",residue_number,"gain, kT"\r\nA,7,-3\r\nB,9A,3\r\n')
+        table.write_text('"chain",residue_number,atoms,"gain, kT"\r\nA,7,1,-3\r\nB,9A,1,3\r\n')
         self.open(self.atoms, "--table", table)
         self.assertEqual(self.ask("return viewer.look.color"), "table:gain, kT")
         found = self.pixels()
@@ -479,13 +520,14 @@ class Page(TestCase):
         self.open(self.atoms, "--spacing", "0.03", "--color", "chain")
         whole = self.pixels()
         self.assertEqual(self.ask("return viewer.drawings[0].fast.count"), 0)  # only slow machines need it
-        self.ask("viewer.isChanging = viewer.isSlow = true")
+        self.ask("viewer.isChanging = viewer.isSlow = true; viewer.ratio = 0.5; viewer.update = () => {}")
         fast = self.pixels()
         coarse, triangles = self.ask("return [viewer.drawings[0].fast.count, viewer.molecules[0].triangles]")
         self.assertGreater(coarse, 0)
         self.assertLess(coarse / 3, triangles / 2)
         for color in ("red", "blue"):  # half of the pixels in each direction
             self.assertAlmostEqual(4 * fast[color] / whole[color], 1, delta=0.1)
+        self.assertLessEqual(self.ask("return viewer.ratio"), 0.5)
 
     def test_controls_have_labels_and_contrast(self):
         self.open(self.atoms)

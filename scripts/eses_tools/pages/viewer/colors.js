@@ -1,8 +1,11 @@
 // Gives the vertices colours.
 
 const MAX_LEGEND = 26; // entries; more would not be legible
-const CLASSES = 4; // of colours, see divideIntoClasses
+const MAX_DISTINCT = 256; // colours of a file, which are then not interpolated
+const CLASSES = 4; // of colours, see classesOf
+const TURNS = 8; // in which regions choose their classes again
 const REACH = 8; // square angstrom; powers that differ by more are far from a border
+const RINGS = 3; // of vertices around a border that know the colours beyond it
 const PLAIN = [158, 181, 204];
 const MISSING = [190, 190, 190];
 const WHITENED = 0.3; // part of white in the colours of chains, residues and atoms
@@ -53,7 +56,7 @@ function largestArea(molecules) {
 }
 
 // The schemes: which molecules have them, a function that returns the colour of a vertex, whether
-// colours between vertices are interpolated, and the legend.
+// colours between vertices are interpolated (not at all by default), and the legend.
 const SCHEMES = {
   patch: {
     label: "patch", has: (one) => one.patch,
@@ -62,7 +65,7 @@ const SCHEMES = {
     entries: (_, { patches }) => patches.map((color, i) => [PATCHES[i + 1], color]),
   },
   potential: {
-    label: "potential", has: (one) => one.potential, isSmooth: true,
+    label: "potential", has: (one) => one.potential, isSmooth: () => true,
     paint: (one, { potential, diverging }) => (vertex) =>
       gradientColor(diverging, 0.5 + potentialAt(one, vertex) / (2 * potential)),
     gradient: ({ potential, diverging }) => ({
@@ -108,7 +111,9 @@ const SCHEMES = {
     }),
   },
   file: {
-    label: "as in the file", has: (one) => one.color_of_file, isSmooth: true,
+    label: "as in the file", has: (one) => one.color_of_file,
+    isSmooth: ({ color_of_file }) => new Set(Array.from(color_of_file, (value, i) => i % 3 ? 0
+      : value + 256 * color_of_file[i + 1] + 65536 * color_of_file[i + 2])).size > MAX_DISTINCT,
     paint: (one) => (vertex) => one.color_of_file.subarray(3 * vertex, 3 * vertex + 3),
   },
   plain: { label: "one colour", has: () => true, paint: () => () => PLAIN },
@@ -133,74 +138,87 @@ function paintVertices(molecule, scheme, limits, areCavitiesShown) {
     own.set(isCavity(vertex) ? componentColor(molecule.component[vertex]) : paint(vertex), 4 * vertex);
   const colors = new Uint32Array(own.buffer), parts = new Uint32Array(CLASSES * molecule.vertices);
   const bytes = new Uint8Array(parts.buffer);
+  const classes = chosen.isSmooth?.(molecule) ? new Uint8Array(molecule.vertices)
+    : paint.isByPatch ? molecule.patch.map((kind, vertex) => isCavity(vertex) ? 0 : kind)
+      : classesOf(molecule.triangle, colors);
+  // Returns the index of the colour in `parts` if the vertex had none as high in its class.
   const put = (vertex, kind, color, height) => {
     const at = CLASSES * vertex + kind;
-    if (bytes[4 * at + 3] >= height) return;
+    if (bytes[4 * at + 3] >= height) return undefined;
     parts[at] = color;
     bytes[4 * at + 3] = height;
+    return at;
   };
-  if (chosen.isSmooth) {
-    colors.forEach((color, vertex) => put(vertex, 0, color, 255));
-    return bytes;
-  }
-  const classes = divideIntoClasses(molecule.triangle, colors);
-  colors.forEach((color, vertex) => put(vertex, classes.get(color) ?? 0, color, 255));
-  if (paint.isByAtom) raiseNeighbors(molecule, colors, (vertex, color, height) =>
-    put(vertex, classes.get(color), color, height));
-  if (paint.isByPatch) raiseOtherPatches(molecule, isCavity, limits, (vertex, color, height) => {
-    const [packed] = new Uint32Array(Uint8Array.from([...color, 0]).buffer);
-    if (classes.has(packed)) put(vertex, classes.get(packed), packed, height);
-  });
+  colors.forEach((color, vertex) => put(vertex, classes[vertex], color, 255));
+  if (paint.isByAtom) raiseNeighbors(molecule, colors, classes, put);
+  if (paint.isByPatch) raiseOtherPatches(molecule, isCavity, limits, put);
   return bytes;
 }
 
 // Colours of atoms meet where the powers of the atoms are equal: gives each vertex the colours of
-// other corners of its triangles, the lower the larger the power of their atoms.
-function raiseNeighbors(molecule, colors, raise) {
-  const { triangle, atom } = molecule;
-  for (let i = 0; i < triangle.length; i += 3)
-    for (let k = 0; k < 6; k++) {
-      const vertex = triangle[i + k % 3], other = triangle[i + (k + 1 + (k > 2)) % 3];
-      if (colors[vertex] === colors[other]) continue;
-      const lower = power(molecule, vertex, atom[other]) - power(molecule, vertex, atom[vertex]);
-      raise(vertex, colors[other], Math.round(Math.min(Math.max(255 * (1 - lower / REACH), 1), 255)));
-    }
+// the other corners of its triangles, the lower the larger the power of their atoms. Then it gives
+// them what these corners have been given: a height that ends in a thin triangle would show as a line.
+function raiseNeighbors(molecule, colors, classes, put) {
+  const { triangle, atom, vertices } = molecule, sources = new Int32Array(CLASSES * vertices).fill(-1);
+  const raise = (vertex, source) => { // the vertex from which a colour comes
+    if (source < 0 || colors[vertex] === colors[source]) return;
+    const lower = power(molecule, vertex, atom[source]) - power(molecule, vertex, atom[vertex]);
+    const height = Math.round(Math.min(Math.max(255 * (1 - lower / REACH), 1), 255));
+    const at = put(vertex, classes[source], colors[source], height);
+    if (at !== undefined) sources[at] = source;
+  };
+  forEdges(triangle, raise);
+  for (let ring = 1; ring < RINGS; ring++) {
+    const given = sources.slice();
+    forEdges(triangle, (vertex, other) => {
+      for (let kind = 0; kind < CLASSES; kind++) raise(vertex, given[CLASSES * other + kind]);
+    });
+  }
 }
 
 // Patches meet at their borders, which page.py has found on the edges of triangles: gives each vertex
-// the colours of other kinds of patches that a neighbour has.
-function raiseOtherPatches({ patch, border, vertices }, isCavity, { patches }, raise) {
+// the colours of other kinds of patches that are near.
+function raiseOtherPatches({ patch, border, vertices }, isCavity, { patches }, put) {
+  const colors = patches.map((color) => new Uint32Array(Uint8Array.from([...color, 0]).buffer)[0]);
   for (let vertex = 0; vertex < vertices; vertex++)
     for (const step of [0, 1]) {
-      const height = border[2 * vertex + step];
-      if (height > 0 && !isCavity(vertex)) raise(vertex, patches[(patch[vertex] + step) % 3], height);
+      const height = border[2 * vertex + step], kind = (patch[vertex] + step) % 3;
+      if (height > 0 && !isCavity(vertex)) put(vertex, kind + 1, colors[kind], height);
     }
 }
 
-// Returns a class of each colour that has a border, such that different colours in a triangle have
-// different classes. Colours are ordered by their numbers of neighbours; each gets the class with
-// which it has the fewest borders, mostly none.
-function divideIntoClasses(triangles, colors) {
-  const borders = new Map();
-  const count = (one, other) => {
+// Calls a function with the ends of each edge of each triangle, in both directions.
+function forEdges(triangle, act) {
+  for (let i = 0; i < triangle.length; i += 3)
+    for (let k = 0; k < 6; k++) act(triangle[i + k % 3], triangle[i + (k + 1 + (k > 2)) % 3]);
+}
+
+// Returns the class of each vertex, such that connected vertices of one colour have the same class,
+// and different colours in a triangle different ones, with few exceptions.
+function classesOf(triangle, colors) {
+  const parents = Uint32Array.from(colors.keys()), borders = new Map();
+  const rootOf = (vertex) => {
+    while (parents[vertex] !== vertex) vertex = parents[vertex] = parents[parents[vertex]];
+    return vertex;
+  };
+  forEdges(triangle, (one, other) => {
+    if (colors[one] === colors[other]) parents[rootOf(one)] = rootOf(other);
+  });
+  const regions = parents.map((_, vertex) => rootOf(vertex));
+  forEdges(triangle, (vertex, next) => {
+    const [one, other] = [regions[vertex], regions[next]];
+    if (one === other) return;
     if (!borders.has(one)) borders.set(one, new Map());
     borders.get(one).set(other, (borders.get(one).get(other) ?? 0) + 1);
-  };
-  for (let i = 0; i < triangles.length; i += 3)
-    for (let k = 0; k < 3; k++) {
-      const one = colors[triangles[i + k]], other = colors[triangles[i + (k + 1) % 3]];
-      if (one === other) continue;
-      count(one, other);
-      count(other, one);
+  });
+  const classes = new Map(), order = [...borders].sort((a, b) => b[1].size - a[1].size);
+  for (let turn = 0; turn < TURNS; turn++)
+    for (const [region, others] of order) {
+      const shared = new Array(CLASSES).fill(0); // lengths of the borders with each class
+      for (const [other, length] of others) if (classes.has(other)) shared[classes.get(other)] += length;
+      classes.set(region, shared.indexOf(Math.min(...shared)));
     }
-  const classes = new Map();
-  for (const [color, others] of [...borders].sort((a, b) => b[1].size - a[1].size)) {
-    const shared = new Array(CLASSES).fill(0);
-    for (const [other, length] of others)
-      if (classes.has(other)) shared[classes.get(other)] += length;
-    classes.set(color, shared.indexOf(Math.min(...shared)));
-  }
-  return classes;
+  return Uint8Array.from(regions, (region) => classes.get(region) ?? 0);
 }
 
 // Returns the names and colours of a scheme without repetition; none if they would be too many.

@@ -166,7 +166,7 @@ function labelsOf(molecule, { areLigands, areCavities }) {
   if (!areCavities || !molecule.component) return labels;
   groups.clear();
   molecule.component.forEach((number, vertex) => number > 0 && add(number, vertex));
-  for (const [number, vertices] of groups) {
+  for (const [number, vertices] of [...groups].sort(([a], [b]) => a - b)) { // the largest first
     const volume = molecule.voids?.[number - 1];
     labels.push({ text: volume === undefined ? `${number}` : `${number}: ${volume.toFixed(1)} Å³`,
       place: meanPlace(molecule.points, vertices) });

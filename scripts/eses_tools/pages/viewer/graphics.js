@@ -2,7 +2,7 @@
 
 const STICK_SIDES = 12;
 const MAX_MEASURED = 20000; // vertices from which the size on the screen is taken
-const COARSE_TRIANGLES = 30000; // about, of the surface that slow machines turn
+const COARSE_TRIANGLES = 15000; // about, of the surface that slow machines turn
 const LARGE = 100000; // triangles of a surface that has a coarse one
 const NORMAL_STEPS = 1023; // on each side of zero of an octahedral coordinate
 

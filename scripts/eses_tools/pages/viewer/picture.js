@@ -22,7 +22,8 @@ function pictureOf(viewer) {
   if (viewer.molecules.length > 1)
     viewer.panels(clientWidth, clientHeight).forEach((panel, i) =>
       pen.fillText(viewer.molecules[i].name, panel.x + panel.width / 2, panel.y + 24));
-  for (const { box, left, top } of viewer.visibleLabels()) pen.fillText(box.textContent, left, top - 12);
+  for (const { box, left, top, width, height } of viewer.visibleLabels())
+    pen.fillText(box.textContent, left + width / 2, top + height - 5);
   pen.textAlign = "left";
   const bar = viewer.scaleBar(viewer.scaleIn(clientWidth, clientHeight), 140);
   pen.fillText(bar.text, 16, clientHeight - 28);

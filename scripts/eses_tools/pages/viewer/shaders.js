@@ -70,7 +70,7 @@ flat in uint v_id;
 // Returns the colour of the highest class. Classes within a pixel of it are mixed.
 vec3 nearestColor() {
   float top = max(max(v_heights.x, v_heights.y), max(v_heights.z, v_heights.w));
-  vec4 width = max(fwidth(v_heights), vec4(1e-4));
+  vec4 width = clamp(fwidth(v_heights), 1e-4, 0.25); // steeper heights are those of thin triangles
   vec4 weights = clamp(1.0 + (v_heights - top) / width, 0.0, 1.0);
   weights *= step(1e-3, v_shares); // there is no colour without a share, which may be extrapolated
   return v_colors * (weights / max(v_shares, vec4(1e-4))) / (weights.x + weights.y + weights.z + weights.w);

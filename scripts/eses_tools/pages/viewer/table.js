@@ -5,7 +5,7 @@ const KEYS = { // names of columns that say which atom or residue a row is about
   chain: ["chain", "auth_asym_id", "chain_id", "chainid"],
   number: ["residue_number", "resi", "resid", "auth_seq_id", "number"],
 };
-const OTHER_KEYS = ["x", "y", "z", "residue", "resname", "name", "element"]; // no results
+const OTHER_KEYS = ["x", "y", "z", "residue", "resname", "name", "element", "atoms"]; // no results
 
 // Returns the rows of a CSV file as lists of texts.
 function parseCsv(text) {

@@ -13,6 +13,8 @@ const STEPS = 1000; // of an angstrom and other numbers in the address of the pa
 const SAMPLES = 4; // of a pixel, which smooth edges
 const SLOW_FRAME = 70; // milliseconds; slower machines draw less detail while the view changes
 const WEAK_FRAME = 400; // milliseconds; such machines, without a GPU, never draw several samples
+const AIM_FRAME = 35; // milliseconds of a frame with less detail
+const RATIOS = [0.25, 0.5]; // range of the pixels that such a frame has for each of the page, on a side
 const REST = 250; // milliseconds until the full detail is drawn again
 const TURN = Math.PI / 36; // of a key
 const MAX_TAP = 6; // pixels that a finger may move
@@ -31,7 +33,8 @@ class Viewer {
     this.isChanging = false;
     this.isSlow = false;
     this.isWeak = false;
-    this.lastFrame = 0;
+    this.ratio = RATIOS[1];
+    this.frames = []; // times of frames with full detail while the view changes
     this.startGraphics();
     this.reset();
     this.setTheme();
@@ -56,17 +59,20 @@ class Viewer {
     this.drawings = this.molecules.map((one) => makeDrawing(gl, one));
   }
 
-  // Measures whether the machine is weak.
+  // Measures whether the machine is slow or weak.
   measure() {
-    const pixel = new Uint8Array(4), { gl } = this;
-    const time = (size) => {
-      const begin = performance.now();
-      this.render(size, size, { isShaded: false, samples: 0 });
-      gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, pixel); // waits until it is drawn
-      return performance.now() - begin;
-    };
-    time(16); // compiles the shaders
-    this.isWeak = time(512) > WEAK_FRAME;
+    this.timeOf(16, 16); // compiles the shaders
+    const time = this.timeOf(512, 512);
+    this.isSlow = time > SLOW_FRAME;
+    this.isWeak = time > WEAK_FRAME;
+  }
+
+  // Returns the milliseconds that a picture of this size takes.
+  timeOf(width, height) {
+    const { gl } = this, begin = performance.now();
+    this.render(width, height, { isShaded: false, samples: 0 });
+    gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(4)); // waits until it is drawn
+    return performance.now() - begin;
   }
 
   // Allocates the buffers of the picture, if its size has changed.
@@ -180,8 +186,11 @@ class Viewer {
     gl.uniform1f(surface.uniforms.u_clip, this.clipPlane());
     gl.bindVertexArray(this.drawings[i].surface);
     if (this.look.cavities) this.drawParts([walls], 1, isPick);
+    // The inner side of the whole surface of a structure is not seen.
+    if (molecule.center && this.look.clip === 0 && !molecule.isHidden.includes(1)) gl.enable(gl.CULL_FACE);
     if (this.isReduced && fast.count > 0) this.drawParts([fast], opacity, isPick);
     else this.drawParts(this.look.cavities ? [outer] : [outer, walls], opacity, isPick);
+    gl.disable(gl.CULL_FACE);
   }
 
   // Draws these parts of the surface that is bound.
@@ -269,12 +278,12 @@ class Viewer {
   draw() {
     const isReduced = this.isReduced = this.isChanging && this.isSlow;
     if (isReduced) this.addCoarseSurfaces();
-    const ratio = isReduced ? 0.5 : Math.min(window.devicePixelRatio || 1, 2);
-    const isShaded = this.look.shading && !isReduced;
-    const { clientWidth, clientHeight } = canvas;
-    this.render(Math.max(1, Math.round(ratio * clientWidth)),
-      Math.max(1, Math.round(ratio * clientHeight)),
-      { isShaded, samples: isReduced || this.isWeak ? 0 : SAMPLES });
+    const ratio = isReduced ? this.ratio : Math.min(window.devicePixelRatio || 1, 2);
+    const size = [canvas.clientWidth, canvas.clientHeight].map((side) => Math.max(1, Math.round(ratio * side)));
+    if (isReduced) { // the next frame has as many pixels as the machine can draw in time
+      const change = Math.sqrt(AIM_FRAME / this.timeOf(...size));
+      this.ratio = Math.min(Math.max(ratio * Math.min(change, 1.1), RATIOS[0]), RATIOS[1]);
+    } else this.render(...size, { isShaded: this.look.shading, samples: this.isWeak ? 0 : SAMPLES });
     this.showScale();
     this.showLabels();
   }
@@ -293,7 +302,7 @@ class Viewer {
       clearTimeout(this.restTimer);
       this.restTimer = setTimeout(() => {
         this.isChanging = false;
-        this.lastFrame = 0;
+        this.frames = [];
         this.update();
         this.keepInAddress();
       }, REST);
@@ -302,8 +311,10 @@ class Viewer {
     this.isWaiting = true;
     requestAnimationFrame((now) => {
       this.isWaiting = false;
-      if (this.isChanging && this.lastFrame) this.isSlow = now - this.lastFrame > SLOW_FRAME;
-      this.lastFrame = this.isChanging ? now : 0;
+      // Frames can begin before those before them are drawn, so that single times tell nothing.
+      if (this.isChanging && !this.isSlow) this.frames.push(now);
+      const { frames } = this, count = frames.length - 1;
+      this.isSlow ||= count >= 4 && (frames[count] - frames[0]) / count > SLOW_FRAME;
       this.draw();
     });
   }
@@ -507,28 +518,34 @@ class Viewer {
     const elements = this.molecules.flatMap((molecule, i) =>
       labelsOf(molecule, { areLigands: names && ligands !== "none", areCavities: cavities })
         .slice(0, MAX_LABELS).map(({ text, place }) => ({ i, place, box: element("div", text) })));
-    this.labels = elements;
     $("labels").replaceChildren(...elements.map(({ box }) => box));
+    this.labels = elements.map((one) => ({ ...one, width: one.box.offsetWidth, height: one.box.offsetHeight }));
   }
 
-  // Returns the labels whose places are in the panels of their molecules, with these places.
+  // Returns the labels whose places are in the panels of their molecules, with their upper left
+  // corners: above or below the place, without those that would cover an earlier one.
   visibleLabels() {
     const { clientWidth, clientHeight } = canvas, panels = this.panels(clientWidth, clientHeight);
-    const scale = this.scaleIn(clientWidth, clientHeight);
-    return this.labels.flatMap(({ i, place, box }) => {
-      const [x, y] = this.onScreen(i, place), panel = panels[i];
-      const left = panel.x + panel.width / 2 + scale * x, top = panel.y + panel.height / 2 - scale * y;
-      const isInside = left >= panel.x && left <= panel.x + panel.width && top >= panel.y
-        && top <= panel.y + panel.height;
-      return isInside ? [{ box, left, top }] : [];
-    });
+    const scale = this.scaleIn(clientWidth, clientHeight), placed = [];
+    const isFree = (left, top, { width, height }) => placed.every((one) => left >= one.left + one.width
+      || one.left >= left + width || top >= one.top + one.height || one.top >= top + height);
+    for (const label of this.labels) {
+      const [x, y] = this.onScreen(label.i, label.place), panel = panels[label.i], { width, height } = label;
+      const right = panel.x + panel.width, bottom = panel.y + panel.height;
+      const over = panel.x + panel.width / 2 + scale * x, at = panel.y + panel.height / 2 - scale * y;
+      if (over < panel.x || over > right || at < panel.y || at > bottom) continue;
+      const left = Math.max(Math.min(over - width / 2, right - width), panel.x);
+      const top = [at - 1.5 * height, at + 0.5 * height].find((one) => isFree(left, one, label));
+      if (top !== undefined) placed.push({ ...label, left, top });
+    }
+    return placed;
   }
 
   showLabels() {
     for (const { box } of this.labels) box.hidden = true;
     for (const { box, left, top } of this.visibleLabels()) {
       box.hidden = false;
-      box.style.transform = `translate(${left}px, ${top}px) translate(-50%, -150%)`;
+      box.style.transform = `translate(${left}px, ${top}px)`;
     }
   }
 
