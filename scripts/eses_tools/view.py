@@ -1,10 +1,8 @@
 """Writes a page that shows molecular surfaces in a browser.
 
 Files are structures (xyzr, PQR, PDB, mmCIF) or meshes of eses-blocks --mesh. Several files are shown
-side by side. The page needs no network and no other file. It has the surface, the atoms of
-structures, and controls for colours, chains and residues, cavities, a clip plane and pictures.
-Ligands and metals of PDB, mmCIF and PQR files are left out of the surface and drawn as sticks and
-spheres.
+side by side. The page needs no network and no other file. Ligands and metals of PDB, mmCIF and PQR
+files are left out of the surface and drawn as sticks and spheres.
 
 --electrostatics computes the potential of one PDB, mmCIF or PQR file with PDB2PQR and APBS. PDB2PQR
 has no charges for ligands, metals and modified residues (HETATM records), which a warning names.
