@@ -26,14 +26,16 @@ HWY_INLINE std::size_t select_positions(Vec3 origin, const SphereList& spheres,
   const Doubles doubles;
   const Positions lanes;
   std::size_t found = 0;
-  for (std::size_t i = 0; i < spheres.count; i += hn::Lanes(doubles)) {
+  auto numbers = hn::Iota(lanes, 0);  // of the spheres in the lanes
+  const auto next = hn::Set(lanes, static_cast<std::int64_t>(hn::Lanes(doubles)));
+  for (std::size_t i = 0; i < spheres.count;
+       i += hn::Lanes(doubles), numbers = hn::Add(numbers, next)) {
     const Points offset{load(&spheres.x[i]) - broadcast(origin.x),
                         load(&spheres.y[i]) - broadcast(origin.y),
                         load(&spheres.z[i]) - broadcast(origin.z)};
     const auto selected = is_selected(offset, load(&spheres.radius[i]));
     if (hn::AllFalse(doubles, selected)) continue;
-    found += compress_store(lanes, hn::Iota(lanes, static_cast<std::int64_t>(i)),
-                            hn::RebindMask(lanes, selected), positions + found);
+    found += compress_store(lanes, numbers, hn::RebindMask(lanes, selected), positions + found);
   }
   // The last vector may have elements after the last sphere.
   while (found > 0 && positions[found - 1] >= static_cast<std::int64_t>(spheres.count)) --found;
