@@ -43,16 +43,6 @@ HWY_INLINE std::size_t select_positions(Vec3 origin, const SphereList& spheres,
   return found;
 }
 
-std::size_t meeting_positions(const SasSphere& sphere, const SphereList& spheres,
-                              double min_overlap, std::int64_t* positions) {
-  return select_positions(
-      sphere.center, spheres, positions, [&](const Points& offset, DoubleVector radius) {
-        const auto squared = squared_norm(offset);
-        const auto reach = broadcast(sphere.radius) + radius - broadcast(min_overlap);
-        return hn::And(squared<reach * reach, squared> broadcast(0));
-      });
-}
-
 std::size_t positions_near_box(const Box& box, double distance, const SphereList& spheres,
                                std::int64_t* positions) {
   const Vec3 center = 0.5 * (box.low + box.high), half = 0.5 * (box.high - box.low);
@@ -82,11 +72,16 @@ void copy_at_positions(const SphereList& spheres, const std::int64_t* positions,
   }
 }
 
-void caps_at_positions(const SasSphere& sphere, const SphereList& spheres,
-                       const std::int64_t* positions, CapList& caps) {
+// Returns the number of caps.
+std::size_t caps_at_positions(const SasSphere& sphere, const SphereList& spheres,
+                              const std::vector<std::int32_t>& near, std::size_t count,
+                              double min_overlap, std::int64_t* positions, CapList& caps) {
   const Doubles doubles;
-  for (std::size_t k = 0; k < caps.count; k += hn::Lanes(doubles)) {
-    const auto at = hn::LoadU(Positions(), positions + k);
+  const hn::Rebind<std::int32_t, Doubles> short_lanes;
+  const Positions positions_lanes;
+  std::size_t made = 0;
+  for (std::size_t k = 0; k < count; k += hn::Lanes(doubles)) {
+    const auto at = hn::PromoteTo(positions_lanes, hn::LoadU(short_lanes, &near[k]));
     const auto gather = [&](const std::vector<double>& from) {
       return hn::GatherIndex(doubles, from.data(), at);
     };
@@ -95,18 +90,25 @@ void caps_at_positions(const SasSphere& sphere, const SphereList& spheres,
                               gather(spheres.z) - broadcast(sphere.center.z)};
     const auto radius = gather(spheres.radius);
     const auto squared = squared_norm(to_neighbour);
+    const auto reach = broadcast(sphere.radius) + radius - broadcast(min_overlap);
+    const auto meets = hn::And(hn::And(squared<reach * reach, squared> broadcast(0)),
+                               hn::FirstN(doubles, count - k));
     const auto inverse = broadcast(1) / hn::Sqrt(squared);
     const auto height =
         broadcast(0.5) * inverse *
         (squared + (broadcast(sphere.radius) - radius) * (broadcast(sphere.radius) + radius));
     const Points axis = inverse * to_neighbour;
-    hn::StoreU(axis.x, doubles, &caps.x[k]);
-    hn::StoreU(axis.y, doubles, &caps.y[k]);
-    hn::StoreU(axis.z, doubles, &caps.z[k]);
-    hn::StoreU(height, doubles, &caps.height[k]);
-    hn::StoreU(height + broadcast(tolerance::accessible) * radius * inverse, doubles,
-               &caps.blocking_height[k]);
+    const auto keep = [&](DoubleVector values, std::vector<double>& to) {
+      return compress_store(doubles, values, meets, &to[made]);
+    };
+    keep(axis.x, caps.x);
+    keep(axis.y, caps.y);
+    keep(axis.z, caps.z);
+    keep(height + broadcast(tolerance::accessible) * radius * inverse, caps.blocking_height);
+    compress_store(positions_lanes, at, hn::RebindMask(positions_lanes, meets), positions + made);
+    made += keep(height, caps.height);
   }
+  return made;
 }
 
 }  // namespace eses::detail::HWY_NAMESPACE
@@ -126,8 +128,8 @@ std::size_t grown_size(std::size_t size, std::size_t capacity) {
 }
 
 // Makes room for all positions, one vector that is stored as a whole, and one vector of zeros.
-void make_room(SpherePositions& positions, const SphereList& spheres) {
-  const std::size_t size = spheres.count + 2 * vector_padding;
+void make_room(SpherePositions& positions, std::size_t count) {
+  const std::size_t size = count + 2 * vector_padding;
   if (positions.at.size() < size) positions.at.resize(2 * size);
 }
 
@@ -147,7 +149,7 @@ void CapList::make_room(std::size_t capacity) {
 
 void find_near_box(const Box& box, double distance, const SphereList& spheres,
                    SpherePositions& positions) {
-  make_room(positions, spheres);
+  make_room(positions, spheres.count);
   positions.count =
       ESES_BEST_VERSION(positions_near_box)(box, distance, spheres, positions.at.data());
 }
@@ -159,18 +161,13 @@ void choose_spheres(const SphereList& spheres, const SpherePositions& positions,
   ESES_BEST_VERSION(copy_at_positions)(spheres, positions.at.data(), chosen);
 }
 
-void find_meeting(const SasSphere& sphere, const SphereList& spheres, SpherePositions& positions,
-                  double min_overlap) {
-  make_room(positions, spheres);
-  positions.count =
-      ESES_BEST_VERSION(meeting_positions)(sphere, spheres, min_overlap, positions.at.data());
-}
-
-void make_caps(const SasSphere& sphere, const SphereList& spheres, const SpherePositions& positions,
-               CapList& caps) {
-  caps.make_room(positions.count);
-  caps.count = positions.count;
-  ESES_BEST_VERSION(caps_at_positions)(sphere, spheres, positions.at.data(), caps);
+void make_caps(const SasSphere& sphere, const SphereList& spheres,
+               const std::vector<std::int32_t>& near, std::size_t count, double min_overlap,
+               SpherePositions& positions, CapList& caps) {
+  caps.make_room(count);
+  make_room(positions, count);
+  caps.count = positions.count = ESES_BEST_VERSION(caps_at_positions)(
+      sphere, spheres, near, count, min_overlap, positions.at.data(), caps);
 }
 
 }  // namespace eses::detail

@@ -77,14 +77,13 @@ void find_near_box(const Box& box, double distance, const SphereList& spheres,
 void choose_spheres(const SphereList& spheres, const SpherePositions& positions,
                     SphereList& chosen);
 
-/// Replaces `positions` by the ascending positions of the spheres that meet `sphere`. A sphere with
-/// the same centre, and one that overlaps it by at most `min_overlap` (angstrom), does not meet it.
-void find_meeting(const SasSphere& sphere, const SphereList& spheres, SpherePositions& positions,
-                  double min_overlap = tolerance::containment);
-
-/// Replaces `caps` by the caps that the spheres at `positions` cut from `sphere`. The values equal
-/// those of make_cap, bit for bit.
-void make_caps(const SasSphere& sphere, const SphereList& spheres, const SpherePositions& positions,
-               CapList& caps);
+/// Replaces `caps` by the caps that spheres cut from `sphere`, and `positions` by the positions of
+/// these spheres. The first `count` elements of `near` are the positions of all spheres that meet
+/// `sphere`, and perhaps of others; zeros follow as far as a vector loop may read. A sphere with
+/// the same centre, and one that overlaps `sphere` by at most `min_overlap` (angstrom), does not
+/// meet it. The values equal those of make_cap, bit for bit.
+void make_caps(const SasSphere& sphere, const SphereList& spheres,
+               const std::vector<std::int32_t>& near, std::size_t count, double min_overlap,
+               SpherePositions& positions, CapList& caps);
 
 }  // namespace eses::detail

@@ -44,8 +44,9 @@ Box box_of(std::span<const Atom> group) {
 // same in a part of the molecule.
 void look_up_neighbours(const SurfaceModel& surface, std::span<const Atom> group,
                         NeighbourScratch& scratch) {
-  surface.cells().find_reaching(
-      box_of(group), max_radius(group) + 2 * surface.probe_radius + look_up_slack, scratch.found);
+  const Box box = box_of(group);
+  surface.cells().find_reaching(box, max_radius(group) + 2 * surface.probe_radius + look_up_slack,
+                                scratch.found);
   SphereList& spheres = scratch.near_spheres;
   spheres.make_room(scratch.found.size());
   scratch.near.resize(scratch.found.size());
@@ -57,14 +58,14 @@ void look_up_neighbours(const SurfaceModel& surface, std::span<const Atom> group
   }
   scratch.near.resize(count);
   spheres.count = count;
+  scratch.near_floats.assign(spheres, box);
 }
 
 // Selects the found atoms whose SAS sphere may meet that of an atom of a smaller group.
 void filter_neighbours(const SurfaceModel& surface, std::span<const Atom> group,
                        NeighbourScratch& scratch) {
-  find_near_box(box_of(group), max_radius(group) + surface.probe_radius + look_up_slack,
-                scratch.near_spheres, scratch.group_positions);
-  choose_spheres(scratch.near_spheres, scratch.group_positions, scratch.group_spheres);
+  choose_near_box(box_of(group), max_radius(group) + surface.probe_radius, scratch.near_floats,
+                  scratch.group_floats);
 }
 
 }  // namespace
@@ -94,9 +95,9 @@ void for_each_with_neighbours(const SurfaceModel& surface, std::span<const AtomI
 
 void collect_caps(const SurfaceModel& surface, AtomIndex i, NeighbourScratch& scratch) {
   const SasSphere sphere = surface.sas_sphere(i);
-  find_meeting(sphere, scratch.group_spheres, scratch.neighbours,
-               surface.has_slack ? tolerance::containment : 0);
-  make_caps(sphere, scratch.group_spheres, scratch.neighbours, scratch.caps);
+  const std::size_t count = find_near_sphere(sphere, scratch.group_floats, scratch.near_atom);
+  make_caps(sphere, scratch.near_spheres, scratch.near_atom, count,
+            surface.has_slack ? tolerance::containment : 0, scratch.neighbours, scratch.caps);
   if (!surface.has_slack) scratch.caps.blocking_height = scratch.caps.height;
 }
 

@@ -8,25 +8,26 @@
 
 #include "eses/atoms.hpp"
 #include "geometry/cap_list.hpp"
+#include "geometry/float_spheres.hpp"
 #include "surface/surface_model.hpp"
 
 namespace eses::detail {
 
 /// Scratch memory of the search for neighbours, one per thread, and its results.
 struct NeighbourScratch {
-  std::vector<Atom> atoms;          ///< all atoms that are visited
-  std::vector<AtomIndex> found;     ///< atoms near a group of atoms that is looked up together
-  std::vector<AtomIndex> near;      ///< atoms of `found` that are not contained in another one
-  SphereList near_spheres;          ///< SAS spheres of `near`
-  SpherePositions group_positions;  ///< positions in `near` of the atoms near a smaller group
-  SphereList group_spheres;         ///< SAS spheres at `group_positions`
-  SpherePositions neighbours;       ///< position in `group_spheres` of each cap of `caps`
-  CapList caps;                     ///< caps of one atom
+  std::vector<Atom> atoms;              ///< all atoms that are visited
+  std::vector<AtomIndex> found;         ///< atoms near a group of atoms that is looked up together
+  std::vector<AtomIndex> near;          ///< atoms of `found` that are not contained in another one
+  SphereList near_spheres;              ///< SAS spheres of `near`
+  FloatSpheres near_floats;             ///< the same in single precision
+  FloatSpheres group_floats;            ///< those near a smaller group
+  std::vector<std::int32_t> near_atom;  ///< positions in `near` of those near one atom
+  SpherePositions neighbours;           ///< position in `near` of each cap of `caps`
+  CapList caps;                         ///< caps of one atom
 
   /// The atom of cap `k` of `caps`.
   AtomIndex neighbour(std::uint32_t k) const {
-    const auto position = static_cast<std::size_t>(neighbours.at[k]);
-    return near[static_cast<std::size_t>(group_positions.at[position])];
+    return near[static_cast<std::size_t>(neighbours.at[k])];
   }
 };
 

@@ -29,9 +29,11 @@ class TangentSphereFinder {
 
   // Returns whether another sphere touches that of an exposed atom.
   bool has_tangent(AtomIndex i) {
-    find_meeting(surface_.sas_sphere(i), spheres_, meeting_, -separated_overlap);
-    for (std::size_t n = 0; n < meeting_.count; ++n)
-      if (touches_outside(i, kept_[static_cast<std::size_t>(meeting_.at[n])])) return true;
+    const SasSphere sphere = surface_.sas_sphere(i);
+    find_near_box({sphere.center, sphere.center}, sphere.radius + separated_overlap, spheres_,
+                  near_sphere_);
+    for (std::size_t n = 0; n < near_sphere_.count; ++n)
+      if (touches_outside(i, kept_[static_cast<std::size_t>(near_sphere_.at[n])])) return true;
     return std::any_of(contained_.begin(), contained_.end(),
                        [&](AtomIndex j) { return touches_inside(i, j); });
   }
@@ -73,7 +75,7 @@ class TangentSphereFinder {
   std::vector<AtomIndex> near_;
   std::span<const AtomIndex> kept_, contained_;  // parts of `near_`
   SphereList spheres_;                           // of `kept_`
-  SpherePositions meeting_;                      // spheres that meet one of them
+  SpherePositions near_sphere_;                  // spheres that meet or touch one of them
 };
 
 }  // namespace

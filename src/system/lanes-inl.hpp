@@ -104,6 +104,16 @@ HWY_INLINE std::size_t compress_store(Lanes lanes, hn::Vec<Lanes> values, hn::Ma
     hn::StoreU(hn::BitCast(lanes, selected), lanes, to);
     return static_cast<std::size_t>(std::popcount(bits));
   }
+  if constexpr (sizeof(Value) == 4 && hn::MaxLanes(Lanes()) == 8) {
+    const hn::Repartition<std::uint32_t, Lanes> words;
+    const hn::Rebind<std::uint8_t, Lanes> bytes;
+    const std::uint32_t bits = mask_bits(lanes, mask);
+    const auto order = hn::PromoteTo(words, hn::LoadU(bytes, selected_lanes[bits].data()));
+    const auto selected =
+        hn::TableLookupLanes(hn::BitCast(words, values), hn::IndicesFromVec(words, order));
+    hn::StoreU(hn::BitCast(lanes, selected), lanes, to);
+    return static_cast<std::size_t>(std::popcount(bits));
+  }
   if constexpr (sizeof(Value) == 2) {
     const hn::Half<Lanes> block;
     const std::uint32_t bits = mask_bits(lanes, mask);
@@ -111,6 +121,14 @@ HWY_INLINE std::size_t compress_store(Lanes lanes, hn::Vec<Lanes> values, hn::Ma
     return count + compress_block(block, hn::UpperHalf(block, values), bits >> 8, to + count);
   }
 #elif HWY_TARGET == HWY_SSE4 || (HWY_ARCH_ARM_A64 && HWY_TARGET != HWY_SCALAR)
+  if constexpr (sizeof(Value) == 4) {
+    const hn::Repartition<std::uint8_t, Lanes> bytes;
+    const std::uint32_t bits = mask_bits(lanes, mask);
+    const auto order = hn::LoadU(bytes, selected_bytes_of_words[bits].data());
+    hn::StoreU(hn::BitCast(lanes, hn::TableLookupBytes(hn::BitCast(bytes, values), order)), lanes,
+               to);
+    return static_cast<std::size_t>(std::popcount(bits));
+  }
   if constexpr (sizeof(Value) == 2)
     return compress_block(lanes, values, mask_bits(lanes, mask), to);
 #endif

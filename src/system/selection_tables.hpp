@@ -26,6 +26,12 @@ constexpr SelectionTable<Index, element_count, parts> make_selection_table() {
 /// The bytes of 8 elements of 16 bits.
 inline constexpr auto selected_bytes = make_selection_table<std::uint8_t, 8, 2>();
 
+/// The bytes of 4 elements of 32 bits.
+inline constexpr auto selected_bytes_of_words = make_selection_table<std::uint8_t, 4, 4>();
+
+/// The numbers of 8 elements.
+inline constexpr auto selected_lanes = make_selection_table<std::uint8_t, 8, 1>();
+
 /// The 32-bit words of 4 elements of 64 bits.
 inline constexpr auto selected_words = make_selection_table<std::uint32_t, 4, 2>();
 
