@@ -141,11 +141,11 @@ void set_cone(const PlacementIndex& placements, PlacementNumber number, ConcaveS
 void find_near_large(const PlacementIndex& placements, const Box& box, NearPlacements& near) {
   find_near_box(box, max_cutting_distance(placements), placements.center_list(), near.numbers);
   choose_spheres(placements.center_list(), near.numbers, near.centers);
+  near.large.assign(near.centers, grown(box, max_cutting_distance(placements)));
 }
 
 void find_near_small(const PlacementIndex& placements, const Box& box, NearPlacements& near) {
-  find_near_box(box, max_cutting_distance(placements), near.centers, near.in_small);
-  choose_spheres(near.centers, near.in_small, near.small_centers);
+  choose_near_box(box, max_cutting_distance(placements), near.large, near.small);
 }
 
 void cut_cone(const PlacementIndex& placements, ConcaveScratch& scratch, ConcavePatch& patch) {

@@ -8,6 +8,7 @@
 
 #include "geometry/box.hpp"
 #include "geometry/cap_list.hpp"
+#include "geometry/float_spheres.hpp"
 #include "geometry/sphere_part.hpp"
 #include "surface/placement_index.hpp"
 
@@ -36,14 +37,14 @@ struct ConcavePatch {
 
 /// The placements that may cut the patches of those in a large box, and in a small box in it.
 struct NearPlacements {
-  SpherePositions numbers, in_small;  ///< positions in the list of all placements, and in `centers`
-  SphereList centers, small_centers;
-  SpherePositions found;  ///< positions in `small_centers` of those near one placement
+  SpherePositions numbers;          ///< those near the large box
+  SphereList centers;               ///< of `numbers`
+  FloatSpheres large, small;        ///< positions in `centers` of those near each box
+  std::vector<std::int32_t> found;  ///< positions in `centers` of those near one placement
 
-  /// The number of the placement at a position in `small_centers`.
-  PlacementNumber number(std::int64_t position) const {
-    const std::int64_t in_large = in_small.at[static_cast<std::size_t>(position)];
-    return static_cast<PlacementNumber>(numbers.at[static_cast<std::size_t>(in_large)]);
+  /// The number of the placement at a position in `centers`.
+  PlacementNumber number(std::int32_t position) const {
+    return static_cast<PlacementNumber>(numbers.at[static_cast<std::size_t>(position)]);
   }
 };
 

@@ -139,10 +139,10 @@ void find_cutters(const PlacementIndex& placements, ConcaveScratch& scratch, Con
   patch.tangent.clear();
   scratch.caps.clear();
   NearPlacements& near = scratch.near;
-  find_near_box({ball.center, ball.center}, ball.radius + tolerance::touching, near.small_centers,
-                near.found);
-  for (std::size_t k = 0; k < near.found.count; ++k) {
-    const PlacementNumber other = near.number(near.found.at[k]);
+  const std::size_t count =
+      find_near_sphere({ball.center, ball.radius + tolerance::touching}, near.small, near.found);
+  for (std::size_t k = 0; k < count; ++k) {
+    const PlacementNumber other = near.number(near.found[k]);
     if (other == patch.number || !placements.is_first(other)) continue;
     Vec3 to_other = placements.center(other) - from;
     double squared = squared_norm(to_other);

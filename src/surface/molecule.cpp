@@ -16,6 +16,7 @@
 
 #include "geometry/box.hpp"
 #include "geometry/cap_list.hpp"
+#include "geometry/float_spheres.hpp"
 #include "geometry/tolerances.hpp"
 #include "surface/atom_loops.hpp"
 #include "surface/atom_tree.hpp"
@@ -187,14 +188,15 @@ class VicinitySearch {
     points_.make_room(found_.size());
     points_.count = found_.size();
     for (std::size_t k = 0; k < found_.size(); ++k) points_.set(k, {atoms_[found_[k]].center, 0});
+    floats_.assign(points_, grown(box, radius));
   }
 
   std::span<const AtomIndex> vicinity(AtomIndex i) {
-    const Vec3 center = atoms_[i].center;
-    find_near_box({center, center}, vicinity_radius(atoms_[i], min_radius_), points_, positions_);
+    const double radius = vicinity_radius(atoms_[i], min_radius_);
+    const std::size_t count = find_near_sphere({atoms_[i].center, radius}, floats_, positions_);
     near_.clear();
-    for (std::size_t k = 0; k < positions_.count; ++k) {
-      const AtomIndex j = found_[static_cast<std::size_t>(positions_.at[k])];
+    for (std::size_t k = 0; k < count; ++k) {
+      const AtomIndex j = found_[static_cast<std::size_t>(positions_[k])];
       if (j != i) near_.push_back(j);
     }
     return near_;
@@ -206,7 +208,8 @@ class VicinitySearch {
   double min_radius_;
   std::vector<AtomIndex> found_, near_;
   SphereList points_;  // centres of `found_`, with radius 0
-  SpherePositions positions_;
+  FloatSpheres floats_;
+  std::vector<std::int32_t> positions_;
 };
 
 // Returns the number of threads to use. For few atoms, one thread is faster than the query for the
