@@ -102,8 +102,8 @@ std::size_t keep_unsettled(BurialCaps& caps, std::span<const std::uint32_t> orde
     ShortMask left = sn::FirstN(lanes, count - begin);
     for (const std::uint32_t k : order) {
       const auto settled = sn::And(limits[k].accepts(directions), left);
-      if (sn::AllFalse(lanes, settled)) continue;
-      is_used[k] = 1;
+      // Without a branch, which would often be predicted wrongly.
+      is_used[k] = static_cast<std::uint8_t>(is_used[k] | (sn::AllFalse(lanes, settled) ? 0 : 1));
       left = sn::AndNot(settled, left);
       if (sn::AllFalse(lanes, left)) break;
     }
