@@ -3,13 +3,16 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <numbers>
+#include <numeric>
 #include <vector>
 
 #include "catch.hpp"
 #include "geometry/box.hpp"
 #include "geometry/circle_arcs.hpp"
 #include "geometry/covering_directions.hpp"
+#include "geometry/float_spheres.hpp"
 #include "geometry/line_torus.hpp"
 #include "geometry/meeting_point.hpp"
 #include "support/atom_sets.hpp"
@@ -166,13 +169,14 @@ TEST_CASE("caps of many spheres are the caps of those that meet the sphere") {
     for (std::size_t k = 1; k + 1 < others.size(); ++k)
       if (norm(others[k].center - sphere.center) < sphere.radius + others[k].radius - 1e-9)
         expected.push_back(static_cast<std::int64_t>(k));
+    std::vector<std::int32_t> all(others.size() + vector_padding);
+    std::iota(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(others.size()), 0);
     SpherePositions positions;
-    find_meeting(sphere, spheres, positions);
+    CapList caps;
+    make_caps(sphere, spheres, all, others.size(), 1e-9, positions, caps);
     REQUIRE(std::vector(positions.at.begin(),
                         positions.at.begin() + static_cast<std::ptrdiff_t>(positions.count)) ==
             expected);
-    CapList caps;
-    make_caps(sphere, spheres, positions, caps);
     REQUIRE(caps.size() == expected.size());
     for (std::size_t k = 0; k < expected.size(); ++k) {
       const Cap cap = make_cap(sphere, others[static_cast<std::size_t>(expected[k])]);
@@ -211,6 +215,59 @@ TEST_CASE("spheres near a box are exactly those within the distance") {
     chosen_count += chosen.count;
   }
   CHECK(chosen_count > 300);
+}
+
+// Spheres of which some just reach a distance or just miss it, far from the origin.
+TEST_CASE("single precision misses no sphere near a box or a sphere") {
+  Random random(13);
+  std::size_t near_box = 0, near_sphere = 0, left_out = 0;
+  for (int round = 0; round < 400; ++round) {
+    const double size = std::pow(10, random.uniform(-1, 4));
+    const Vec3 middle = 100 * size * random_point(random, 1);
+    const Box box{middle - size * Vec3{0.1, 0.2, 0.3}, middle + size * Vec3{0.3, 0.2, 0.1}};
+    const double distance = size * random.uniform(0, 1);
+    const SasSphere sphere{box.high, size * random.uniform(0.1, 1)};
+    SphereList spheres;
+    const std::size_t count = random.integer(0, 70);
+    while (spheres.count < count) {
+      const double radius = size * random.uniform(0, 1);
+      const double gap = std::pow(10, random.uniform(-12, 0)) * random.uniform(-1, 1);
+      const bool touches_box = random.integer(0, 1) == 0;
+      const Vec3 from = touches_box ? box.low : sphere.center;
+      const double reach = touches_box ? distance : sphere.radius;
+      spheres.push_back({from + (reach + radius) * (1 + gap) * random_direction(random), radius});
+    }
+    FloatSpheres all, chosen;
+    all.assign(spheres, box);
+    choose_near_box(box, distance, all, chosen);
+    std::vector<std::int32_t> found;
+    const std::size_t found_count = find_near_sphere(sphere, all, found);
+    const std::vector<std::int32_t> in_box(
+        chosen.position.begin(),
+        chosen.position.begin() + static_cast<std::ptrdiff_t>(chosen.count));
+    found.resize(found_count);
+    for (std::size_t k = 0; k < spheres.count; ++k) {
+      const Vec3 center{spheres.x[k], spheres.y[k], spheres.z[k]};
+      const auto position = static_cast<std::int32_t>(k);
+      const auto is_in = [&](const std::vector<std::int32_t>& list) {
+        return std::binary_search(list.begin(), list.end(), position);
+      };
+      INFO(round << " " << k);
+      const double beyond_box =
+          std::sqrt(squared_distance(box, center)) - distance - spheres.radius[k];
+      const double beyond_sphere = norm(center - sphere.center) - sphere.radius - spheres.radius[k];
+      if (beyond_box < 0) REQUIRE(is_in(in_box));
+      if (beyond_sphere < 0) REQUIRE(is_in(found));
+      if (beyond_box > 1e-4 * size) REQUIRE(!is_in(in_box));
+      if (beyond_sphere > 1e-4 * size) REQUIRE(!is_in(found));
+      near_box += is_in(in_box) ? 1 : 0;
+      near_sphere += is_in(found) ? 1 : 0;
+      left_out += is_in(in_box) && is_in(found) ? 0 : 1;
+    }
+  }
+  CHECK(near_box > 3000);
+  CHECK(near_sphere > 3000);
+  CHECK(left_out > 3000);
 }
 
 TEST_CASE("a point that two spheres leave just open stays accessible") {
