@@ -93,8 +93,7 @@ HWY_INLINE BlockedAngles blocked_angles(const ContactCircle& circle, DoubleVecto
 bool find_open(const ContactCircle& circle, const CircleFrame& frame, const CapList& caps,
                std::uint32_t own, OpenIntervals& open) {
   const Doubles doubles;
-  const hn::RebindToSigned<Doubles> integers;
-  const auto lanes = hn::Iota(integers, 0);
+  const auto lanes = hn::Iota(doubles, 0);
   open.clear();
   for (std::size_t k = 0; k < caps.count; k += hn::Lanes(doubles)) {
     const auto along = [&](Vec3 direction) {
@@ -103,10 +102,8 @@ bool find_open(const ContactCircle& circle, const CircleFrame& frame, const CapL
     const auto along_axis = along(circle.axis);
     const auto height =
         load(&caps.blocking_height[k]) - broadcast(circle.first_height) * along_axis;
-    const auto is_other = hn::And(
-        hn::RebindMask(doubles, hn::Ne(lanes, hn::Set(integers, std::int64_t{own} -
-                                                                    static_cast<std::int64_t>(k)))),
-        hn::FirstN(doubles, caps.count - k));
+    const auto is_own = hn::Eq(lanes, broadcast(static_cast<double>(own) - static_cast<double>(k)));
+    const auto is_other = hn::AndNot(is_own, hn::FirstN(doubles, caps.count - k));
     const auto [block_all, meet] = classify_caps(circle, along_axis, height, is_other);
     if (!hn::AllFalse(doubles, block_all)) return false;
     if (hn::AllFalse(doubles, meet)) continue;

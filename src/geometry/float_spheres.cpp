@@ -134,11 +134,8 @@ HWY_AFTER_NAMESPACE();
 namespace eses::detail {
 namespace {
 
-// With u = 2^-24, coordinates up to D relative to the origin and radii up to R: two coordinates and
-// their difference are off by 4 u D, and by 7 u D if half a side of a box is subtracted. Distances
-// are off by 12 u D from these errors, and by less than 6 u D from the rounding of squares and
-// sums. The sum of at most three radii is off by less than 12 u R. All of it is less than 32 u (D +
-// R).
+// With u = 2^-24, coordinates up to D relative to the origin and radii up to R, distances are off
+// by less than 13 u D + 6 u D + 12 u R, see doc/algorithm.md.
 constexpr double relative_slack = 0x1p-19;
 
 }  // namespace
