@@ -113,7 +113,7 @@ Problem read_pqr_values(const PqrFields& fields, Record& record) {
 std::size_t min_leading_fields(std::string_view line) {
   std::string_view rest = line;
   const std::string_view record = take_first(rest);
-  const bool holds_serial = is_digit(record.back());
+  const bool holds_serial = !record.empty() && is_digit(record.back());
   return holds_serial ? 4 : 5;
 }
 
