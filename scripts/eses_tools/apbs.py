@@ -9,7 +9,6 @@ gives the potential at its faces.
 Energies are in kJ/mol. doc/poisson-boltzmann.md explains the method and its accuracy.
 """
 
-import os
 import sys
 
 from eses_tools import quiet_interrupt  # before the modules that take time to load
@@ -23,21 +22,15 @@ import pathlib
 import shutil
 import tempfile
 
-from eses_tools.common import (NAME, PROGRAM, Failed, Parser, at_least, complete_file,
+from eses_tools.common import (NAME, Failed, Parser, at_least, complete_file,
                                describe_build, end_with, printable, require_writable,
-                               require_output, show)
+                               require_output, say, show)
 from eses_tools import poisson_boltzmann as pb
 
 LABELS = {pb.ESES: "eses-blocks", pb.MOL: "srfm mol", pb.SMOL: "srfm smol"}
 
 
 # ------------------------------------------------------------------------------------- messages
-
-
-def say(text):
-    """Prints a line on standard error, which replaces the line of progress."""
-    show("")
-    print(f"{NAME}: {text}", file=sys.stderr)
 
 
 def size_text(value):
@@ -165,10 +158,8 @@ def ion(text):
 
 
 def parse_options():
-    paragraphs = __doc__.split("\n\n")
     above_zero = at_least(0, is_open=True)
-    parser = Parser(description="\n\n".join(paragraphs[:2]), epilog=paragraphs[2],
-                    usage=f"{NAME} [OPTION...] PQR...",
+    parser = Parser(__doc__, lead=2, usage=f"{NAME} [OPTION...] PQR...",
                     examples=(("1crn.pqr", "solvation energy of a molecule"),
                               ("ab.pqr a.pqr b.pqr", "binding energy of a complex"),
                               ("1crn.pqr --write-potential 1crn.dx", "the potential, for eses-view")),
@@ -224,11 +215,8 @@ def parse_options():
                         help="keep maps, input file and output of APBS in this folder")
     parser.add_argument("--ignore-memory", action="store_true",
                         help="start APBS even if it needs more memory than is available")
-    parser.add_argument("--program", type=pathlib.Path, default=PROGRAM, metavar="FILE",
-                        help="path of eses-blocks (default: the one beside this script, or "
-                             "build/eses-blocks)")
+    parser.add_program()
     options = parser.parse_args()
-    options.program = options.program.absolute()
     complete_options(parser, options)
     return options
 

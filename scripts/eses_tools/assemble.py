@@ -6,7 +6,6 @@ The distance between rings is the height of the structure plus the gap. Every se
 by half a slice.
 """
 
-import os
 import sys
 
 from eses_tools import quiet_interrupt  # before the modules that take time to load
@@ -14,10 +13,9 @@ from eses_tools import quiet_interrupt  # before the modules that take time to l
 import argparse
 import collections
 import math
-import pathlib
 
 from eses_tools.atoms import read_atoms
-from eses_tools.common import (NAME, PROGRAM, Parser, complete_file, end_with, positive, require_output)
+from eses_tools.common import NAME, Parser, complete_file, end_with, positive, require_output, say
 
 # Each coordinate is rounded to three decimals. The rounding of two points can shorten their
 # distance by 2 sqrt(3) * 0.0005 = 0.0018. The written numbers must keep the gap.
@@ -119,8 +117,7 @@ def parse_options():
             raise argparse.ArgumentTypeError("a length of at least 0")
         return value
 
-    paragraphs = __doc__.split("\n\n")
-    parser = Parser(description=paragraphs[0], epilog=paragraphs[1], usage=f"{NAME} [OPTION...] FILE",
+    parser = Parser(__doc__, usage=f"{NAME} [OPTION...] FILE",
                     examples=(("1crn.xyzr -o large.xyzr", "42 copies on six rings"),
                               ("1crn.xyzr --copies 7 --rings 1 -o ring.xyzr", "one ring"),
                               ("1crn.pqr --gap 5 -o large.xyzr.gz", "5 angstrom apart")))
@@ -138,11 +135,8 @@ def parse_options():
                              "output)")
     parser.add_argument("--format", choices=("auto", "xyzr", "pqr"), default="auto",
                         help="format of the input; auto (the default) decides by the suffix")
-    parser.add_argument("--program", type=pathlib.Path, default=PROGRAM, metavar="FILE",
-                        help="path of eses-blocks, which reads the input (default: the one beside this "
-                             "script, or build/eses-blocks)")
+    parser.add_program(", which reads the input")
     options = parser.parse_args()
-    options.program = options.program.absolute()
     if options.copies % options.rings:
         parser.error(f"{options.copies} copies cannot stand evenly on {options.rings} rings")
     return options
@@ -162,7 +156,7 @@ def main():
     is_gzip = options.output.lower().endswith(".gz")
     with complete_file(options.output, compressed=is_gzip, encoding="ascii") as target:
         write_complex(structure, layout, target)
-    print(f"{NAME}: {summary(structure, layout)}", file=sys.stderr)
+    say(summary(structure, layout))
 
 
 def start():

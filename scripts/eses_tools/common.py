@@ -58,14 +58,27 @@ class Failed(Exception):
 
 
 class Parser(argparse.ArgumentParser):
-    """Shows `examples`, pairs of arguments and their meaning, before the options. --help leaves out the
-    options in `advanced`, which --help-all shows."""
+    """Shows the first `lead` paragraphs of `text`, `examples`, pairs of arguments and their meaning, the
+    options, and the other paragraphs. --help leaves out the options in `advanced`, which --help-all shows."""
 
-    def __init__(self, *arguments, examples=(), advanced=(), **how):
-        super().__init__(*arguments, **how)
+    def __init__(self, text="", lead=1, examples=(), advanced=(), **how):
+        paragraphs = text.split("\n\n")
+        super().__init__(**{"description": "\n\n".join(paragraphs[:lead]), "epilog": "\n\n".join(paragraphs[lead:]), **how})
         self.examples, self.advanced, self.shows_all = examples, advanced, False
         self.add_argument("--help-all", action=ShowAll, nargs=0,
                           help="show all options and exit" if advanced else argparse.SUPPRESS)
+
+    def add_program(self, what=""):
+        """Adds the option --program. `what` says what the program is for."""
+        place = "the one beside this script, or build/eses-blocks"
+        self.add_argument("--program", type=lambda path: pathlib.Path(path).absolute(), default=PROGRAM.absolute(),
+                          metavar="FILE", help=f"path of eses-blocks{what} (default: {place})")
+
+    def parse_before_dashes(self):
+        """Returns the options, and the arguments after --."""
+        arguments = sys.argv[1:]
+        at = arguments.index("--") if "--" in arguments else len(arguments)
+        return self.parse_args(arguments[:at]), arguments[at + 1:]
 
     def format_help(self):
         hidden = [action for action in self._actions
@@ -185,6 +198,12 @@ def show(text):
     """Shows the progress on a line that the next one replaces, if standard error is a terminal."""
     if sys.stderr.isatty():
         print(f"\r\033[K{text}", end="", file=sys.stderr, flush=True)
+
+
+def say(text):
+    """Prints a line on standard error, which replaces the line of progress."""
+    show("")
+    print(f"{NAME}: {text}", file=sys.stderr, flush=True)
 
 
 def printable(text):

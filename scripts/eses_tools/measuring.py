@@ -1,14 +1,12 @@
-"""Measures the cost of a run of the program, for the scripts that measure."""
+"""Runs programs, ends them with their children, and measures their cost."""
 
 import contextlib
-import json
 import os
-import resource
 import signal
 import subprocess
 import time
 
-from eses_tools.common import Failed, file_argument
+from eses_tools.common import file_argument
 
 
 GRACE = 5  # seconds
@@ -75,27 +73,3 @@ def end_session(process):
                 os.killpg(process.pid, 0)  # until the session has no process
                 time.sleep(0.01)
     process.wait()
-
-
-def peak_bytes(usage, report):
-    """Returns the peak memory. wait4 gives the largest of program, shell and Python (see above),
-    so the report counts if Python's is the largest."""
-    peak = usage.ru_maxrss * 1024
-    own = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024
-    return peak if peak > own else report["peak_memory_bytes"]
-
-
-def run_program(program, arguments, directory):
-    """Runs the program. Returns its report and the cost of the run; its files are in
-    `directory`/out."""
-    with open(directory / "report", "w+", encoding="utf-8") as report_file, \
-            open(directory / "messages", "w+", encoding="utf-8") as messages:
-        command = [program, *arguments, "--output-dir", directory / "out", "--json"]
-        code, wall, usage = run(command, report_file, messages)
-        report_file.seek(0)
-        messages.seek(0)
-        if code != 0:
-            raise Failed(messages.read().strip() or f"exit code {code}")
-        report = json.load(report_file)
-    return report, {"user": usage.ru_utime, "system": usage.ru_stime, "wall": wall,
-                    "peak_bytes": peak_bytes(usage, report), "seconds": report["seconds"]}

@@ -28,11 +28,11 @@ import signal
 import subprocess
 import time
 
-from eses_tools.common import (NAME, PROGRAM, Failed, Parser, describe_build, end_with, positive, printable,
-                               require_writable, require_output, show)
+from eses_tools.common import (NAME, Failed, Parser, describe_build, end_with, positive, printable,
+                               require_writable, require_output, say, show)
 from eses_tools.one_structure import (PICTURE, WRITE, Children, Job, Stopped, compute, is_complete, is_prepared,
                                       make_request, radii_text, read_status)
-from eses_tools import pdb_to_pqr, report_page
+from eses_tools import pdb_to_pqr, report
 from eses_tools.structures import KINDS, find_structures
 from eses_tools import summary, thumbnails
 
@@ -59,9 +59,7 @@ class Progress:
         self.weight_left -= weight(structure)
         if status["status"] != "done":
             self.failed += 1
-            show("")
-            print(f"{NAME}: {printable(structure.id)}: {printable(status['message'])}",
-                  file=sys.stderr, flush=True)
+            say(f"{printable(structure.id)}: {printable(status['message'])}")
 
     def text(self):
         elapsed = max(1e-9, time.monotonic() - self.start)
@@ -78,7 +76,7 @@ class Progress:
             show(self.text())
         elif time.monotonic() - self.last_line >= PROGRESS_SECONDS:
             self.last_line = time.monotonic()
-            print(f"{NAME}: {self.text()}", file=sys.stderr, flush=True)
+            say(self.text())
 
 
 def weight(structure):
@@ -170,11 +168,7 @@ def refuse(parser, arguments):
 
 def parse_options():
     """Returns the options of the script and the arguments for eses-blocks."""
-    arguments = sys.argv[1:]
-    at = arguments.index("--") if "--" in arguments else len(arguments)
-    paragraphs = __doc__.split("\n\n")
-    parser = Parser(description=paragraphs[0], epilog="\n".join(paragraphs[1:]),
-                    examples=(("structures", "all structures, with PDB2PQR"),
+    parser = Parser(__doc__, examples=(("structures", "all structures, with PDB2PQR"),
                               ("structures --radii protor --report", "PDB files directly, and a page"),
                               ("structures --jobs 4 --threads 16 -o out", "four at once")),
                     advanced=("--task", "--margin", "--block-size", "--program"),
@@ -214,14 +208,12 @@ def parse_options():
                         help="read PDB and mmCIF files directly, with these radii of eses-blocks: "
                              "protor, bondi, msms or a file (default: prepared by PDB2PQR with "
                              "CHARMM radii)")
-    parser.add_argument("--program", type=pathlib.Path, default=PROGRAM, metavar="FILE",
-                        help="path of eses-blocks (default: the one beside this script, or "
-                             "build/eses-blocks)")
-    options = parser.parse_args(arguments[:at])
-    refuse(parser, arguments[at + 1:])
+    parser.add_program()
+    options, arguments = parser.parse_before_dashes()
+    refuse(parser, arguments)
     given = [word for name in GRID_OPTIONS if (value := getattr(options, name)) is not None
              for word in (f"--{name.replace('_', '-')}", value)]
-    return options, given + arguments[at + 1:]
+    return options, given + arguments
 
 
 ONE_ATOM = "ATOM      1  CA  ALA A   1       0.000   0.000   0.000  1.00  0.00           C\n"
@@ -238,7 +230,7 @@ def ask_program(program, options, radii):
 
     def refuse(done, otherwise=""):
         message = done.stderr.partition("\n")[0].removeprefix("eses-blocks: error: ")
-        print(f"{NAME}: {message or otherwise}", file=sys.stderr)
+        say(message or otherwise)
         sys.exit(2)
 
     # An empty file is an error of the input. Errors of the command line come first.
@@ -304,7 +296,7 @@ def end_in_order_on_signals():
 
 def find_all(options):
     def on_error(error):
-        print(f"{NAME}: {error.filename}: {error.strerror}", file=sys.stderr)
+        say(f"{error.filename}: {error.strerror}")
 
     structures = find_structures(options.folder.absolute(), options.output, options.only, on_error)
     for structure in structures:
@@ -357,7 +349,7 @@ def run(options, arguments):
     lock(options.output, options.task)
 
     received = end_in_order_on_signals()
-    job = Job(str(options.program.absolute()), version, arguments, options.output.absolute(),
+    job = Job(str(options.program), version, arguments, options.output.absolute(),
               options.keep, radii_of(options), options.pictures, Children())
     statuses = find_complete(job, structures)
     before = len(statuses)
@@ -382,7 +374,7 @@ def write_report(path, rows):
     found = {row["id"]: path.parent / row["id"] / PICTURE for row in rows}
     pictures = {name: thumbnails.uri(picture) for name, picture in found.items()
                 if picture.is_file()}
-    report_page.write(path.with_suffix(".html"), rows, summary.COLUMNS,
+    report.write_page(path.with_suffix(".html"), rows, summary.COLUMNS,
                       f"Surfaces of {path.absolute().parent.name}", pictures)
 
 
@@ -403,7 +395,7 @@ def main():
         note = f"; {before} were complete before" if before else ""
     print(f"{summary.counts_text(rows)}{note}; {printable(path)}")
     if received:
-        print(f"{NAME}: interrupted; the same command goes on from here", file=sys.stderr)
+        say("interrupted; the same command goes on from here")
         sys.exit(128 + received[0])
     sys.exit(any(row["status"] != "done" for row in rows))
 

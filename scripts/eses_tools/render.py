@@ -10,7 +10,6 @@ PyPI with EGL (Debian: libegl1).
 """
 
 import os
-import sys
 
 from eses_tools import quiet_interrupt  # before the modules that take time to load
 
@@ -447,7 +446,7 @@ def png_of(vtk, window):
 
 
 def parse():
-    parser = Parser(description=__doc__, usage=f"{NAME} [OPTION...] MESH... -o FILE.png",
+    parser = Parser(__doc__, lead=3, usage=f"{NAME} [OPTION...] MESH... -o FILE.png",
                     examples=(("1crn.ply -o 1crn.png", "a mesh of eses-blocks --mesh 1crn.ply"),
                               ("1crn.ply --azimuth 120 --size 2400 -o 1crn.png", "from another side"),
                               ("1crn.ply --potential 1crn.dx -o 1crn.png", "its potential")))

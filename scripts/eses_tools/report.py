@@ -10,28 +10,76 @@ all.html. --pictures draws structures from the files that the table names. Argum
 how eses-blocks reads them, such as -- --radii bondi.
 """
 
-import os
-import sys
-
 from eses_tools import quiet_interrupt  # before the modules that take time to load
 
 import csv
 import gzip
+import html
 import io
 import json
 import math
 import pathlib
 import tempfile
 
-from eses_tools.common import (NAME, PROGRAM, Failed, Parser, describe_build, end_with,
-                               files_among,
-                               gzip_errors, printable, require_kind, require_output, show)
-from eses_tools import measuring, report_page, thumbnails
+from eses_tools.common import (NAME, Failed, Parser, complete_file, describe_build, end_with, files_among, gzip_errors,
+                               printable, require_kind, require_output, say, show)
+from eses_tools import measuring, page, thumbnails
 
 ERROR = "eses-blocks: error: "  # begins the messages of files that measure has refused
 MIN_SPACING = 0.4  # angstrom, of pictures
 MAX_CELLS = 30000  # of the surface of a picture, which are squares of the spacing
 OPTIONAL = ("model", "radii", "left_out")  # columns that most files leave empty
+
+PARTS = pathlib.Path(__file__).resolve().parent / "pages/report"
+TEXTS = ("id", "input", "file", "radii", "status", "message")  # other columns are numbers if possible
+# Columns that are drawn against the number of atoms, if the table has them.
+PLOTS = (("seconds", "time, s"), ("peak_bytes", "peak memory, bytes"), ("area", "area, Å²"),
+         ("volume", "volume, Å³"), ("ses_area", "SES area, Å²"), ("sas_area", "SAS area, Å²"), ("ses_volume", "SES volume, Å³"))
+
+
+# ---------------------------------------------------------------------------------------- page
+
+
+def is_text(rows, name):
+    """Whether a column is one of TEXTS or has values that are no numbers."""
+    if name in TEXTS:
+        return True
+    try:
+        for row in rows:
+            float(row.get(name) or 0)
+    except ValueError:
+        return True
+    return False
+
+
+def value_of(row, name, texts):
+    """Returns a value of a row, which may be text from a file, as JSON stores it. JSON has no NaN
+    and no infinite numbers; they are left out."""
+    value = row.get(name, "")
+    if name in texts:
+        return printable(value)
+    number = math.nan if value in ("", None) else float(value)
+    return number if math.isfinite(number) else ""
+
+
+def make_report(rows, columns, title, pictures):
+    """Returns the page. Each row is a dictionary; the first column names the structures, and
+    `pictures` has addresses of pictures by these names."""
+    texts = [name for name in columns if is_text(rows, name)]
+    data = {"columns": columns, "texts": texts,
+            "plots": [plot for plot in PLOTS if plot[0] in columns],
+            "rows": [[value_of(row, name, texts) for name in columns] for row in rows],
+            "pictures": {printable(name): address for name, address in pictures.items()}}
+    return page.fill(PARTS, ("plots.js", "report.js"),
+                     {"title": html.escape(title), "rows": page.script_text(data)})
+
+
+def write_page(path, rows, columns, title, pictures):
+    with complete_file(path, encoding="utf-8") as target:
+        target.write(make_report(rows, columns, title, pictures))
+
+
+# --------------------------------------------------------------------------------------- table
 
 
 def read_text(path):
@@ -126,18 +174,13 @@ def draw_all(options, rows):
         try:
             pictures[row["file"]] = draw(options, file_of(options.table, row), row)
         except Failed as error:
-            show("")
-            print(f"{NAME}: {printable(row['file'])}: {printable(error)}", file=sys.stderr)
+            say(f"{printable(row['file'])}: {printable(error)}")
     show("")
     return pictures
 
 
 def parse():
-    arguments = sys.argv[1:]
-    at = arguments.index("--") if "--" in arguments else len(arguments)
-    first, *others = __doc__.split("\n\n")
-    parser = Parser(description=first, epilog="\n\n".join(others),
-                    examples=(("all.csv -o all.html", "a table of eses-blocks measure --csv all.csv"),
+    parser = Parser(__doc__, examples=(("all.csv -o all.html", "a table of eses-blocks measure --csv all.csv"),
                               ("out/summary.csv -o all.html", "the summary of eses-pdbbind"),
                               ("all.csv --pictures '1a*' -o all.html", "with pictures")),
                     usage=f"{NAME} [OPTION...] TABLE -o PAGE.html [-- ARGUMENT...]")
@@ -150,12 +193,8 @@ def parse():
                         help="standard error of eses-blocks measure, whose errors are shown, too")
     parser.add_argument("--pictures", type=thumbnails.patterns_of, default=[], metavar="PATTERNS",
                         help=thumbnails.HELP.format("files in the table"))
-    parser.add_argument("--program", type=pathlib.Path, default=PROGRAM, metavar="FILE",
-                        help="path of eses-blocks, for --pictures (default: the one beside this "
-                             "script, or build/eses-blocks)")
-    options = parser.parse_args(arguments[:at])
-    options.arguments = arguments[at + 1:]
-    options.program = options.program.absolute()
+    parser.add_program(", for --pictures")
+    options, options.arguments = parser.parse_before_dashes()
     require_kind(parser, options.output, "a page", ".html", ".htm")
     if options.arguments and not options.pictures:
         parser.error("arguments after -- need --pictures")
@@ -180,8 +219,8 @@ def main():
             *(file_of(options.table, row) for row in rows if options.pictures and "file" in row)]
     require_output(options.output, read)
     pictures = draw_all(options, rows) if options.pictures else {}
-    report_page.write(options.output, rows + failures, columns, options.title or options.table.name,
-                      pictures)
+    write_page(options.output, rows + failures, columns, options.title or options.table.name,
+               pictures)
 
 
 def start():

@@ -32,7 +32,7 @@ import time
 import warnings
 
 from eses_tools.common import (IS_INSTALLED, NAME, PROJECT, Failed, Parser, at_least, complete_file, end_with,
-                               positive, printable, require_output, show)
+                               positive, printable, require_output, say, show)
 
 LEVELS = ("frame", "chain", "residue")
 MAX_VALUES = 2_000_000  # atoms by frames that are measured at a time
@@ -111,9 +111,9 @@ def warn_if_divided(numpy, universe, atoms, measured):
     is_cut = (table["chain"][at][1:] == table["chain"][at][:-1]) & (steps > min(box[:3]) / 2)
     if is_cut.any():
         i = at[1:][is_cut][0]
-        print(f"{NAME}: warning: the periodic box divides a molecule at {table['residue'][i]} "
-              f"{table['residue_number'][i]} of chain {table['chain'][i] or '(none)'}; make molecules whole first, "
-              "for example with gmx trjconv -pbc mol", file=sys.stderr)
+        say(f"warning: the periodic box divides a molecule at {table['residue'][i]} "
+            f"{table['residue_number'][i]} of chain {table['chain'][i] or '(none)'}; make molecules whole first, "
+            "for example with gmx trjconv -pbc mol")
 
 
 # ------------------------------------------------------------------------------------------- plan
@@ -324,8 +324,7 @@ def identity_of(version, frames, options):
 
 
 def parse_options():
-    first, *others = __doc__.split("\n\n")
-    parser = Parser(description=first, epilog="\n\n".join(others), usage=f"{NAME} [OPTION...] FILES -o TABLE.csv",
+    parser = Parser(__doc__, usage=f"{NAME} [OPTION...] FILES -o TABLE.csv",
                     examples=(("run.xtc top.pdb -o areas.csv", "a row for each frame"),
                               ("run.xtc top.pdb --level residue -o r.csv.gz", "a row for each residue"),
                               ("run.dcd top.psf --stride 10 --surface sas -o a.csv", "every tenth frame")))
@@ -362,7 +361,7 @@ def show_warning(message, category, filename, *_):
     """Prints warnings of this project on one line. MDAnalysis has many that do not matter here."""
     del category
     if "MDAnalysis" not in filename:
-        print(f"{NAME}: warning: {printable(message)}", file=sys.stderr)
+        say(f"warning: {printable(message)}")
 
 
 def measure_all(eses, universe, plan, frames, options, finished):
@@ -406,11 +405,11 @@ def main():
         raise Failed(f"no frames are chosen; there are {universe.trajectory.n_frames}")
     plan = make_plan(eses, universe, frames, options)
     with opened(options, identity_of(eses.__version__, frames, options), plan) as finished:
-        print(f"{NAME}: {plan.note}", file=sys.stderr)
+        say(plan.note)
         if finished.count:
-            print(f"{NAME}: {finished.count} frames were finished before", file=sys.stderr)
+            say(f"{finished.count} frames were finished before")
         measure_all(eses, universe, plan, frames, options, finished)
-    print(f"{NAME}: {len(frames)} frames, {plan.rows * len(frames)} rows", file=sys.stderr)
+    say(f"{len(frames)} frames, {plan.rows * len(frames)} rows")
 
 
 def start():

@@ -1,11 +1,13 @@
-"""Saves measurements with date, build and machine, and draws them as SVG with matplotlib."""
+"""Measures runs of the program, saves measurements with date, build and machine, and draws them as SVG with
+matplotlib."""
 
 import datetime
 import importlib.util
 import json
 import pathlib
 
-from eses_tools.common import (PROGRAM, PROJECT, Failed, complete_file, describe_build, machine, require_output,
+from eses_tools import measuring
+from eses_tools.common import (PROJECT, Failed, complete_file, describe_build, machine, require_output,
                                require_writable)
 
 WIDTH, HEIGHT = 600 / 72, 315 / 72  # inches; an SVG of 600 pt is 800 px wide
@@ -15,6 +17,22 @@ TOP, BOTTOM = 0.87, 0.25  # share of the height: the axes, between legend and ca
 BLUE = {"color": "#0072B2", "marker": "o"}
 ORANGE = {"color": "#D55E00", "marker": "s"}
 GREEN = {"color": "#009E73", "marker": "^"}
+
+
+def run_program(program, arguments, directory):
+    """Runs the program. Returns its report and the cost of the run; its files are in
+    `directory`/out."""
+    with open(directory / "report", "w+", encoding="utf-8") as report_file, \
+            open(directory / "messages", "w+", encoding="utf-8") as messages:
+        command = [program, *arguments, "--output-dir", directory / "out", "--json"]
+        code, wall, usage = measuring.run(command, report_file, messages)
+        report_file.seek(0)
+        messages.seek(0)
+        if code != 0:
+            raise Failed(messages.read().strip() or f"exit code {code}")
+        report = json.load(report_file)
+    return report, {"user": usage.ru_utime, "system": usage.ru_stime, "wall": wall,
+                    "peak_bytes": report["peak_memory_bytes"]}
 
 
 def save(path, build, settings, **results):
@@ -39,8 +57,7 @@ def load(path, *results):
 
 def add_options(parser):
     """Adds the options that measured() needs."""
-    parser.add_argument("--program", type=pathlib.Path, default=PROGRAM, metavar="FILE",
-                        help="path of eses-blocks (default: build/eses-blocks)")
+    parser.add_program()
     parser.add_argument("-o", "--output", type=pathlib.Path, default=PROJECT / "doc", metavar="DIR",
                         help="directory of the figure and the numbers (default: doc)")
     parser.add_argument("--continue", dest="resumed", action="store_true",
@@ -54,7 +71,6 @@ def measured(options, name, measure_missing):
     completes, or those of --from."""
     require_matplotlib()  # fail now rather than after an hour of measuring
     require_writable(options.output)
-    options.program = options.program.absolute()
     path = options.saved or options.output / f"{name}.json"
     if not options.saved:
         require_output(path)

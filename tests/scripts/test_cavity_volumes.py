@@ -14,7 +14,7 @@ class CavityVolumes(TestCase):
         atoms.write_text("".join(f"{2.5 * x} {2.5 * y} {2.5 * z} 1.8\n"
                                  for x in range(5) for y in range(5) for z in range(5)
                                  if {0, 4} & {x, y, z}))
-        done = run("benchmarks/cavity-volumes", atoms, "--binary", PROGRAM, "--spacings", 0.4, 0.2, 0.1)
+        done = run("benchmarks/cavity-volumes", atoms, "--program", PROGRAM, "--spacings", 0.4, 0.2, 0.1)
         self.assertDone(done)
         rows = [line.strip("| ").split(" | ") for line in done.stdout.splitlines()[2:]]
         self.assertEqual([row[:2] for row in rows], [["1", "centers"], ["1", "void"]])
@@ -27,6 +27,6 @@ class CavityVolumes(TestCase):
     def test_failures_of_the_program_are_reported(self):
         atoms = self.folder / "a.xyzr"
         atoms.write_text("0 0 0 1\n")
-        done = run("benchmarks/cavity-volumes", atoms, "--binary", PROGRAM, "--probe-radius", 1e6)
+        done = run("benchmarks/cavity-volumes", atoms, "--program", PROGRAM, "--probe-radius", 1e6)
         self.assertEqual(done.returncode, 1)
         self.assertIn("--probe-radius is '1000000.0'", done.stderr)
