@@ -6,6 +6,7 @@ import fcntl
 import gzip
 import json
 import os
+import re
 import shutil
 import signal
 import subprocess
@@ -550,13 +551,14 @@ class Tasks(PdbbindTest):
         rows = summary(self.output, "summary-1-of-2.csv")
         self.assertEqual([row["status"] for row in rows.values()], ["done"] * 3)
 
-    def test_slurm_file_runs_a_task(self):
-        for task in (4, 5):
-            environment = {**os.environ, "SLURM_SUBMIT_DIR": str(PROJECT),
-                           "SLURM_ARRAY_TASK_ID": str(task), "SLURM_ARRAY_TASK_MIN": "4",
-                           "SLURM_ARRAY_TASK_COUNT": "2", "SLURM_CPUS_PER_TASK": "1"}
-            subprocess.run(["bash", SCRIPTS / "pdbbind.sbatch", self.input, self.output,
-                            "--keep", "none", "--program", PROGRAM],
+    def test_slurm_file_of_the_documentation_runs_a_task(self):
+        text = (PROJECT / "doc/pdbbind.md").read_text(encoding="utf-8")
+        (self.folder / "eses-pdbbind").symlink_to(SCRIPTS / "pdbbind")
+        for task in (1, 2):
+            environment = {**os.environ, "PATH": f"{self.folder}:{os.environ['PATH']}",
+                           "SLURM_ARRAY_TASK_ID": str(task), "SLURM_ARRAY_TASK_COUNT": "2", "SLURM_CPUS_PER_TASK": "1"}
+            subprocess.run(["bash", "-c", re.search("```bash\n(.*?)```", text, re.DOTALL)[1], "pdbbind.sbatch",
+                            self.input, self.output, "--keep", "none", "--program", PROGRAM],
                            env=environment, capture_output=True, check=False)
         self.merge()
         self.assertEqual(sum(row["status"] == "done" for row in summary(self.output).values()), 6)
