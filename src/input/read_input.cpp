@@ -32,7 +32,7 @@ auto with_enough_memory(const std::string& name, Read&& read) {
   throw MemoryLimitError(formatted("cannot read {}: out of memory", name));
 }
 
-void require_valid(const StructureOptions& options) {
+void require_valid_options(const StructureOptions& options) {
   const auto& radius = options.unknown_radius;
   if (radius && !(*radius >= 0 && *radius <= max_coordinate))
     throw std::invalid_argument(formatted("unknown_radius is {}; it must be 0 to {:.0f} angstrom",
@@ -73,7 +73,7 @@ auto with_structure(const std::filesystem::path& path, TextSource& source, bool 
 
 AtomFile read_input(const std::filesystem::path& path, ReadOptions options,
                     const std::function<void(AtomFile& atoms)>& after_part) {
-  require_valid(options.structure);
+  require_valid_options(options.structure);
   const bool is_chosen = choose_format(path, options);
   TextSource source = TextSource::open_input(path);
   if (is_structure(options.format))
@@ -108,7 +108,7 @@ AtomFile read_atoms(const std::filesystem::path& path, const ReadOptions& option
 
 AtomFile parse_atoms(std::string_view text, AtomFormat format, std::string_view name,
                      const StructureOptions& structure) {
-  detail::require_valid(structure);
+  detail::require_valid_options(structure);
   const ReadOptions options{.format = format, .structure = structure};
   if (is_structure(format))
     return detail::read_structure(
