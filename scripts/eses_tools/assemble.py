@@ -10,12 +10,11 @@ import sys
 
 from eses_tools import quiet_interrupt  # before the modules that take time to load
 
-import argparse
 import collections
 import math
 
 from eses_tools.atoms import read_atoms
-from eses_tools.common import NAME, Parser, complete_file, end_with, positive, require_output, say
+from eses_tools.common import NAME, Parser, at_least, complete_file, end_with, positive, require_output, say
 
 # Each coordinate is rounded to three decimals. The rounding of two points can shorten their
 # distance by 2 sqrt(3) * 0.0005 = 0.0018. The written numbers must keep the gap.
@@ -111,12 +110,6 @@ def write_complex(structure, layout, target):
 
 
 def parse_options():
-    def length(text):
-        value = float(text)
-        if not 0 <= value < math.inf:
-            raise argparse.ArgumentTypeError("a length of at least 0")
-        return value
-
     parser = Parser(__doc__, usage=f"{NAME} [OPTION...] FILE",
                     examples=(("1crn.xyzr -o large.xyzr", "42 copies on six rings"),
                               ("1crn.xyzr --copies 7 --rings 1 -o ring.xyzr", "one ring"),
@@ -127,7 +120,7 @@ def parse_options():
                         help="copies, the same number on every ring (default: 42)")
     parser.add_argument("--rings", type=positive, default=6, metavar="N",
                         help="number of rings (default: 6)")
-    parser.add_argument("--gap", type=length, default=1.0, metavar="A",
+    parser.add_argument("--gap", type=at_least(0), default=1.0, metavar="A",
                         help="minimum distance between the van der Waals spheres of different "
                              "copies, in angstrom (default: 1.0)")
     parser.add_argument("-o", "--output", default="-", metavar="FILE",
