@@ -174,6 +174,22 @@ function labelsOf(molecule, { areLigands, areCavities }) {
   return labels;
 }
 
+// Returns the labels whose places are in the panels of their molecules, with their upper left corners:
+// above or below the place, without those that would cover an earlier one.
+function placeLabels(labels) {
+  const placed = [];
+  const isFree = (left, top, { width, height }) => placed.every((one) => left >= one.left + one.width
+    || one.left >= left + width || top >= one.top + one.height || one.top >= top + height);
+  for (const label of labels) {
+    const { x, y, panel, width, height } = label, right = panel.x + panel.width, bottom = panel.y + panel.height;
+    if (x < panel.x || x > right || y < panel.y || y > bottom) continue;
+    const left = Math.max(Math.min(x - width / 2, right - width), panel.x);
+    const top = [y - 1.5 * height, y + 0.5 * height].find((one) => isFree(left, one, label));
+    if (top !== undefined) placed.push({ ...label, left, top });
+  }
+  return placed;
+}
+
 // Returns the text that names an atom of the molecule, for example "CA, ALA 52A, chain A".
 function describeAtom(molecule, atom) {
   const parts = [];

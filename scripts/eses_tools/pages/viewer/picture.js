@@ -22,14 +22,25 @@ function pictureOf(viewer) {
   if (viewer.molecules.length > 1)
     viewer.panels(clientWidth, clientHeight).forEach((panel, i) =>
       pen.fillText(viewer.molecules[i].name, panel.x + panel.width / 2, panel.y + 24));
-  for (const { box, left, top, width, height } of viewer.visibleLabels())
-    pen.fillText(box.textContent, left + width / 2, top + height - 5);
+  drawLabels(pen, viewer.visibleLabels());
   pen.textAlign = "left";
   const bar = viewer.scaleBar(viewer.scaleIn(clientWidth, clientHeight), 140);
   pen.fillText(bar.text, 16, clientHeight - 28);
   pen.fillRect(16, clientHeight - 20, bar.width, 3);
   drawLegend(pen, viewer.legend(), clientWidth, clientHeight);
   return page;
+}
+
+function drawLabels(pen, labels) {
+  pen.save();
+  for (const { box, left, top, width, height } of labels) {
+    const { backgroundColor, color, font } = getComputedStyle(box);
+    Object.assign(pen, { font, fillStyle: backgroundColor });
+    pen.fillRect(left, top, width, height);
+    pen.fillStyle = color;
+    pen.fillText(box.textContent, left + width / 2, top + height - 5);
+  }
+  pen.restore();
 }
 
 function drawLegend(pen, { entries, gradient }, width, height) {

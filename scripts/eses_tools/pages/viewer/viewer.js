@@ -522,23 +522,14 @@ class Viewer {
     this.labels = elements.map((one) => ({ ...one, width: one.box.offsetWidth, height: one.box.offsetHeight }));
   }
 
-  // Returns the labels whose places are in the panels of their molecules, with their upper left
-  // corners: above or below the place, without those that would cover an earlier one.
+  // Returns the labels that are shown, with their upper left corners.
   visibleLabels() {
     const { clientWidth, clientHeight } = canvas, panels = this.panels(clientWidth, clientHeight);
-    const scale = this.scaleIn(clientWidth, clientHeight), placed = [];
-    const isFree = (left, top, { width, height }) => placed.every((one) => left >= one.left + one.width
-      || one.left >= left + width || top >= one.top + one.height || one.top >= top + height);
-    for (const label of this.labels) {
-      const [x, y] = this.onScreen(label.i, label.place), panel = panels[label.i], { width, height } = label;
-      const right = panel.x + panel.width, bottom = panel.y + panel.height;
-      const over = panel.x + panel.width / 2 + scale * x, at = panel.y + panel.height / 2 - scale * y;
-      if (over < panel.x || over > right || at < panel.y || at > bottom) continue;
-      const left = Math.max(Math.min(over - width / 2, right - width), panel.x);
-      const top = [at - 1.5 * height, at + 0.5 * height].find((one) => isFree(left, one, label));
-      if (top !== undefined) placed.push({ ...label, left, top });
-    }
-    return placed;
+    const scale = this.scaleIn(clientWidth, clientHeight);
+    return placeLabels(this.labels.map((label) => {
+      const [x, y] = this.onScreen(label.i, label.place), panel = panels[label.i];
+      return { ...label, panel, x: panel.x + panel.width / 2 + scale * x, y: panel.y + panel.height / 2 - scale * y };
+    }));
   }
 
   showLabels() {
