@@ -71,9 +71,17 @@ std::vector<std::string> ligands_first(std::vector<std::string> residues) {
                                  std::string AtomLabel::*names) {
   std::vector<std::string> known = different(file.labels, names);
   if (names == &AtomLabel::residue) known = ligands_first(std::move(known));
-  throw Error(formatted("{}: no atoms of {} {}, which {} names; the {}s are {}",
-                        input_name(file.path), what, printable(name), option, what,
-                        list_of(known)));
+  std::string advice;
+  if (names == &AtomLabel::chain)
+    for (const AtomLabel& label : file.labels)
+      if (label.residue_number == name || label.residue == name) {
+        advice = label.residue == name ? formatted("; residue {0} is ligand:{0}", name)
+                                       : formatted("; residue {1} is //{0}/{1}", label.chain, name);
+        break;
+      }
+  throw Error(formatted("{}: no atoms of {} {}, which {} names; the {}s are {}{}",
+                        input_name(file.path), what, printable(name), option, what, list_of(known),
+                        advice));
 }
 
 ComplexParts divide_by_chain(std::span<const AtomLabel> labels) {

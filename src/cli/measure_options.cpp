@@ -225,8 +225,8 @@ void add_measure_options(CLI::App& app, MeasureCommandOptions& options, InputCho
   add_input_lists(app, inputs);
   add_format(app, options.format);
   add_value(app, "--write", "LIST",
-            "tables to write: some of atoms,residues,chains,\n"
-            "derivatives,cavities,pieces,pockets,rsa,seq,res,pdb,cif",
+            "tables to write: atoms,residues,chains,derivatives,cavities,\n"
+            "pieces,pockets,rsa,seq,res; areas as B-factors: pdb,cif",
             options.written_tables, Format<TableList>{tables_in, "some of " + table_names()});
   add_value(app, "--table", "NAME", "print one of these tables in place of the report",
             options.printed_table, Format<const Table*>{table_in, "one of " + table_names()});

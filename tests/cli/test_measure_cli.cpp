@@ -542,6 +542,13 @@ TEST_CASE("measure: bad requests are refused") {
   };
   fails({"measure", "dimer.pqr", "--parts", "A|X"},
         "dimer.pqr: no atoms of chain X, which --parts names; the chains are A, B, C");
+  fails({"measure", "dimer.pqr", "--report", "2"},
+        "dimer.pqr: no atoms of chain 2, which --report names; the chains are A, B, C; residue 2 "
+        "is //B/2");
+  fails({"measure", "dimer.pqr", "--report", "GLY"},
+        "dimer.pqr: no atoms of chain GLY, which --report names; the chains are A, B, C; residue "
+        "GLY is "
+        "ligand:GLY");
   std::string ten_chains;
   for (char chain = 'A'; chain <= 'J'; ++chain)
     ten_chains += fmt::format("ATOM 1 CA GLY {} 1 {} 0 0 0 1.7\n", chain, 10 * (chain - 'A'));
