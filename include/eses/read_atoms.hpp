@@ -154,7 +154,7 @@ struct AtomFile {
   std::vector<Atom> atoms;           ///< Atoms in the order of the file.
   std::vector<std::uint64_t> lines;  ///< Line number of each atom, from 1.
   std::vector<AtomLabel> labels;     ///< Names of each atom; empty for xyzr files.
-  /// Charge of each atom of a PQR file, in elementary charges; empty for other formats.
+  /// Charges of the atoms of PQR files and of some mmCIF files (NaN if unknown), or empty.
   std::vector<double> charges = {};
   /// Report on a PDB or mmCIF file; empty for other formats.
   std::optional<StructureReport> structure = {};

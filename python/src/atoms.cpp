@@ -411,8 +411,9 @@ void bind_atoms(py::module_& module) {
             if (charges.empty()) return py::none();
             return field_view(charges.data(), charges.size(), sizeof(double), self);
           },
-          "(N,) float64 or None: charges of a PQR file, in elementary charges; None for other "
-          "formats.")
+          "(N,) float64 or None: charges of a PQR file, or of an mmCIF file with partial charges, "
+          "in "
+          "elementary charges; nan where the mmCIF file has none; None for other files.")
       .def("__getstate__", &atoms_state)
       .def("__setstate__", &set_atoms_state, py::detail::is_new_style_constructor());
   bind_atoms_frame(atoms);

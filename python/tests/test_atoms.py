@@ -4,6 +4,7 @@ import gzip
 import io
 import os
 import pathlib
+import pickle
 
 import numpy as np
 import pytest
@@ -155,6 +156,17 @@ def test_pdb_file_has_elements(tmp_path):
     atoms = eses.read_atoms(path, radii="bondi")
     assert atoms.element.tolist() == ["N", "C", "H", "C", "Xe"]
     assert atoms.charge is None
+
+
+@pytest.mark.usefixtures("needs_gemmi")
+def test_mmcif_file_has_partial_charges(tmp_path):
+    names = "group_PDB id type_symbol label_atom_id label_comp_id auth_asym_id auth_seq_id Cartn_x Cartn_y Cartn_z"
+    path = tmp_path / "two.cif"
+    path.write_text("data_two\nloop_\n" + "".join(f"_atom_site.{name}\n" for name in [*names.split(), "partial_charge"])
+                    + "ATOM 1 N N ALA A 1 0 0 0 -0.5\nATOM 2 C CA ALA A 1 1.5 0 0 ?\n")
+    atoms = eses.read_atoms(path)
+    assert atoms.charge[0] == -0.5 and np.isnan(atoms.charge[1])
+    assert np.array_equal(pickle.loads(pickle.dumps(atoms)).charge, atoms.charge, equal_nan=True)
 
 
 def test_xyzr_file_has_neither_elements_nor_charges():

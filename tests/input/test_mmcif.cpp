@@ -2,6 +2,7 @@
 
 #include <fmt/ranges.h>
 
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>
@@ -408,6 +409,30 @@ TEST_CASE("mmCIF: chains have the names of the authors or those of the PDB", "[s
   options.assembly = {};
   CHECK(contains(error_of([&] { read_mmcif(without, options); }),
                  "the _atom_site table lacks the column label_asym_id"));
+}
+
+TEST_CASE("mmCIF: partial charges are a column or a table of their own", "[structure]") {
+  const std::string first = "ATOM 1 N N . ALA A 1 1 ? 0 0 0 1.0 20 1 A 1",
+                    second = "ATOM 2 C CA . ALA A 1 1 ? 1.5 0 0 1.0 20 1 A 1",
+                    water = "HETATM 9 O O . HOH B 2 . ? 5 5 5 1.0 20 7 A 1";
+  const std::string rows = first + "\n" + second + "\n" + water + "\n#\n";
+  CHECK(read_mmcif(mmcif_head + rows).charges.empty());
+  const std::string table =
+      "loop_\n_sb_ncbr_partial_atomic_charges.type_id\n"
+      "_sb_ncbr_partial_atomic_charges.atom_id\n"
+      "_sb_ncbr_partial_atomic_charges.charge\n";
+  // The ids are those of the atoms, in any order; of several sets, the first one is read.
+  const AtomFile by_id = read_mmcif(mmcif_head + rows + table + "1 2 0.25\n1 1 -0.5\n2 1 3\n");
+  CHECK(by_id.charges == std::vector<double>{-0.5, 0.25});
+  const AtomFile lacking = read_mmcif(mmcif_head + rows + table + "1 2 0.25\n");
+  CHECK(std::isnan(lacking.charges.at(0)));
+  CHECK(lacking.charges.at(1) == 0.25);
+  const AtomFile by_column =
+      read_mmcif(mmcif_head + "_atom_site.partial_charge\n" + first + " -1e-1\n" + second + " ?\n" +
+                 water + " 9\n" + table + "1 1 3\n");
+  CHECK(by_column.charges.at(0) == -0.1);
+  CHECK(std::isnan(by_column.charges.at(1)));
+  CHECK(by_column.charges.size() == 2);
 }
 
 TEST_CASE("mmCIF: columns that programs leave out have defaults", "[structure]") {

@@ -92,6 +92,18 @@ Column chain_column(gemmi::cif::Block& block, bool label_chains) {
   return {block, {"auth_asym_id", "label_asym_id"}};
 }
 
+/// Returns the charges of the first set in the table of charges, by the ids of the atoms.
+std::unordered_map<std::string, double> charges_by_id(gemmi::cif::Block& block) {
+  std::unordered_map<std::string, double> charges;
+  gemmi::cif::Table table = block.find(charge_category, {"type_id", "atom_id", "charge"});
+  std::string first_set;
+  for (const auto& row : table) {
+    if (charges.empty()) first_set = row.str(0);
+    if (row.str(0) == first_set) charges.emplace(row.str(1), gemmi::cif::as_number(row[2]));
+  }
+  return charges;
+}
+
 /// Returns whether the residue is a standard amino acid or nucleotide, as in ATOM records.
 bool is_standard_monomer(const std::string& residue_name) {
   const auto& info = gemmi::find_tabulated_residue(residue_name);
@@ -123,6 +135,7 @@ class ChainBuilder {
       if (!is_in_chosen_model(row)) continue;
       if (!residue.has_number()) number_residue(atom, lines, residue);
       if (element_.text(row).empty()) table_.guessed_elements.push_back(row.line);
+      add_charge(row);
       place_of(residue, row).atoms.push_back(std::move(atom));
     }
     return std::move(table_);
@@ -139,6 +152,15 @@ class ChainBuilder {
                      : name == models_.chosen;
     last_model_ = name;
     return is_chosen_;
+  }
+
+  void add_charge(const Row& row) {
+    if (charge_.is_found()) {
+      table_.charges.emplace_back(row.line, gemmi::cif::as_number(charge_.text(row)));
+    } else if (!charges_.empty()) {
+      const auto found = charges_.find(id_.text(row));
+      table_.charges.emplace_back(row.line, found == charges_.end() ? NAN : found->second);
+    }
   }
 
   ResidueKey residue_of(const Row& row) const {
@@ -244,6 +266,9 @@ class ChainBuilder {
   Column occupancy_{block_, {"occupancy"}};
   Column b_factor_{block_, {"B_iso_or_equiv"}};
   Column model_number_{block_, {"pdbx_PDB_model_num"}};
+  Column charge_{block_, {"partial_charge"}};
+  Column id_{block_, {"id"}};
+  std::unordered_map<std::string, double> charges_ = charges_by_id(block_);
   AtomTable table_;
   std::unordered_map<gemmi::ResidueId, std::size_t> indices_;  // of residues of the last chain
   int last_number_ = 0;                                        // of residues without a number

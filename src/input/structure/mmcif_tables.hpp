@@ -22,6 +22,9 @@ struct MmcifError {
 /// Prefix of the tags of the table of atoms, in lower case as gemmi requires.
 inline constexpr const char* atom_category = "_atom_site.";
 
+/// Prefix of the tags of partial charges that Atomic Charge Calculator II and Mol* share.
+inline constexpr const char* charge_category = "_sb_ncbr_partial_atomic_charges.";
+
 /// Throws MmcifError if a table that `is_used` accepts lacks values or has the same tag twice.
 void check_tables(const gemmi::cif::Block& block, bool (*is_used)(const std::string& tag));
 
@@ -29,6 +32,7 @@ void check_tables(const gemmi::cif::Block& block, bool (*is_used)(const std::str
 struct AtomTable {
   std::vector<gemmi::Chain> chains;
   std::vector<std::uint64_t> guessed_elements;  ///< lines of atoms with elements by name
+  ChargesByLine charges;                        ///< empty if the file has none
   bool has_label_chains = false;                ///< whether the table has label_asym_id
 };
 

@@ -29,10 +29,10 @@ using Loop = gemmi::cif::Loop;
 
 bool is_atom_tag(const std::string& tag) { return gemmi::istarts_with(tag, atom_category); }
 
-/// Returns whether the table of a tag has atoms or the types of entities.
+/// Returns whether the table of a tag has atoms, their charges or the types of entities.
 bool is_needed_tag(const std::string& tag) {
-  return is_atom_tag(tag) || gemmi::istarts_with(tag, "_entity.") ||
-         gemmi::istarts_with(tag, "_struct_asym.");
+  return is_atom_tag(tag) || gemmi::istarts_with(tag, charge_category) ||
+         gemmi::istarts_with(tag, "_entity.") || gemmi::istarts_with(tag, "_struct_asym.");
 }
 
 const std::string& tag_of(const Item& item) {
@@ -223,6 +223,7 @@ ParsedStructure convert(Block& block, const StructureDocument& document,
   result.structure = gemmi::make_structure_from_block(block);
   result.structure.assemblies = std::move(assemblies);
   result.guessed_elements = std::move(atoms.guessed_elements);
+  result.charges = std::move(atoms.charges);
   result.has_label_chains = atoms.has_label_chains;
   if (atoms.chains.empty()) return result;
   result.structure.models = {make_model()};

@@ -8,6 +8,7 @@
 #include <gemmi/model.hpp>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "eses/check.hpp"
@@ -44,6 +45,9 @@ struct ModelList {
   }
 };
 
+/// Lines of atoms, ascending, and their partial charges, which are NaN if unknown.
+using ChargesByLine = std::vector<std::pair<std::uint64_t, double>>;
+
 /// A parsed text. Its structure has one model or, without atoms, perhaps none. The atoms have their
 /// line numbers, from 1, as serial numbers. The types of entities are unknown unless the file tells
 /// them.
@@ -53,6 +57,7 @@ struct ParsedStructure {
   // All lines are ascending.
   std::vector<std::uint64_t> guessed_elements = {};  ///< lines of atoms with elements by name
   std::vector<std::uint64_t> unread_records = {};    ///< lines with coordinates but unknown names
+  ChargesByLine charges = {};                        ///< empty if the text has none
   bool has_label_chains = false;  ///< whether the subchains are those of label_asym_id
 };
 

@@ -251,6 +251,18 @@ std::vector<ChainName> names_of_chains(const gemmi::Model& model, ChainNames kin
   return names;
 }
 
+/// Returns the charges of atoms by their lines; none if the text has none.
+std::vector<double> charges_of(const std::vector<std::uint64_t>& lines,
+                               const ChargesByLine& charges) {
+  std::vector<double> result;
+  if (charges.empty()) return result;
+  result.reserve(lines.size());
+  for (const std::uint64_t line : lines)
+    result.push_back(
+        std::ranges::lower_bound(charges, line, {}, &ChargesByLine::value_type::first)->second);
+  return result;
+}
+
 }  // namespace
 
 std::string_view gemmi_version() { return GEMMI_VERSION; }
@@ -302,6 +314,7 @@ AtomFile read_structure(StructureText text,
   if (parsed.has_label_chains)
     report.chains = names_of_chains(structure.models.front(), options.chain_names);
   assign_radii(atoms, radii, parsed.guessed_elements, text, result, after_part);
+  if (keeps_labels) result.charges = charges_of(result.lines, parsed.charges);
   for (const std::uint64_t line : parsed.unread_records) add_unread_record(line, result);
   return result;
 }
