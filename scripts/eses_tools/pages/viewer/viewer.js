@@ -68,9 +68,9 @@ class Viewer {
   }
 
   // Returns the milliseconds that a picture of this size takes.
-  timeOf(width, height) {
+  timeOf(width, height, options = { isShaded: false, samples: 0 }) {
     const { gl } = this, begin = performance.now();
-    this.render(width, height, { isShaded: false, samples: 0 });
+    this.render(width, height, options);
     gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(4)); // waits until it is drawn
     return performance.now() - begin;
   }
@@ -280,10 +280,13 @@ class Viewer {
     if (isReduced) this.addCoarseSurfaces();
     const ratio = isReduced ? this.ratio : Math.min(window.devicePixelRatio || 1, 2);
     const size = [canvas.clientWidth, canvas.clientHeight].map((side) => Math.max(1, Math.round(ratio * side)));
+    const options = { isShaded: this.look.shading, samples: this.isWeak ? 0 : SAMPLES };
     if (isReduced) { // the next frame has as many pixels as the machine can draw in time
       const change = Math.sqrt(AIM_FRAME / this.timeOf(...size));
       this.ratio = Math.min(Math.max(ratio * Math.min(change, 1.1), RATIOS[0]), RATIOS[1]);
-    } else this.render(...size, { isShaded: this.look.shading, samples: this.isWeak ? 0 : SAMPLES });
+    } else if (this.isSlow && !this.isWeak) { // it may have been busy before
+      this.isSlow = this.timeOf(...size, options) > SLOW_FRAME;
+    } else this.render(...size, options);
     this.showScale();
     this.showLabels();
   }
