@@ -1,4 +1,4 @@
-"""Shared by the tools: paths, command lines, errors, files, and the machine."""
+"""Shared by the tools: paths, command lines, errors and files."""
 
 import argparse
 import contextlib
@@ -9,7 +9,6 @@ import io
 import math
 import os
 import pathlib
-import platform
 import shutil
 import signal
 import stat
@@ -373,19 +372,7 @@ def gzip_errors(path):
         raise Failed(f"{path}: the file is damaged: {error}") from None
 
 
-# ------------------------------------------------------------------------- machine and program
-
-
-def machine():
-    model = platform.machine()
-    try:
-        for line in pathlib.Path("/proc/cpuinfo").read_text().splitlines():
-            if line.startswith("model name"):
-                model = line.partition(":")[2].strip()
-                break
-    except OSError:
-        pass
-    return {"cpu": model, "cores": len(os.sched_getaffinity(0)), "system": platform.system()}
+# ------------------------------------------------------------------------------------- program
 
 
 def describe_build(program):

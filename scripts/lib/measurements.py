@@ -4,11 +4,12 @@ matplotlib."""
 import datetime
 import importlib.util
 import json
+import os
 import pathlib
+import platform
 
 from eses_tools import measuring
-from eses_tools.common import (PROJECT, Failed, complete_file, describe_build, machine, require_output,
-                               require_writable)
+from eses_tools.common import (PROJECT, Failed, complete_file, describe_build, require_output, require_writable)
 
 WIDTH, HEIGHT = 600 / 72, 315 / 72  # inches; an SVG of 600 pt is 800 px wide
 TOP, BOTTOM = 0.87, 0.25  # share of the height: the axes, between legend and caption
@@ -17,6 +18,18 @@ TOP, BOTTOM = 0.87, 0.25  # share of the height: the axes, between legend and ca
 BLUE = {"color": "#0072B2", "marker": "o"}
 ORANGE = {"color": "#D55E00", "marker": "s"}
 GREEN = {"color": "#009E73", "marker": "^"}
+
+
+def machine():
+    model = platform.machine()
+    try:
+        for line in pathlib.Path("/proc/cpuinfo").read_text().splitlines():
+            if line.startswith("model name"):
+                model = line.partition(":")[2].strip()
+                break
+    except OSError:
+        pass
+    return {"cpu": model, "cores": len(os.sched_getaffinity(0)), "system": platform.system()}
 
 
 def run_program(program, arguments, directory):

@@ -7,7 +7,7 @@ import signal
 from support import SCRIPTS, TestCase, forget_signals, run
 
 # Replaces a module of the standard library that common.py imports.
-MODULE = "platform.py"
+MODULE = "difflib.py"
 INTERRUPTED = """import os, signal, time
 os.kill(os.getpid(), signal.SIGINT)
 time.sleep(0.1)
