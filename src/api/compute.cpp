@@ -297,7 +297,7 @@ Result ResultBuilder::compute(const eses::Surface& surface, const Grid& grid,
   };
   sort_crossings(result.crossings_, check);
   if (parts.mesh) {
-    result.mesh_ = make_mesh(grid, result.region_, result.inside_, result.crossings_, check);
+    result.mesh_ = mesh_in_memory(result, check);
     result.summary_.mesh = {result.mesh_->vertices.size(), result.mesh_->faces.size()};
   }
   if (!parts.inside) result.inside_ = {};
@@ -378,8 +378,8 @@ Mesh mesh_of(const Result& result, const CheckCallback& check, bool quality,
     throw std::invalid_argument(
         "a mesh needs ResultParts::inside and ResultParts::crossings, which were not both chosen");
   require_values(result.inside());
-  return detail::make_mesh(
-      result.grid(), result.region(), result.inside(), result.crossings(), check, quality,
+  return detail::mesh_in_memory(
+      result, check, quality,
       surface != nullptr ? components_of(*surface, check) : detail::ComponentOfVertex());
 }
 

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <optional>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -41,9 +42,12 @@ void append(Mesh& mesh, const mesh::MeshPiece& piece, std::span<const eses::Cros
 
 }  // namespace
 
-Mesh make_mesh(const eses::Grid& grid, const GridRegion& region,
-               std::span<const std::uint8_t> inside, std::span<const eses::Crossing> crossings,
-               const CheckCallback& check, bool quality, const ComponentOfVertex& component_of) {
+Mesh mesh_in_memory(const Result& result, const CheckCallback& check, bool quality,
+                    const ComponentOfVertex& component_of) {
+  const eses::Grid& grid = result.grid();
+  const GridRegion& region = result.region();
+  std::span<const std::uint8_t> inside = result.inside();  // of the points that are left
+  const std::span<const eses::Crossing> crossings = result.crossings();
   Mesh mesh;
   const auto append_piece = [&](const mesh::MeshPiece& piece) {
     append(mesh, piece, crossings, component_of);

@@ -223,6 +223,11 @@ std::vector<std::string> split(std::string_view list, char separator) {
   return parts;
 }
 
+std::optional<std::vector<std::string>> names_in(const std::string& list) {
+  std::vector<std::string> names = split(list, ',');
+  return std::ranges::count(names, "") > 0 ? std::nullopt : std::optional(std::move(names));
+}
+
 std::string_view closest_name(std::string_view word, std::span<const std::string> names) {
   constexpr std::size_t min_length = 4, max_distance = 2;
   if (word.size() < min_length) return {};
@@ -240,15 +245,6 @@ std::string_view closest_name(std::string_view word, std::span<const std::string
 
 void refuse(std::string_view name, std::string_view value, std::string_view expected) {
   throw UsageError(formatted("{} is '{}', expected {}", name, value, expected));
-}
-
-CLI::Option* add_flag(CLI::App& app, const std::string& name, const std::string& description,
-                      bool& target, bool value) {
-  CLI::Option* const flag = app.add_flag(name)->description(description);
-  return flag->each([flag, &target, value](const std::string& text) {
-    if (text != "true") throw UsageError(formatted("{} takes no value", flag->get_name()));
-    target = value;
-  });
 }
 
 void begin_group(CLI::App& app, const char* name) { app.option_defaults()->group(name); }

@@ -62,6 +62,9 @@ Format<Value> one_of(const std::vector<std::pair<std::string, Value>>& choices) 
 /// Returns the texts between the separators, one more than there are separators.
 std::vector<std::string> split(std::string_view list, char separator);
 
+/// Returns the names of a list such as `A,B`, or nothing if one is empty.
+std::optional<std::vector<std::string>> names_in(const std::string& list);
+
 /// Sets the members of `choice` that a list of names stands for, such as `atoms,chains`. A name may
 /// stand for several members. Returns nothing if a name is unknown.
 template <class Choice>
@@ -105,8 +108,15 @@ CLI::Option* add_value(CLI::App& app, const std::string& name, const std::string
 }
 
 /// Adds an option that takes no value and sets `target` to `value`.
+template <class Target>
 CLI::Option* add_flag(CLI::App& app, const std::string& name, const std::string& description,
-                      bool& target, bool value = true);
+                      Target& target, Target value = true) {
+  CLI::Option* const flag = app.add_flag(name)->description(description);
+  return flag->each([flag, &target, value](const std::string& text) {
+    if (text != "true") throw UsageError(flag->get_name() + " takes no value");
+    target = value;
+  });
+}
 
 /// Sets the group, in the help, of the options that are added next.
 void begin_group(CLI::App& app, const char* name);

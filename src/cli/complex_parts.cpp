@@ -133,9 +133,10 @@ std::optional<PartSelector> part_selector_in(std::string_view text) {
   }
   std::string chains(text);
   std::ranges::replace(chains, '+', ',');
-  part.chains = split(chains, ',');
-  const bool has_empty = std::ranges::find(part.chains, "") != part.chains.end();
-  return has_empty ? std::nullopt : std::optional(part);
+  const auto names = names_in(chains);
+  if (!names) return std::nullopt;
+  part.chains = *names;
+  return part;
 }
 
 void refuse_repeated_chains(const PartChoice& choice, std::string_view option) {

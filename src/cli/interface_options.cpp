@@ -51,17 +51,9 @@ void add_interface_options(CLI::App& app, InterfaceOptions& options, InputChoice
   begin_group(app, "Interfaces");
   add_input_files(app, "input files (PDB, mmCIF or PQR), or folders of them; - for\nstandard input",
                   inputs);
-  app.add_option("--groups")
-      ->option_text("GROUP GROUP")
-      ->description("the two sides, such as A+B C [each chain is a side]")
-      ->expected(2)
-      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
-      ->each([&options](const std::string& text) {
-        const std::optional<PartSelector> part = part_selector_in(text);
-        if (!part) refuse("--groups", text, std::string(part_texts));
-        options.groups.by_chain = false;
-        options.groups.parts.push_back(*part);
-      });
+  add_parts(app, "--groups", "GROUP GROUP", "the two sides, such as A+B C [each chain is a side]",
+            options.groups.parts)
+      ->expected(2);
   add_value(app, "--ligand", "NAME",
             "each residue of this name against all other atoms of the\nfile", options.ligand,
             any_text("the name of a residue, such as HEM"));
@@ -97,6 +89,7 @@ InterfaceOptions parse_interface_arguments(const Arguments& arguments) {
   InputChoice inputs;
   add_interface_options(app, options, inputs);
   parse(app, arguments, "FILE...");
+  options.groups.by_chain = options.groups.parts.empty();
   options.inputs = inputs.files();
   for (const std::filesystem::path& path : options.inputs) {
     const InputFile input{path, options.format};

@@ -113,7 +113,7 @@ class Reporter {
         files_(static_cast<std::int64_t>(options.inputs.size())),
         // Lines of several files on a terminal show the progress themselves.
         progress_(!options.quiet && (files_ == 1 || isatty(STDOUT_FILENO) == 0)) {
-    if (files_ > 1) progress_.show_files(0, files_);
+    if (files_ > 1) progress_.show(0, files_, "files");
     append_csv(measure_csv_heading(options));
     if (options.inputs.size() > 1 && !options.quiet && !options.json && !prints_csv_)
       print(measure_heading(options));
@@ -125,7 +125,7 @@ class Reporter {
     for (auto first = waiting_.begin(); first != waiting_.end() && first->first == next_;
          first = waiting_.erase(first), ++next_)
       report(first->second);
-    if (files_ > 1) progress_.show_files(static_cast<std::int64_t>(next_), files_);
+    if (files_ > 1) progress_.show(static_cast<std::int64_t>(next_), files_, "files");
   }
 
   /// Shows how long the work on a single file has taken. Must not be called from two threads at the
@@ -273,8 +273,6 @@ int perform_measure(const Arguments& arguments) {
   if (!options.csv.empty()) {
     const auto [parent, name] = end_of_links(options.csv);
     directory_of_csv.emplace(parent, name);
-    directory_of_csv->remove_abandoned(
-        [stem = hidden_stem(name)](std::string_view file) { return file == stem; });
     csv.emplace(*directory_of_csv, name);
   }
   Reporter reporter(options, csv ? &*csv : nullptr);

@@ -202,21 +202,14 @@ void add_measure_options(CLI::App& app, MeasureCommandOptions& options, InputCho
             Format<PartChoice>{
                 parts_in,
                 formatted("chains, or two parts and more, such as 'A,B|C': each {}", part_texts)});
-  app.add_option("--report")
-      ->option_text("ATOMS")
-      ->description(
-          "report also the areas of these atoms, while all atoms block:\n"
-          "A+B, ligand:STI, or a selection such as //A/57; tables have\n"
-          "these atoms only; can be repeated")
+  add_parts(app, "--report", "ATOMS",
+            "report also the areas of these atoms, while all atoms block:\n"
+            "A+B, ligand:STI, or a selection such as //A/57; tables have\n"
+            "these atoms only; can be repeated",
+            options.reports)
       ->expected(1, -1)
-      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
       ->allow_extra_args(false)
-      ->excludes("--parts")
-      ->each([&options](const std::string& text) {
-        const std::optional<PartSelector> part = part_selector_in(text);
-        if (!part) refuse("--report", text, std::string(part_texts));
-        options.reports.push_back(*part);
-      });
+      ->excludes("--parts");
   add_fill_cavities(app, options.max_filled_void);
   add_flag(app, "--cavities", "report the cavities, and the pieces of the molecule",
            options.cavities);

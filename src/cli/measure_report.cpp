@@ -124,6 +124,10 @@ std::string overlaps_text(const Cavity& cavity) {
   return text;
 }
 
+std::string point_text(Vec3 point) {
+  return formatted("{:.3f},{:.3f},{:.3f}", point.x, point.y, point.z);
+}
+
 std::string cavities_text(const MeasuredFile& file) {
   const Measures& measures = file.measures;
   std::string text =
@@ -140,11 +144,10 @@ std::string cavities_text(const MeasuredFile& file) {
   for (std::size_t k = 0; k < measures.cavities.size(); ++k) {
     if (file.place && !std::ranges::binary_search(file.place->cavities, k)) continue;
     const Cavity& cavity = measures.cavities[k];
-    const auto& [x, y, z] = cavity.centroid;
     text += formatted("{:>6} {:>11.4f} {:>14.4f} {:>15.4f} {:>18.4f}  {:<25} {:>6} {}\n", k + 1,
                       cavity.void_volume, cavity.probe_center_volume, cavity.ses_area,
-                      cavity.largest_probe, formatted("{:.3f},{:.3f},{:.3f}", x, y, z),
-                      cavity.atoms.size(), overlaps_text(cavity));
+                      cavity.largest_probe, point_text(cavity.centroid), cavity.atoms.size(),
+                      overlaps_text(cavity));
   }
   return text;
 }
@@ -163,10 +166,6 @@ void add_cavities(Json& object, const MeasuredFile& file) {
       array_of(atoms.cavities, [&](const Cavity& cavity) { return cavity_json(atoms, cavity); });
   object["pieces"] =
       array_of(atoms.pieces, [&](const Piece& piece) { return piece_json(atoms, piece); });
-}
-
-std::string point_text(Vec3 point) {
-  return formatted("{:.3f},{:.3f},{:.3f}", point.x, point.y, point.z);
 }
 
 /// Returns why there is no pocket at a place.

@@ -309,9 +309,9 @@ class Files {
     for (std::size_t i = directories_.size(); i < paths_.size(); ++i) {
       directories_.push_back(
           std::make_unique<OutputDirectory>(paths_[i].directory, paths_[i].name));
-      directories_[i]->remove_abandoned([&](std::string_view name) {
-        return name == hidden_stem(paths_[i].name) || (i == 0 && is_of_component(options_, name));
-      });
+      if (i == 0)
+        directories_[i]->remove_abandoned(
+            [&](std::string_view name) { return is_of_component(options_, name); });
     }
   }
 

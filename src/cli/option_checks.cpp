@@ -153,7 +153,6 @@ void choose_values(const CLI::App& app, Options& options) {
   choose_surface(app, options);
   check_grid_choice(app, options.grid);
   options.grid.has_spacing = given(app, {"--spacing", "SPACING"}) != nullptr;
-  if (options.is_join) options.request.join = Join::required;
   if (options.request.part && options.request.parameters.exact)
     throw UsageError("--exact cannot be combined with --part; it needs all atoms in one process");
   if (options.request.outputs.residues)

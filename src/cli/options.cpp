@@ -242,7 +242,7 @@ void add_sharing_options(CLI::App& app, Options& options) {
   add_flag(app, "--join",
            "compute nothing; write the files of parts that are\n"
            "complete",
-           options.is_join)
+           options.request.join, Join::required)
       ->excludes(part_option);
   add_flag(app, independent_flag,
            "do not share the run with other processes of srun or\n"

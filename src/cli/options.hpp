@@ -25,7 +25,6 @@ struct Options {
   Request request;
   GridChoice grid;
   SurfaceKind surface = SurfaceKind::ses;
-  bool is_join = false;      ///< whether to compute nothing; see Request::join
   bool independent = false;  ///< whether not to share the run with other processes
   bool quiet = false;
   bool json = false;

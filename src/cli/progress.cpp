@@ -17,7 +17,6 @@ namespace {
 
 using std::chrono::milliseconds;
 
-constexpr std::string_view checks = "checks";
 constexpr milliseconds redraw_interval{100};
 constexpr std::size_t widest_bar = 60;
 constexpr std::size_t narrowest_bar = 5;
@@ -82,14 +81,11 @@ void ProgressBar::clear() {
 }
 
 void ProgressBar::show_blocks(std::int64_t done, std::int64_t total) {
-  if (done == blocks_done_ && steps_ == checks) return;
+  constexpr std::string_view steps = "blocks";
+  if (done == blocks_done_ && !steps_.empty() && steps_ != steps) return;
   blocks_done_ = done;
-  show(done, total, "blocks");
+  show(done, total, steps);
 }
-
-void ProgressBar::show_checks(std::int64_t done, std::int64_t total) { show(done, total, checks); }
-
-void ProgressBar::show_files(std::int64_t done, std::int64_t total) { show(done, total, "files"); }
 
 void ProgressBar::show_time(std::string_view work) {
   if (!is_shown_) return;

@@ -17,13 +17,11 @@ class ProgressBar {
   ProgressBar(const ProgressBar&) = delete;
   ProgressBar& operator=(const ProgressBar&) = delete;
 
+  /// Shows the number of finished steps, such as `files`.
+  void show(std::int64_t done, std::int64_t total, std::string_view steps);
   /// Shows the number of finished blocks. It is also called during the verification, with an
-  /// unchanged number; the bar then continues to show the checks.
+  /// unchanged number; the bar then continues to show the other steps.
   void show_blocks(std::int64_t done, std::int64_t total);
-  /// Shows the number of finished checks of the verification.
-  void show_checks(std::int64_t done, std::int64_t total);
-  /// Shows the number of finished files.
-  void show_files(std::int64_t done, std::int64_t total);
   /// Shows the time since the first call, for work of unknown length, such as `measuring: 12 s`.
   void show_time(std::string_view work);
   /// Removes the bar until the next call, so that a message can be printed.
@@ -32,7 +30,6 @@ class ProgressBar {
  private:
   using Clock = std::chrono::steady_clock;
 
-  void show(std::int64_t done, std::int64_t total, std::string_view steps);
   void draw(std::string line);
 
   bool is_shown_;

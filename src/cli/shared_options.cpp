@@ -23,13 +23,6 @@ namespace {
 constexpr char model_option[] = "--model";
 constexpr char structure_group[] = "PDB and mmCIF files";
 
-std::optional<std::vector<std::string>> chains_in(const std::string& list) {
-  const std::vector<std::string> chains = split(list, ',');
-  const bool has_empty = std::any_of(chains.begin(), chains.end(),
-                                     [](const std::string& chain) { return chain.empty(); });
-  return has_empty ? std::nullopt : std::optional(chains);
-}
-
 /// The choice of atoms and radii that a program makes by default. Sets of radii are those of the
 /// same name or, for PyMOL, MDTraj and Biopython, the nearest one.
 struct Program {
@@ -70,13 +63,26 @@ bool is_altloc(const std::string& text) { return text.size() == 1 && text != " "
 
 }  // namespace
 
-void add_format(CLI::App& app, AtomFormat& format) {
-  add_value(app, "--format", "NAME", "auto (by suffix), xyzr, pqr, pdb or mmcif [auto]", format,
+void add_format(CLI::App& app, AtomFormat& format, const std::string& description) {
+  add_value(app, "--format", "NAME", description, format,
             one_of<AtomFormat>({{"auto", AtomFormat::automatic},
                                 {"xyzr", AtomFormat::xyzr},
                                 {"pqr", AtomFormat::pqr},
                                 {"pdb", AtomFormat::pdb},
                                 {"mmcif", AtomFormat::mmcif}}));
+}
+
+CLI::Option* add_parts(CLI::App& app, const std::string& name, const std::string& value_name,
+                       const std::string& description, std::vector<PartSelector>& parts) {
+  return app.add_option(name)
+      ->option_text(value_name)
+      ->description(description)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
+      ->each([&parts, name](const std::string& text) {
+        const std::optional<PartSelector> part = part_selector_in(text);
+        if (!part) refuse(name, text, part_texts);
+        parts.push_back(*part);
+      });
 }
 
 void add_threads(CLI::App& app, int& threads) {
@@ -136,7 +142,7 @@ void add_structure_options(CLI::App& app, StructureOptions& structure, bool* all
       structure.hydrogens,
       one_of<HydrogenChoice>({{"keep", HydrogenChoice::keep}, {"drop", HydrogenChoice::drop}}));
   add_value(app, "--chains", "LIST", "include only these chains, such as A,B", structure.chains,
-            Format<std::vector<std::string>>{chains_in, "names of chains, such as A,B"});
+            Format<std::vector<std::string>>{names_in, "names of chains, such as A,B"});
   add_value(app, "--select", "TEXT",
             "include only a selection in gemmi's syntax, such as\n//A/10-20", structure.select,
             any_text("a selection in gemmi's syntax, such as //A/10-20"));

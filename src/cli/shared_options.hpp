@@ -2,16 +2,25 @@
 /// Options of the input that several commands have.
 
 #include <optional>
+#include <string>
 #include <string_view>
+#include <vector>
 
 #include "cli/arguments.hpp"
+#include "cli/complex_parts.hpp"
 #include "eses/read_atoms.hpp"
 #include "run/request.hpp"
 
 namespace eses::detail::cli {
 
 /// Adds --format.
-void add_format(CLI::App& app, AtomFormat& format);
+void add_format(
+    CLI::App& app, AtomFormat& format,
+    const std::string& description = "auto (by suffix), xyzr, pqr, pdb or mmcif [auto]");
+
+/// Adds an option that takes atoms of parts, as part_selector_in reads them.
+CLI::Option* add_parts(CLI::App& app, const std::string& name, const std::string& value_name,
+                       const std::string& description, std::vector<PartSelector>& parts);
 
 /// Adds --threads.
 void add_threads(CLI::App& app, int& threads);

@@ -164,15 +164,6 @@ void present_result(Report& report) {
   for (const std::string& fault : fault_lines(report.summary)) print_message("error", fault);
 }
 
-void add_result(RunResult result, std::vector<ProcessFigures> processes, bool is_in_place,
-                Report& report) {
-  report.summary = std::move(result.summary);
-  report.exact = result.exact;
-  for (const ProcessFigures& figures : processes)
-    report.peak_memory_bytes = std::max(report.peak_memory_bytes, figures.peak_memory_bytes);
-  if (!is_in_place) report.processes = std::move(processes);
-}
-
 // Computes the surface and adds the results to the report.
 void run_with_progress(const Options& options, PlannedRun& run, const Processes& processes,
                        Report& report) {
@@ -185,7 +176,7 @@ void run_with_progress(const Options& options, PlannedRun& run, const Processes&
     bar.show_blocks(done, total);
   };
   const auto show_checks = [&](std::int64_t done, std::int64_t total) {
-    bar.show_checks(done, total);
+    bar.show(done, total, "checks");
   };
   const auto remove_files = [&] {
     interruptible.remove_leftovers();
@@ -194,7 +185,12 @@ void run_with_progress(const Options& options, PlannedRun& run, const Processes&
   try {
     RunResult result = execute(options.request, run,
                                {.progress = show_blocks, .verification = show_checks}, processes);
-    add_result(std::move(result), gather_figures(run, processes), run.is_in_place, report);
+    report.summary = std::move(result.summary);
+    report.exact = result.exact;
+    std::vector<ProcessFigures> figures = gather_figures(run, processes);
+    for (const ProcessFigures& each : figures)
+      report.peak_memory_bytes = std::max(report.peak_memory_bytes, each.peak_memory_bytes);
+    if (!run.is_in_place) report.processes = std::move(figures);
     interruptible.check();
   } catch (const SharedError&) {
     throw;

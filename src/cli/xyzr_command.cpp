@@ -48,13 +48,7 @@ std::pair<InputFile, bool> parse_xyzr_arguments(bool has_names, const Arguments&
                .details = xyzr_details});
   add_value(app, "FILE", "", "PDB, mmCIF or PQR file; - for standard input [-]", input.path,
             any_text("a file"));
-  add_value(app, "--format", "NAME",
-            "auto (by suffix, otherwise pdb), pdb, mmcif, pqr or\nxyzr [auto]", input.format,
-            one_of<AtomFormat>({{"auto", AtomFormat::automatic},
-                                {"pdb", AtomFormat::pdb},
-                                {"mmcif", AtomFormat::mmcif},
-                                {"pqr", AtomFormat::pqr},
-                                {"xyzr", AtomFormat::xyzr}}));
+  add_format(app, input.format, "auto (by suffix, otherwise pdb), pdb, mmcif, pqr or\nxyzr [auto]");
   bool has_charges = false;
   if (!has_names)
     add_flag(app, "--charges",

@@ -11,7 +11,6 @@
 #include <string>
 #include <string_view>
 #include <type_traits>
-#include <utility>
 #include <vector>
 
 #include "system/hints.hpp"
@@ -19,10 +18,9 @@
 namespace eses::detail {
 
 /// An error that all processes have received, so that one of them can print it and all can exit.
-class SharedError : public Error, public Hints {
+class SharedError : public HintedError {
  public:
-  explicit SharedError(const std::string& message, std::vector<std::string> hints = {})
-      : Error(message), Hints(std::move(hints)) {}
+  using HintedError::HintedError;
 };
 
 /// The MPI processes of a run. All functions except `rank`, `count`, `is_first`, `become_reporter`,

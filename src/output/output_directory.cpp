@@ -36,6 +36,17 @@ FileDescriptor open_directory(const std::filesystem::path& path) {
   return directory;
 }
 
+// Returns the part of hidden names that stands for a file. Long names are shortened, so that
+// temporary files and locks have at most 255 bytes, the limit of Linux. The end of the name is
+// kept.
+std::string hidden_stem(const std::string& name) {
+  constexpr std::size_t max_size = 220, start = 170, end = 24;
+  if (name.size() <= max_size) return name;
+  std::uint64_t hash = name.size();
+  for (const char c : name) hash = splitmix64(hash ^ static_cast<unsigned char>(c));
+  return formatted("{}~{:016x}{}", name.substr(0, start), hash, name.substr(name.size() - end));
+}
+
 std::string lock_name_of(const std::string& file) {
   return file.empty() ? std::string(lock_name) : formatted(".{}{}", hidden_stem(file), lock_name);
 }
@@ -88,14 +99,6 @@ std::string path_in(const std::filesystem::path& directory, const std::string& n
   return formatted("{}/{}", directory.native(), name);
 }
 
-std::string hidden_stem(const std::string& name) {
-  constexpr std::size_t max_size = 220, start = 170, end = 24;
-  if (name.size() <= max_size) return name;
-  std::uint64_t hash = name.size();
-  for (const char c : name) hash = splitmix64(hash ^ static_cast<unsigned char>(c));
-  return formatted("{}~{:016x}{}", name.substr(0, start), hash, name.substr(name.size() - end));
-}
-
 std::string temporary_name(const std::string& name) {
   return formatted(".{}.{}{}", hidden_stem(name), getpid(), temporary_suffix);
 }
@@ -113,6 +116,8 @@ OutputDirectory::OutputDirectory(std::filesystem::path path, std::string file, A
       directory_(open_directory(path_)) {
   while (!try_lock()) {
   }
+  if (!file_.empty())
+    remove_abandoned([stem = hidden_stem(file_)](std::string_view name) { return name == stem; });
 }
 
 // The file of a shared lock stays, as the other runs that hold the lock have it open.

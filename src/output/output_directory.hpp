@@ -16,10 +16,6 @@ namespace eses::detail {
 /// crashes in it when memory runs out.
 std::string path_in(const std::filesystem::path& directory, const std::string& name);
 
-/// The part of hidden names that stands for a file. Long names are shortened, so that temporary
-/// files and locks have at most 255 bytes, the limit of Linux. The end of the name is kept.
-std::string hidden_stem(const std::string& name);
-
 /// Temporary name under which this process writes the file `name` until it is complete.
 std::string temporary_name(const std::string& name);
 
@@ -40,8 +36,9 @@ struct OutputPaths {
 class OutputDirectory {
  public:
   /// Creates the directory if it is missing. If `file` is empty, locks the directory for all files
-  /// that have no lock of their own; otherwise locks only the file `file` in it. Throws Error if
-  /// the directory cannot be created or written to, and if another run holds the lock.
+  /// that have no lock of their own; otherwise locks only the file `file` in it, and removes the
+  /// temporary files of this name that killed runs have left. Throws Error if the directory cannot
+  /// be created or written to, and if another run holds the lock.
   explicit OutputDirectory(std::filesystem::path path, std::string file = "")
       : OutputDirectory(std::move(path), std::move(file), Access::exclusive) {}
   /// Other runs may hold shared locks of the same directory, but no exclusive lock.
@@ -59,9 +56,9 @@ class OutputDirectory {
   /// Descriptor of the directory. It refers to the same directory even after a renaming.
   int descriptor() const { return directory_.value(); }
 
-  /// Removes the temporary files that killed runs have left, if `is_ours` accepts the
-  /// hidden_stem of their final names. Removes nothing without a lock, because the runs may still
-  /// be alive.
+  /// Removes the temporary files that killed runs have left, if `is_ours` accepts their final
+  /// names, of which long ones are shortened. Removes nothing without a lock, because the runs may
+  /// still be alive.
   void remove_abandoned(const std::function<bool(std::string_view name)>& is_ours) const;
 
   /// Removes a file if it exists. Throws Error on failure.

@@ -1,14 +1,11 @@
 #include "output/output_files.hpp"
 
-#include <fcntl.h>
 #include <sys/stat.h>
 
 #include <algorithm>
 #include <array>
-#include <cerrno>
 #include <span>
 #include <string_view>
-#include <system_error>
 #include <utility>
 
 #include "eses/error.hpp"
@@ -125,13 +122,6 @@ void require_different(std::span<const FilePath> paths) {
                               paths[i].text()));
 }
 
-// The disk space does not suffice for the files of known size.
-class NoSpace : public Error, public Hints {
- public:
-  NoSpace(const std::string& message, std::vector<std::string> hints)
-      : Error(message), Hints(std::move(hints)) {}
-};
-
 // Throws Error with what a user can do. The command line adds the hints at the end of the message.
 [[noreturn]] void refuse(const DiskSpace& space, const FileSizes& sizes, const Outputs& outputs) {
   std::string advice = "use a larger spacing";
@@ -144,7 +134,7 @@ class NoSpace : public Error, public Hints {
     advice += " or leave out grid_info.txt";
     hints.emplace_back("write edges,areas");
   }
-  throw NoSpace(
+  throw HintedError(
       formatted("the files need about {}, but {} has {} free; {}", bytes_text(space.expected),
                 space.directory.string(), bytes_text(space.available), advice),
       std::move(hints));
@@ -230,10 +220,8 @@ void OutputFiles::open_mesh(const MeshOptions& choice) {
   const std::vector<FilePath> paths = mesh_paths(choice);
   for (std::size_t i = 0; i < paths.size(); ++i) {
     const auto& [directory, name] = paths[i];
-    OutputDirectory& opened = mesh_directories_[i].emplace(directory, name);
-    opened.remove_abandoned(
-        [&](std::string_view file) { return file == hidden_stem(paths[i].name); });
-    open(opened, i == 0 ? RunFile::mesh : RunFile::mesh_faces, name);
+    open(mesh_directories_[i].emplace(directory, name),
+         i == 0 ? RunFile::mesh : RunFile::mesh_faces, name);
   }
 }
 

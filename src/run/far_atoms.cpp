@@ -13,6 +13,7 @@
 #include "eses/surface.hpp"
 #include "geometry/box.hpp"
 #include "system/formatted.hpp"
+#include "system/hints.hpp"
 
 namespace eses::detail {
 namespace {
@@ -155,9 +156,10 @@ std::optional<FarAtomsWarning> require_dense_grid(std::span<const Atom> atoms, d
   }
   warning.message = formatted("{}: {}", file, sentence(*far, "line", lines_of_atoms));
   if (!are_allowed && far->is_refused())
-    throw SparseGridError(
+    throw HintedError(
         formatted("{}; remove atoms that do not belong to the molecule, {}or allow far atoms",
-                  warning.message, other_way));
+                  warning.message, other_way),
+        {"allow_far_atoms"});
   return warning;
 }
 

@@ -10,10 +10,8 @@
 #include <vector>
 
 #include "eses/atoms.hpp"
-#include "eses/error.hpp"
 #include "eses/far_atoms.hpp"
 #include "eses/grid.hpp"
-#include "system/hints.hpp"
 
 namespace eses::detail {
 
@@ -31,16 +29,9 @@ struct FarAtomsWarning {
   std::vector<std::pair<AtomIndex, std::uint64_t>> examples;
 };
 
-/// The grid has more than 1e10 points, and few of them are near atoms.
-class SparseGridError : public Error, public Hints {
- public:
-  explicit SparseGridError(const std::string& message)
-      : Error(message), Hints({"allow_far_atoms"}) {}
-};
-
 /// Examines the grid around the atoms of a file. Returns the warning about its far atoms, or about
 /// a grid of which few points are near atoms; nothing if there is none. The examples are indices of
-/// `atoms`. `lines` has the line of each atom. Throws SparseGridError if the grid has more than
+/// `atoms`. `lines` has the line of each atom. Throws Error if the grid has more than
 /// 1e10 points and `are_allowed` is false. `other_way` completes the advice of the error, such as
 /// "choose a part of the grid, ".
 std::optional<FarAtomsWarning> require_dense_grid(std::span<const Atom> atoms, double probe_radius,

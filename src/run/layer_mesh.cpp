@@ -164,14 +164,14 @@ void LayerMesh::add_triangles(const LayerView& view, const RowRange& rows, MeshS
   count += piece.triangles.size();
 }
 
-void LayerMesh::make(const Layer& layer, const BatchOfLayer& batch, MeshScratch& scratch,
-                     mesh::MeshPiece& piece) {
+void LayerMesh::make(const Layer& layer, std::int64_t batch, std::int64_t batch_count,
+                     MeshScratch& scratch, mesh::MeshPiece& piece) {
   piece.clear();
   if (!has_cells_) return;
   number_rows(layer);
   const LayerView view(plan_.tiling, layer);
   const std::int64_t count = planes_of(layer) * rows_y_;
-  const RowRange rows{batch.index * count / batch.count, (batch.index + 1) * count / batch.count};
+  const RowRange rows{batch * count / batch_count, (batch + 1) * count / batch_count};
   add_vertices(view, rows, piece);
   add_triangles(view, rows, scratch, piece);
 }

@@ -41,16 +41,11 @@ class LayerMesh {
   static double memory_bytes(const BlockTiling& tiling, const mesh::PieceContents& contents,
                              double plane_crossings);
 
-  /// The index of a batch within its layer, and the number of batches of the layer.
-  struct BatchOfLayer {
-    std::int64_t index, count;
-  };
-
-  /// Makes a piece of the layer: the vertices on edges that start in the rows of a batch, and the
-  /// cells below and before them. Needs the halo crossings of blocks. Several threads may call it
-  /// for batches of the same layer. Layers must be made in order, with a call of `release` after
-  /// each.
-  void make(const Layer& layer, const BatchOfLayer& batch, MeshScratch& scratch,
+  /// Makes a piece of the layer: the vertices on edges that start in the rows of one of its
+  /// `batch_count` batches, and the cells below and before them. Needs the halo crossings of
+  /// blocks. Several threads may call it for batches of the same layer. Layers must be made in
+  /// order, with a call of `release` after each.
+  void make(const Layer& layer, std::int64_t batch, std::int64_t batch_count, MeshScratch& scratch,
             mesh::MeshPiece& piece);
   /// Keeps the last plane of a finished layer.
   void release(const Layer& layer);

@@ -8,7 +8,7 @@
 #include "eses/grid.hpp"
 #include "geometry/box.hpp"
 #include "grid/tiling.hpp"
-#include "output/file_sizes.hpp"
+#include "output/output_files.hpp"
 #include "run/memory.hpp"
 #include "run/request.hpp"
 

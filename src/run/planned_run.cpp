@@ -149,13 +149,6 @@ void open_checkpoint(const Request& request, std::span<const Atom> atoms,
   run.finished_planes = processes.gather<PlaneRange>(finished);
 }
 
-std::vector<double> radii_of(std::span<const Atom> atoms) {
-  std::vector<double> radii;
-  radii.reserve(atoms.size());
-  for (const Atom& atom : atoms) radii.push_back(atom.radius);
-  return radii;
-}
-
 // Returns the number of threads of this process. Several processes on a machine share its
 // processors.
 int threads_of(const Request& request, const Processes::Machine& machine,
@@ -295,7 +288,7 @@ FileDiagnostics diagnostics_of(const AtomFile& file, const Molecule& molecule, b
   return diagnostics;
 }
 
-// Describes atoms that make a large and empty grid. Throws SparseGridError if it is too large.
+// Describes atoms that make a large and empty grid. Throws Error if it is too large.
 std::optional<FarAtomsWarning> describe_far_atoms(const AtomFile& atoms, const InputFile& file,
                                                   const Parameters& parameters) {
   const auto* const grid = std::get_if<GridOptions>(&parameters.grid);
@@ -317,7 +310,8 @@ void keep_written_names(const Outputs& outputs, std::span<const Atom> atoms,
   } else if (!outputs.atoms) {
     run.names.keep_residues();
   } else if (run.slab.molecule.atoms().size() < atoms.size()) {
-    run.radii = radii_of(atoms);
+    run.radii.reserve(atoms.size());
+    for (const Atom& atom : atoms) run.radii.push_back(atom.radius);
   }
 }
 

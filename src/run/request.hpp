@@ -18,7 +18,7 @@
 #include "eses/surface.hpp"
 #include "geometry/box.hpp"
 #include "grid/tiling.hpp"
-#include "output/grid_map.hpp"
+#include "output/map_writer.hpp"
 #include "output/surface_kind.hpp"
 #include "solve/block_solver.hpp"
 #include "surface/molecule.hpp"

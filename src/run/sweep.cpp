@@ -208,8 +208,7 @@ void Sweep::make_piece(const WorkItem& batch, Worker& worker) {
       piece_maker_.batches().rows(batch.index, planes_of_layer(plan_.tiling, batch.layer));
   piece_maker_.make(layer, rows, worker.piece_maker, worker.piece);
   if (mesh_ != nullptr)
-    mesh_->make(layer, {batch.index, work_.batches_of(batch.layer)}, worker.mesh,
-                worker.piece.mesh);
+    mesh_->make(layer, batch.index, work_.batches_of(batch.layer), worker.mesh, worker.piece.mesh);
   count_points_of(batch, layer, worker.counts);
   deliver(work_.number_of(batch), worker.piece);
   worker.write_seconds += watch.seconds();

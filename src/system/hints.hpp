@@ -21,6 +21,13 @@ class Hints {
   std::vector<std::string> hints_;
 };
 
+/// An error with hints.
+class HintedError : public Error, public Hints {
+ public:
+  explicit HintedError(const std::string& message, std::vector<std::string> hints = {})
+      : Error(message), Hints(std::move(hints)) {}
+};
+
 /// The memory limit of the caller does not suffice.
 class LimitExceeded : public MemoryLimitError, public Hints {
  public:
