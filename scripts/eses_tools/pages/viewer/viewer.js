@@ -237,8 +237,7 @@ class Viewer {
   // Draws a picture of this size into the canvas.
   render(width, height, { isShaded, samples }) {
     const gl = this.gl;
-    canvas.width = width;
-    canvas.height = height;
+    if (canvas.width !== width || canvas.height !== height) Object.assign(canvas, { width, height });
     this.resize(width, height, samples);
     const { buffers, programs: { occlusion, composite } } = this;
     gl.bindFramebuffer(gl.FRAMEBUFFER, buffers.sampled);
@@ -303,12 +302,6 @@ class Viewer {
     if (isMoving) {
       this.isChanging = true;
       clearTimeout(this.restTimer);
-      this.restTimer = setTimeout(() => {
-        this.isChanging = false;
-        this.frames = [];
-        this.update();
-        this.keepInAddress();
-      }, REST);
     }
     if (this.isWaiting) return;
     this.isWaiting = true;
@@ -319,7 +312,19 @@ class Viewer {
       const { frames } = this, count = frames.length - 1;
       this.isSlow ||= count >= 4 && (frames[count] - frames[0]) / count > SLOW_FRAME;
       this.draw();
+      if (this.isChanging) this.waitForRest();
     });
+  }
+
+  // Draws the full detail if the view does not change for a while after a picture, which may take longer.
+  waitForRest() {
+    clearTimeout(this.restTimer);
+    this.restTimer = setTimeout(() => {
+      this.isChanging = false;
+      this.frames = [];
+      this.update();
+      this.keepInAddress();
+    }, REST);
   }
 
   // Colours the vertices and atoms.
