@@ -15,8 +15,8 @@ TOKEN = re.compile(r"""'(.*?)'(?=\s|$)|"(.*?)"(?=\s|$)|(\#.*)|(\S+)""")
 
 CHAINS = string.ascii_uppercase + string.ascii_lowercase + string.digits
 NO_VALUE = (".", "?")
-MISFIT = ("not fit the PDB format, which PDB2PQR reads; read the file directly with --radii "
-          "protor")
+ADVICE = "; read the file directly with --radii protor"
+MISFIT = "not fit the PDB format, which PDB2PQR reads" + ADVICE
 
 
 def tokens(lines):
@@ -111,7 +111,7 @@ def chain_letters(names):
 
 def to_pdb(lines):
     """Yields the ATOM records of the first model, and the ends of its chains."""
-    sites = [site for site in atom_sites(lines) if site.get("group_pdb", "ATOM") == "ATOM"]
+    sites = [site for site in atom_sites(lines) if site.get("group_pdb", "ATOM").upper() == "ATOM"]
     models = [site.get("pdbx_pdb_model_num") for site in sites]
     sites = [site for site, model in zip(sites, models) if model == models[0]]
     letters = chain_letters(dict.fromkeys(map(chain_of, sites)))

@@ -41,7 +41,7 @@ DIVERGING = ((200, 20, 30), (245, 160, 140), (248, 248, 248), (140, 170, 245), (
 
 AMINO_ACIDS = frozenset("ALA ARG ASN ASP CYS GLN GLU GLY HIS ILE LEU LYS MET PHE PRO SER THR TRP TYR VAL".split())
 NUCLEOTIDES = frozenset("A C G U DA DC DG DT DU".split())
-LONGEST_BOND = 1.9  # angstrom; between carbon and sulfur 1.8, from a metal to its ligands 2.0
+LONGEST_BOND = 1.9  # angstrom, of light elements; between carbon and sulfur 1.8, from a metal to its ligands 2.0
 BACKBONES = ({"N", "CA", "C"}, {"C3'", "C4'", "O3'"}, {"C3*", "C4*", "O3*"})
 
 
@@ -51,11 +51,11 @@ def is_polymer(residue, names):
             or any(backbone <= names for backbone in BACKBONES))
 
 
-def is_bonded(centers, others):
-    """Whether an atom is as close to one of the others as in a covalent bond of light elements."""
-    low, high = centers.min(axis=0) - LONGEST_BOND, centers.max(axis=0) + LONGEST_BOND
+def is_near(centers, others, reach):
+    """Whether an atom is less than `reach` from one of the others."""
+    low, high = centers.min(axis=0) - reach, centers.max(axis=0) + reach
     near = others[((others >= low) & (others <= high)).all(axis=1)]
-    return any((((near - center)**2).sum(axis=1) < LONGEST_BOND**2).any() for center in centers)
+    return any((((near - center)**2).sum(axis=1) < reach**2).any() for center in centers)
 
 
 @dataclasses.dataclass
@@ -84,7 +84,7 @@ class Atoms:
             found[atoms] = not is_polymer(residue[0], {self.names[atom] for atom in atoms})
         others = self.centers[~found]
         for residue, atoms in atoms_of.items():
-            if found[atoms[0]] and len(atoms) > 1 and is_bonded(self.centers[atoms], others):
+            if found[atoms[0]] and len(atoms) > 1 and is_near(self.centers[atoms], others, LONGEST_BOND):
                 found[atoms] = False
         return found if found.any() and not found.all() else None
 

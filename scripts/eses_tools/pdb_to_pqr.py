@@ -38,6 +38,11 @@ def is_hydrogen(line):
     return element.upper() in ("H", "D")
 
 
+def usual_record(line):
+    """Returns an ATOM record in capital letters and with a serial number of five digits."""
+    return f"ATOM  {line[6:12]}{line[12:20].upper()}{line[20:]}" if line[:4].upper() == "ATOM" else line
+
+
 def first_model(lines):
     for line in lines:
         if line.startswith("ENDMDL"):
@@ -51,13 +56,15 @@ def residue(line):
 
 
 def protein_lines(lines):
-    """Yields the input of PDB2PQR: heavy atoms of the first model, and the ends of chains.
+    """Yields the input of PDB2PQR: heavy atoms of the first model without water, and the ends of
+    chains.
 
     A residue with only the nitrogen of the backbone is left out. Some chains end with one, and
     PDB2PQR fails because it cannot rebuild it.
     """
-    kept = (line for line in first_model(lines)
-            if line.startswith("TER") or (line.startswith("ATOM  ") and not is_hydrogen(line)))
+    kept = (line for line in map(usual_record, first_model(lines))
+            if line.startswith("TER") or (line.startswith("ATOM  ") and not is_hydrogen(line)
+                                          and line[17:20].strip() not in WATERS))
     for (is_end, _), group in itertools.groupby(kept, residue):
         group = list(group)
         if is_end or {line[12:16].strip() for line in group} != {"N"}:
@@ -83,14 +90,6 @@ def read_records(source, layout):
     return list(mmcif.to_pdb(lines)) if layout == "mmcif" else lines
 
 
-def hetero_residues(source, layout):
-    """Returns name, chain and number of the residues of HETATM records other than water, as
-    text: ligands, metals, and modified residues."""
-    found = (line for line in first_model(read_records(source, layout)) if line.startswith("HETATM"))
-    return list(dict.fromkeys(" ".join((line[17:20] + f" {line[21:22]} " + line[22:27]).split())
-                              for line in found if line[17:20].strip() not in WATERS))
-
-
 def write_protein(source, layout, target):
     """Writes the input of PDB2PQR from a file in the layout pdb or mmcif.
 
@@ -104,7 +103,7 @@ def write_protein(source, layout, target):
                      "the entry")
     lines = [line.rstrip() + "\n" for line in protein_lines(source_lines)]
     if not any(line.startswith("ATOM") for line in lines):
-        raise Failed("no ATOM records other than hydrogens")
+        raise Failed("no atoms of a protein or nucleic acid in ATOM records")
     require_whole_residues(lines)
     with open(target, "w", encoding="latin-1") as file:
         file.writelines([*lines, "END\n"])

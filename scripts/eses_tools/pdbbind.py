@@ -298,7 +298,10 @@ def find_all(options):
     def on_error(error):
         say(f"{error.filename}: {error.strerror}")
 
-    structures = find_structures(options.folder.absolute(), options.output, options.only, on_error)
+    def on_areas(path):
+        print(f"{NAME}: {printable(path)} is left out: eses-blocks measure has written its areas", file=sys.stderr)
+
+    structures = find_structures(options.folder.absolute(), options.output, options.only, on_error, on_areas)
     for structure in structures:
         folder = structure.id.partition("/")[0]
         if summary.is_name(folder):

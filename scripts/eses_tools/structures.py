@@ -2,9 +2,11 @@
 
 import collections
 import fnmatch
+import gzip
 import os
 import pathlib
 import re
+import zlib
 
 from eses_tools.common import Failed
 
@@ -14,6 +16,9 @@ KINDS = (".xyzr, .pqr, .pdb, .pdb1, .pdb2 and so on, .ent, .cif, .mmcif, .mcif a
 # Suffixes and the formats of eses-blocks --format.
 LAYOUTS = {"xyzr": "xyzr", "pqr": "pqr", "pdb": "pdb", "ent": "pdb", "cif": "mmcif",
            "mmcif": "mmcif", "mcif": "mmcif", "pdbx": "mmcif"}
+
+# First lines of files of areas, by suffix.
+AREA_HEADINGS = {"pdb": b"REMARK 999 B-FACTORS ARE AREAS ON THE SOLVENT ACCESSIBLE SURFACE", "cif": b"data_areas\n"}
 
 # Suffix of the PDB's files of assemblies, in the format PDB. Their models are copies of chains.
 ASSEMBLY_SUFFIX = r"pdb[0-9]+"
@@ -68,11 +73,24 @@ def walk(root, without, on_error):
         yield pathlib.Path(folder), sorted(files)
 
 
-def find_structures(root, without=None, only=None, on_error=None):
+def is_area_file(path):
+    """Whether eses-blocks measure has written a file of areas, by its name and its first line."""
+    heading = re.search(r"\.areas\.(pdb|cif)(\.gz)?\Z", path.name, re.IGNORECASE)
+    if heading is None:
+        return False
+    try:
+        with (gzip.open if heading[2] else open)(path, "rb") as file:
+            return file.readline(200).startswith(AREA_HEADINGS[heading[1].lower()])
+    except (OSError, EOFError, zlib.error):
+        return False  # is reported when the file is read
+
+
+def find_structures(root, without=None, only=None, on_error=None, on_areas=None):
     """Returns all structures below `root`, sorted by id, except those below the folder `without`.
 
     `only` is a shell pattern for the path below the root; scripts with an option --only pass it.
-    `on_error` receives the OSError of each folder that cannot be read. Throws Failed if two files
+    `on_error` receives the OSError of each folder that cannot be read, and `on_areas` the path of
+    each file of areas that `eses-blocks measure` has written, which is no structure. Throws Failed if two files
     have the same id.
     """
     found = {}
@@ -85,6 +103,10 @@ def find_structures(root, without=None, only=None, on_error=None):
             below_root = "/".join((*folders, name))
             if (is_pocket(stem, stems) or not fnmatch.fnmatchcase(below_root, only or "*")
                     or not path.is_file()):
+                continue
+            if is_area_file(path):
+                if on_areas:
+                    on_areas(path)
                 continue
             status = path.stat()
             structure = Structure(make_id(folders, stem), path, layout, status.st_size,

@@ -146,6 +146,7 @@ def make_plan(eses, universe, frames, options):
     warn_if_divided(numpy, universe, group, measured)
     table, kept = measured.atoms, measured.molecule.kept
     names, labels, row = rows_of(numpy, table, options.level)
+    starts = numpy.unique(row, return_index=True)[1]
     # Rows without a reported atom are left out.
     is_reported = numpy.isfinite(table["sas"])
     used = numpy.unique(row[is_reported])
@@ -159,7 +160,8 @@ def make_plan(eses, universe, frames, options):
     if options.level == "residue" and options.surface != "ses":
         columns.append("relative_sas")
         reference = importlib.import_module("eses_blocks._references").REFERENCES[options.reference]
-        maximum = numpy.array([reference.maximum(label[3]) for label in labels])
+        atoms = numpy.split(table["name"], starts[1:])
+        maximum = numpy.array([reference.maximum(label[3], atoms[i]) for i, label in zip(used, labels)])
     elif options.level == "frame" and report is None:  # volumes are those of all atoms
         columns += [name for name in ("ses_volume", "sas_volume") if options.surface in ("all", name[:3])]
     return Plan(group[kept], measured.molecule.radii, row, labels, len(labels), maximum, table["is_polar"][kept],

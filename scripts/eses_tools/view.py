@@ -26,7 +26,7 @@ import tempfile
 from eses_tools.common import (NAME, PROGRAM, Failed, Parser, at_least, command_of,
                                complete_file, describe_build, end_with, files_among, require_kind,
                                require_output, show)
-from eses_tools import measuring, pdb_to_pqr
+from eses_tools import measuring, mmcif, pdb_to_pqr
 from eses_tools.structures import KINDS, split_name
 
 meshes = open_dx = page = None  # imported after --help and the checks of the arguments, which need no numpy
@@ -34,6 +34,7 @@ meshes = open_dx = page = None  # imported after --help and the checks of the ar
 MIN_SPACING = 0.25  # angstrom, of structures without --spacing
 MAX_TRIANGLES = 1e6  # of a structure without --spacing
 MAX_NAMES = 8  # of residues in a message
+LONGEST_MOVE = 0.9  # angstrom, of heavy atoms by PDB2PQR
 AREAS = {"ses": "ses_area", "sas": "sas_area", "vdw": "ses_area"}  # columns of atoms, by the surface
 SURFACE_ONLY = {"--allow-far-atoms"}  # arguments after -- that the areas do not take
 TRIANGLES_PER_CELL = 3  # of surface whose area is the square of the spacing
@@ -77,11 +78,12 @@ def run_program(command, folder):
     return text
 
 
-def prepare_pqr(path, folder):
-    """Returns a PQR file of a structure, which PDB2PQR makes unless it is one."""
+def prepare_pqr(options, path, folder):
+    """Returns a PQR file of a structure, which PDB2PQR makes unless it is one, and the rows of the
+    atoms that PDB2PQR leaves out."""
     _, layout = split_name(path.name)
     if layout == "pqr":
-        return path
+        return path, ()
     if layout == "xyzr":
         raise Failed(f"{path}: xyzr files have no charges; use a PQR, PDB or mmCIF file")
     program = pdb_to_pqr.find_program()
@@ -89,11 +91,11 @@ def prepare_pqr(path, folder):
         raise Failed(f"{path}: PDB2PQR is missing; install it with `apt-get install "
                      f"{pdb_to_pqr.PACKAGE}`")
     show(f"PDB2PQR: {path}")
+    rows = list_atoms(options, path, folder / "atoms")
     try:
-        warn_about_ligands(path, pdb_to_pqr.hetero_residues(path, layout))
         pdb_to_pqr.write_protein(path, layout, folder / "protein.pdb")
     except Failed as error:
-        raise Failed(f"{path}: {error}") from None
+        raise Failed(f"{path}: {str(error).replace(mmcif.ADVICE, '; give a PQR file')}") from None
     made = folder / f"{path.name.partition('.')[0]}.pqr"
     with open(folder / "pdb2pqr.log", "w+", encoding="utf-8", errors="replace") as log:
         code, _, _ = measuring.run([program, *pdb_to_pqr.OPTIONS, folder / "protein.pdb", made],
@@ -104,16 +106,32 @@ def prepare_pqr(path, folder):
         raise Failed(f"{path}: PDB2PQR: {pdb_to_pqr.failure(text)}")
     if remark := pdb_to_pqr.remark(text):
         say(f"{path}: {remark}")
-    return made
+    missing = missing_rows(rows, list_atoms(options, made, folder / "made"))
+    if missing:
+        say(f"warning: {path}: {residue_names(missing)} left out, because PDB2PQR has no charges for "
+            "ligands, metals and modified residues; surface and potential are those of the others; to "
+            "show them, give a PQR file with their charges")
+    return made, missing
 
 
-def warn_about_ligands(path, residues):
-    """Says whose potential is shown, if PDB2PQR does not get all residues."""
-    if residues:
-        more = f" and {len(residues) - MAX_NAMES} more" if len(residues) > MAX_NAMES else ""
-        say(f"warning: {path}: {', '.join(residues[:MAX_NAMES])}{more} left out, because PDB2PQR has "
-            "no charges for ligands, metals and modified residues; surface and potential are those of "
-            "the protein without them; to show them, give a PQR file with their charges")
+def missing_rows(rows, made):
+    """Returns the rows of atoms whose residues are not among those that PDB2PQR has made. It moves
+    some atoms, and may choose other alternate locations."""
+    atoms, others = make_atoms(rows), make_atoms(made)
+    heavy = others.centers[[element != "H" for element in others.elements]]
+    residues = {}
+    for atom, residue in enumerate(atoms.residues):
+        residues.setdefault(residue, []).append(atom)
+    return [rows[atom] for found in residues.values()
+            if not page.is_near(atoms.centers[found], heavy, LONGEST_MOVE) for atom in found]
+
+
+def residue_names(rows):
+    """Returns the names of the residues of atoms as a text."""
+    names = list(dict.fromkeys(" ".join(filter(None, (row["residue"], row["chain"], row["residue_number"])))
+                               for row in rows))
+    more = f" and {len(names) - MAX_NAMES} more" if len(names) > MAX_NAMES else ""
+    return ", ".join(names[:MAX_NAMES]) + more
 
 
 def compute_potential(options, atoms, folder):
@@ -202,7 +220,10 @@ def read_structure(options, path, folder, ligands=()):
     show(f"areas of {path}")
     more = []
     if options.ligands == "sticks" and split_name(path.name)[1] != "xyzr":
-        rest, more = divide(list_atoms(options, path, folder / "atoms"))
+        rest, more = divide(list_atoms(options, path, folder / "ligands"))
+        if more and options.electrostatics:
+            say(f"warning: {path}: the surface is without {residue_names(more)}, whose charges the "
+                "potential has")
     if more:  # the surface is that of the others
         reading = [folder / f"{path.name.partition('.')[0]}.xyzr"]
         reading[0].write_text("".join(f"{row['x']} {row['y']} {row['z']} {row['radius']}\n"
@@ -279,10 +300,9 @@ def make_molecules(options):
             if meshes.is_mesh(path):
                 molecule = read_mesh(path)
             elif options.electrostatics:
-                atoms = prepare_pqr(path, folder)
+                atoms, missing = prepare_pqr(options, path, folder)
                 potential = compute_potential(options, atoms, folder)
-                ligands = divide(list_atoms(options, path, folder / "ligands"))[1] if atoms != path else ()
-                molecule = read_structure(options, atoms, folder, ligands)
+                molecule = read_structure(options, atoms, folder, missing)
                 molecule.name = path.name
             else:
                 molecule = read_structure(options, path, folder)
@@ -340,9 +360,10 @@ def parse():
                          help="kind of surface (default: ses)")
     surface.add_argument("--probe-radius", type=above_zero, default=1.4, metavar="ANGSTROM",
                          help="radius of the solvent probe (default: 1.4)")
-    surface.add_argument("--ligands", default="sticks", choices=("sticks", "surface"),
+    surface.add_argument("--ligands", choices=("sticks", "surface"),
                          help="ligands and metals: sticks draws them, and leaves them out of the "
-                              "surface; surface makes them part of it (default: sticks)")
+                              "surface; surface makes them part of it (default: surface with "
+                              "--electrostatics, otherwise sticks)")
     surface.add_argument("--spacing", type=above_zero, metavar="ANGSTROM",
                          help=f"distance between grid points (default: {MIN_SPACING}, or more for "
                               f"at most {MAX_TRIANGLES:,.0f} triangles)")
@@ -400,6 +421,7 @@ def complete_options(parser, options):
     if options.color == "potential" and not (options.potential or options.electrostatics
                                              or any(is_mesh)):
         parser.error("--color potential needs --potential or --electrostatics")
+    options.ligands = options.ligands or ("surface" if options.electrostatics else "sticks")
     options.needs_program = not all(is_mesh)
     options.program = options.program.absolute()
     options.title = options.title or ", ".join(path.name for path in options.files)

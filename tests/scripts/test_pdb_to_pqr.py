@@ -32,16 +32,14 @@ class Cleaning(unittest.TestCase):
                                 atom("ZN  ", "ZN ", 9, record="HETATM"), "END\n"]),
                          [*BACKBONE, "TER"])
 
-    def test_hetatm_residues_without_water_are_named(self):
-        lines = [atom(" CA "), atom("FE  ", "HEM", 155, record="HETATM"), atom(" NA ", "HEM", 155, record="HETATM"),
-                 atom("ZN  ", " ZN", 301, " ", record="HETATM"), atom(" O  ", "HOH", 400, record="HETATM"),
-                 atom(" O  ", "WAT", 401, record="HETATM"), "ENDMDL\n", atom("CA  ", " CA", 9, record="HETATM")]
-        with tempfile.TemporaryDirectory() as folder:
-            for name, opened in (("a.pdb", open), ("a.pdb.gz", gzip.open)):
-                path = pathlib.Path(folder, name)
-                with opened(path, "wt") as file:
-                    file.writelines(lines)
-                self.assertEqual(pdb_to_pqr.hetero_residues(path, "pdb"), ["HEM A 155", "ZN 301"])
+    def test_records_in_small_letters_and_with_six_digits_are_kept(self):
+        small = atom(" CA ", chain="a").lower()
+        six = "ATOM 100000" + atom(" CA ")[11:]
+        lines = list(pdb_to_pqr.protein_lines([small, six]))
+        self.assertEqual([line[:6] + line[12:22] for line in lines], ["ATOM   CA  GLY a", "ATOM   CA  GLY A"])
+
+    def test_water_in_atom_records_is_removed(self):
+        self.assertEqual(names([atom(" CA "), atom(" O  ", "HOH", 2), atom(" OH2", "TIP", 3)]), [" CA "])
 
     def test_hydrogens_are_removed_by_element(self):
         lines = [atom(" CA ", element="C"), atom(" HA ", element="H"), atom(" DB ", element="D"),

@@ -279,6 +279,14 @@ class Names(PdbbindTest):
         self.run_pdbbind("--keep", "none")
         self.assertEqual(list(self.statuses()), ["c60"])
 
+    def test_areas_of_measure_are_not_taken_for_structures(self):
+        self.add("a.pqr", "boxb.pqr")
+        measured = subprocess.run([PROGRAM, "measure", "a.pqr", "--write", "cif"], cwd=self.input, check=False)
+        self.assertEqual(measured.returncode, 0)
+        done = self.run_pdbbind("--keep", "none")
+        self.assertEqual(list(self.statuses()), ["a"])
+        self.assertIn("a.areas.cif is left out", done.stderr)
+
 
 class Failures(PdbbindTest):
     def test_one_bad_file_does_not_stop_the_others(self):

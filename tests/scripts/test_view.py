@@ -23,7 +23,33 @@ RADIUS = 1.7
 # Two residues of different chains, far apart along x, so that their surfaces are two spheres.
 TWO_ATOMS = (f"ATOM 1 CA ALA A 7 -6 0 0 0.5 {RADIUS}\n"
              f"ATOM 2 OXT GLY B 9A 6 0 0 -0.5 {RADIUS}\n")
+HAS_PDB2PQR = shutil.which("pdb2pqr") or shutil.which("pdb2pqr30")
+# Name, residue, chain, number, coordinates and element of atoms in ATOM or HETATM records. PDB2PQR has
+# no charges for the ligands; water has another energy.
+PEPTIDE = [("ATOM", *one) for one in (
+    ("N", "CYS", "A", 2, 2.908, -14.771, 24.711, "N"), ("CA", "CYS", "A", 2, 2.638, -13.825, 23.633, "C"),
+    ("CB", "CYS", "A", 2, 1.198, -13.996, 23.132, "C"), ("SG", "CYS", "A", 2, 0.725, -15.681, 22.638, "S"),
+    ("C", "CYS", "A", 2, 2.842, -12.366, 24.012, "C"), ("O", "CYS", "A", 2, 3.025, -12.039, 25.188, "O"),
+    ("N", "ALA", "A", 3, 2.792, -11.504, 22.996, "N"), ("CA", "ALA", "A", 3, 2.923, -10.056, 23.151, "C"),
+    ("CB", "ALA", "A", 3, 4.226, -9.566, 22.552, "C"), ("C", "ALA", "A", 3, 1.736, -9.418, 22.436, "C"),
+    ("O", "ALA", "A", 3, 1.332, -9.867, 21.362, "O"), ("O", "HOH", "A", 301, -4.0, -9.0, 28.0, "O"))]
+LIGANDS = [("ATOM", "C1", "LIG", "A", 201, 9.0, -10.0, 23.0, "C"), ("ATOM", "O1", "LIG", "A", 201, 10.2, -10.0, 23.0, "O"),
+           ("HETATM", "ZN", "ZN", "A", 202, 9.0, -15.0, 23.0, "ZN"), ("HETATM", "N", "ALA", "B", 3, -4.0, -15.0, 23.0, "N")]
 PATCHES = {"convex": (86, 180, 233), "saddle": (240, 228, 66), "concave": (213, 94, 0)}
+
+
+def pdb_text(atoms):
+    """Returns a PDB file, the serial numbers of which have six digits."""
+    return "".join(f"{record if record == 'HETATM' else 'ATOM '}{99999 if record == 'HETATM' else 100000 + i:5} "
+                   f"{name if element == 'ZN' else ' ' + name:4} {residue:>3} {chain}{number:4}    {x:8.3f}{y:8.3f}{z:8.3f}"
+                   f"  1.00  0.00          {element:>2}\n"
+                   for i, (record, name, residue, chain, number, x, y, z, element) in enumerate(atoms))
+
+
+def cif_text(atoms):
+    names = "group_PDB label_atom_id label_comp_id auth_asym_id auth_seq_id Cartn_x Cartn_y Cartn_z type_symbol".split()
+    return ("data_a\nloop_\n" + "".join(f"_atom_site.{name}\n" for name in names)
+            + "".join(" ".join(map(str, one)) + "\n" for one in atoms))
 
 
 def run_view(*arguments, **how):
@@ -39,6 +65,18 @@ def data_of(page):
     arrays = [gzip.decompress(base64.b64decode(one)) for one in
               re.findall(r'id="arrays-\d+">(.*?)</script>', text, re.DOTALL)]
     return data, arrays
+
+
+def column(page, name):
+    """Returns the numbers of an array of bytes with one column in a page."""
+    data, (arrays,) = data_of(page)
+    at = 0
+    for one in data["molecules"][0]["arrays"]:
+        size = one["columns"] * one["rows"] * one["width"]
+        if one["name"] == name:
+            return list(itertools.accumulate(arrays[at:at + size]))
+        at += size
+    raise KeyError(name)
 
 
 def first_row(page, name):
@@ -160,7 +198,6 @@ class Files(TestCase):
         self.assertNotIn("<b>", text)
         self.assertNotIn("a<script>", text)
 
-    @unittest.skipUnless(shutil.which("pdb2pqr") or shutil.which("pdb2pqr30"), "needs pdb2pqr")
     def test_names_may_begin_with_a_hyphen(self):
         for name in ("-a.xyzr", "-b.pqr"):
             record = "ATOM 1 C ALA 1 " if name.endswith("pqr") else ""
@@ -169,14 +206,37 @@ class Files(TestCase):
             self.assertDone(done)
             self.assertGreater((self.folder / "-page.html").stat().st_size, 1000)
 
-    def test_ligands_without_charges_are_named(self):
-        """The file has no atom of a protein, so that PDB2PQR is not started."""
+    def test_without_protein_pdb2pqr_is_not_started(self):
         source = self.folder / "heme.pdb"
         source.write_text("HETATM    1 FE   HEM A 155       1.000   2.000   3.000  1.00  0.00          FE\n")
         done = run_view(source, "--electrostatics", "-o", self.page)
         self.assertDone(done, 1)
-        self.assertIn("heme.pdb: HEM A 155 left out, because PDB2PQR has no charges", done.stderr)
-        self.assertIn("of the protein without them", done.stderr)
+        self.assertIn("heme.pdb: no atoms of a protein or nucleic acid in ATOM records", done.stderr)
+
+    @unittest.skipUnless(HAS_PDB2PQR and shutil.which("apbs"), "needs pdb2pqr and apbs")
+    def test_residues_without_charges_are_named_and_drawn(self):
+        for name, text in (("a.pdb", pdb_text(PEPTIDE + LIGANDS)), ("a.cif", cif_text(PEPTIDE + LIGANDS))):
+            with self.subTest(name=name):
+                (self.folder / name).write_text(text)
+                done = run_view(self.folder / name, "--electrostatics", "--spacing", "1", "-o", self.page)
+                self.assertDone(done)
+                self.assertIn(f"{name}: LIG A 201, ZN A 202, ALA B 3 left out, because PDB2PQR has no charges",
+                              done.stderr)
+                self.assertIn("surface and potential are those of the others", done.stderr)
+                self.assertEqual(sum(column(self.page, "ligand")), 4)
+
+    @unittest.skipUnless(shutil.which("apbs"), "needs apbs")
+    def test_charged_ligands_are_part_of_the_surface(self):
+        source = self.folder / "a.pqr"
+        source.write_text("ATOM 1 CA ALA A 1 0 0 0 0.5 2.0\nATOM 2 ZN ZN A 2 9 0 0 2.0 1.4\n")
+        arguments = (source, "--electrostatics", "--spacing", "1", "-o", self.page)
+        done = run_view(*arguments)
+        self.assertDone(done)
+        self.assertNotIn("warning", done.stderr)
+        self.assertNotIn('"ligand"', self.page.read_text(encoding="utf-8"))
+        done = run_view(*arguments, "--ligands", "sticks")
+        self.assertDone(done)
+        self.assertIn("the surface is without ZN A 2, whose charges the potential has", done.stderr)
 
     def test_wrong_requests_are_refused(self):
         mesh = self.mesh("m.ply")
