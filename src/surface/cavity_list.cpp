@@ -9,6 +9,7 @@
 
 #include "surface/atom_loops.hpp"
 #include "surface/largest_probe.hpp"
+#include "system/serial_check.hpp"
 
 namespace eses::detail {
 namespace {
@@ -79,11 +80,11 @@ class CavityLister {
                const Components& components)
       : surface_(surface), origin_(origin), probe_radius_(probe_radius), components_(components) {}
 
-  void list(int threads, bool has_largest_probes, std::vector<Cavity>& cavities,
+  void list(const MeasureSettings& settings, std::vector<Cavity>& cavities,
             std::vector<Piece>& pieces) {
     list_atoms(cavities, pieces);
     add_walls(cavities, pieces);
-    if (has_largest_probes) find_largest_probes(threads, cavities);
+    if (settings.largest_probes) find_largest_probes(settings, cavities);
     for (const auto& [first, second] : components_.overlaps) {
       if (first == Components::outside) {
         cavities[cavity_of(second)].overlaps_outside = true;
@@ -171,11 +172,14 @@ class CavityLister {
     cavity.high = box.high;
   }
 
-  void find_largest_probes(int threads, std::vector<Cavity>& cavities) const {
-    for_each_index(cavities.size(), threads, [&](std::size_t c) {
+  void find_largest_probes(const MeasureSettings& settings, std::vector<Cavity>& cavities) const {
+    SerialCheck serial_check(settings.check);
+    const CheckCallback check = [&] { serial_check(); };
+    for_each_index(cavities.size(), settings.threads, [&](std::size_t c) {
       const Box centers = grown({cavities[c].low, cavities[c].high}, -probe_radius_);
       const LargestProbe probe = find_largest_probe(
-          surface_, components_, static_cast<ComponentIndex>(c + 1), centers, cavities[c].atoms);
+          surface_, components_, static_cast<ComponentIndex>(c + 1), centers, cavities[c].atoms,
+          check);
       cavities[c].largest_probe = std::max(probe.radius, probe_radius_);
       cavities[c].largest_probe_center = probe.center;
     });
@@ -210,11 +214,10 @@ std::vector<std::size_t> order_by_void(const std::vector<Cavity>& cavities) {
   return order_by(cavities, &Cavity::void_volume);
 }
 
-void list_components(const SurfaceModel& surface, Vec3 origin, double probe_radius, int threads,
-                     const Components& components, bool has_largest_probes,
-                     std::vector<Cavity>& cavities, std::vector<Piece>& pieces) {
-  CavityLister(surface, origin, probe_radius, components)
-      .list(threads, has_largest_probes, cavities, pieces);
+void list_components(const SurfaceModel& surface, Vec3 origin, const MeasureSettings& settings,
+                     const Components& components, std::vector<Cavity>& cavities,
+                     std::vector<Piece>& pieces) {
+  CavityLister(surface, origin, settings.probe_radius, components).list(settings, cavities, pieces);
 }
 
 }  // namespace eses::detail

@@ -5,6 +5,7 @@
 
 #include "eses/cavities.hpp"
 #include "surface/components.hpp"
+#include "surface/measure_settings.hpp"
 #include "surface/surface_model.hpp"
 
 namespace eses::detail {
@@ -14,10 +15,9 @@ namespace eses::detail {
 std::vector<std::size_t> order_by_void(const std::vector<Cavity>& cavities);
 
 /// Replaces `cavities` and `pieces` by those of a surface, the largest first. `probe_radius` is the
-/// nominal one; that of `surface` may be slightly smaller. Without `has_largest_probes`, those are
-/// not searched.
-void list_components(const SurfaceModel& surface, Vec3 origin, double probe_radius, int threads,
-                     const Components& components, bool has_largest_probes,
-                     std::vector<Cavity>& cavities, std::vector<Piece>& pieces);
+/// nominal one of `settings`; that of `surface` may be slightly smaller.
+void list_components(const SurfaceModel& surface, Vec3 origin, const MeasureSettings& settings,
+                     const Components& components, std::vector<Cavity>& cavities,
+                     std::vector<Piece>& pieces);
 
 }  // namespace eses::detail

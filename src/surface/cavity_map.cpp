@@ -40,7 +40,8 @@ ComponentNumber WallAtom::component_at(Vec3 direction) const {
 }
 
 CavityMap::CavityMap(const SurfaceModel& surface, const Components& components,
-                     std::span<const ComponentNumber> number_of, std::vector<double> void_volumes)
+                     std::span<const ComponentNumber> number_of, std::vector<double> void_volumes,
+                     const CheckCallback& check)
     : has_slack_(surface.has_slack),
       void_volumes_(std::move(void_volumes)),
       is_filled_(void_volumes_.size() + 1),
@@ -49,7 +50,7 @@ CavityMap::CavityMap(const SurfaceModel& surface, const Components& components,
   for (std::uint32_t c = 0; c < numbers_.size(); ++c) numbers_[c] = ComponentNumber{c};
   add_atoms(surface, components, number_of);
   add_placements(surface, components, number_of);
-  add_surroundings(surface, components);
+  add_surroundings(surface, components, check);
   index_boxes();
 }
 
@@ -142,13 +143,17 @@ void CavityMap::add_contacts(std::span<const std::pair<AtomIndex, WallAtom::Cont
 
 // A ball without a face is nowhere the nearest one, because others cover it. Where it covers a ball
 // with a face of a cavity, one of these others may be the nearest one, so they are needed, too.
-void CavityMap::add_surroundings(const SurfaceModel& surface, const Components& components) {
+void CavityMap::add_surroundings(const SurfaceModel& surface, const Components& components,
+                                 const CheckCallback& check) {
+  constexpr std::size_t searches_between_checks = 1 << 12;
+  std::size_t searches = 0;
   std::vector<AtomIndex> found, open;
   std::vector<std::uint8_t> is_near(surface.atoms.size());
   for (const auto& [atom, position] : index_) open.push_back(atom);
   while (!open.empty()) {
     const SasSphere sphere = surface.sas_sphere(open.back());
     open.pop_back();
+    if (check && ++searches % searches_between_checks == 0) check();
     surface.tree().find_reaching(sphere.center,
                                  sphere.radius + surface.probe_radius + look_up_slack, found);
     for (const AtomIndex i : found) {

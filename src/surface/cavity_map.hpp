@@ -59,7 +59,8 @@ class CavityMap {
   /// components are those of a surface without slack, atoms have patches on other surfaces where
   /// they have no face here.
   CavityMap(const SurfaceModel& surface, const Components& components,
-            std::span<const ComponentNumber> number_of, std::vector<double> void_volumes);
+            std::span<const ComponentNumber> number_of, std::vector<double> void_volumes,
+            const CheckCallback& check);
 
   /// Fills all cavities whose voids are at most this large (cubic angstrom).
   void fill(double max_void_volume);
@@ -148,7 +149,8 @@ class CavityMap {
   void add_placements(const SurfaceModel& surface, const Components& components,
                       std::span<const ComponentNumber> number_of);
   void add_contacts(std::span<const std::pair<AtomIndex, WallAtom::Contact>> contacts);
-  void add_surroundings(const SurfaceModel& surface, const Components& components);
+  void add_surroundings(const SurfaceModel& surface, const Components& components,
+                        const CheckCallback& check);
   void index_boxes();
   void choose_boxes();
   Box& box_of(ComponentNumber cavity) { return boxes_[as_number(cavity) - std::size_t{1}]; }

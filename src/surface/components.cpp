@@ -432,7 +432,7 @@ Components ComponentFinder::finish(const std::function<FaceIntegrals(AtomIndex)>
   end_step();
   add_faces(labels, integrals_of, components);
   end_step();
-  components.piece_of_atom = find_pieces(surface_);
+  components.piece_of_atom = find_pieces(surface_, check);
   end_step();
   connect_walls(surface_, components);
   end_step();

@@ -217,7 +217,7 @@ class WallConnector {
 // Connects the atoms whose SAS balls overlap. The neighbours of atoms in the set of one given atom
 // are not searched: of two overlapping atoms in different sets, at least one is outside of this
 // set, and the search for its neighbours connects them.
-DisjointSets connect_atoms(const SurfaceModel& surface) {
+DisjointSets connect_atoms(const SurfaceModel& surface, const CheckCallback& check) {
   DisjointSets sets(static_cast<DisjointSets::Element>(surface.atoms.size()));
   const double min_overlap = surface.has_slack ? tolerance::containment : 0;
   // A contained atom is connected with those that contain it only.
@@ -239,7 +239,10 @@ DisjointSets connect_atoms(const SurfaceModel& surface) {
   for (std::size_t k = 1; k < order.size(); ++k) connect(order[k - 1], order[k]);
   const AtomIndex given = order[order.size() / 2];
   std::vector<AtomIndex> found;
+  constexpr std::size_t atoms_between_checks = 1 << 12;
+  std::size_t atoms = 0;
   const auto connect_neighbours = [&](AtomIndex i) {
+    if (check && ++atoms % atoms_between_checks == 0) check();
     if (i != given && sets.shorten(i) == sets.shorten(given)) return;
     surface.tree().find_reaching(surface.atoms[i].center,
                                  surface.atoms[i].radius + 2 * surface.probe_radius + look_up_slack,
@@ -255,8 +258,8 @@ DisjointSets connect_atoms(const SurfaceModel& surface) {
 
 }  // namespace
 
-std::vector<std::uint32_t> find_pieces(const SurfaceModel& surface) {
-  return connect_atoms(surface).labels();
+std::vector<std::uint32_t> find_pieces(const SurfaceModel& surface, const CheckCallback& check) {
+  return connect_atoms(surface, check).labels();
 }
 
 void connect_walls(const SurfaceModel& surface, Components& components) {

@@ -11,8 +11,8 @@ namespace eses::detail {
 
 /// Returns the index of the piece of each atom. A piece is a connected union of SAS balls. Balls
 /// that overlap too little for a contact circle are not connected. Pieces are in the order of their
-/// first atoms.
-std::vector<std::uint32_t> find_pieces(const SurfaceModel& surface);
+/// first atoms. Calls `check` repeatedly, if it is not empty.
+std::vector<std::uint32_t> find_pieces(const SurfaceModel& surface, const CheckCallback& check);
 
 /// Sets Wall::encloses_atoms and Wall::component of all walls, and the number of components.
 /// Components::piece_of_atom is known.

@@ -96,7 +96,8 @@ std::shared_ptr<const CavityMap> find_cavities(const std::shared_ptr<ScheduledSu
     volumes.push_back(cavities[c].void_volume);
     number_of[c + 1] = static_cast<ComponentNumber>(volumes.size());
   }
-  const auto map = std::make_shared<CavityMap>(model, *components, number_of, std::move(volumes));
+  const auto map = std::make_shared<CavityMap>(model, *components, number_of, std::move(volumes),
+                                               settings.check);
   check(settings);
   if (settings.max_filled_void) map->fill(*settings.max_filled_void);
   if (settings.kept_component) map->keep_only(*settings.kept_component);

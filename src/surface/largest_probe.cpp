@@ -137,7 +137,7 @@ double depth_in_tetrahedron(const std::array<Vec3, 4>& corners) {
 class Search {
  public:
   Search(const SurfaceModel& surface, const Components& components, ComponentIndex component,
-         const Box& centers, std::span<const AtomIndex> adjacent)
+         const Box& centers, std::span<const AtomIndex> adjacent, const CheckCallback& check)
       : surface_(surface), components_(components), component_(component) {
     has_faces_ =
         std::any_of(components.walls.begin(), components.walls.end(),
@@ -158,7 +158,9 @@ class Search {
         all_.push_back(near_atom(i, std::binary_search(adjacent.begin(), adjacent.end(), i)));
     best_ = {middle, surface.probe_radius};
     add({middle, half}, all_);
-    while (!open_.empty() && evaluations_ < max_evaluations) {
+    constexpr std::size_t cells_between_checks = 1 << 8;
+    for (std::size_t cells = 1; !open_.empty() && evaluations_ < max_evaluations; ++cells) {
+      if (check && cells % cells_between_checks == 0) check();
       std::pop_heap(open_.begin(), open_.end());
       Cell cell = std::move(open_.back());
       open_.pop_back();
@@ -346,8 +348,8 @@ class Search {
 
 LargestProbe find_largest_probe(const SurfaceModel& surface, const Components& components,
                                 ComponentIndex component, const Box& centers,
-                                std::span<const AtomIndex> atoms) {
-  return Search(surface, components, component, centers, atoms).best();
+                                std::span<const AtomIndex> atoms, const CheckCallback& check) {
+  return Search(surface, components, component, centers, atoms, check).best();
 }
 
 }  // namespace eses::detail

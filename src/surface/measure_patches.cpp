@@ -127,8 +127,7 @@ class PatchMeasurement {
   Measures take_result() {
     Measures& result = sums_.result();
     if (settings_.cavities)
-      list_components(surface_, origin_, settings_.probe_radius, settings_.threads, components_,
-                      settings_.largest_probes, result.cavities, result.pieces);
+      list_components(surface_, origin_, settings_, components_, result.cavities, result.pieces);
     if (surface_.cavities) result.filled_cavities = surface_.cavities->filled();
     return std::move(result);
   }
