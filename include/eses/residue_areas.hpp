@@ -3,7 +3,10 @@
 /// Maximum areas of the residues of amino acids, by which relative areas are divided.
 
 #include <optional>
+#include <span>
 #include <string_view>
+
+#include "eses/atoms.hpp"
 
 #pragma GCC visibility push(default)
 namespace eses {
@@ -29,6 +32,12 @@ std::string_view source_of(AreaReference reference);
 /// Gly-X-Gly, such as ALA, in square angstrom. Nothing for names other than those of the 20 amino
 /// acids and of their forms in force fields, such as HIE.
 std::optional<double> max_sas_area(std::string_view residue,
+                                   AreaReference reference = AreaReference::tien);
+
+/// Returns the maximum area of the residue of these atoms, all its atoms. Nothing also if they tell
+/// that it is another molecule than its name, such as homoserine, HSE, which is a histidine in
+/// CHARMM.
+std::optional<double> max_sas_area(std::span<const AtomLabel> residue,
                                    AreaReference reference = AreaReference::tien);
 
 }  // namespace eses

@@ -287,7 +287,9 @@ class Measurement:
         names = molecule.residue[starts]
         reference = REFERENCES[self._reference]
         is_known = self._surface.probe_radius == REFERENCE_PROBE_RADIUS
-        maximum = np.array([reference.maximum(name) if is_known else np.nan for name in names.tolist()])
+        ends = [*starts[1:].tolist(), len(molecule)]
+        maximum = np.array([reference.maximum(name, molecule.name[first:end].tolist()) if is_known else np.nan
+                            for name, first, end in zip(names.tolist(), starts.tolist(), ends)])
         is_main = np.isin(molecule.name, list(MAIN_CHAIN))
         main = np.add.reduceat(np.where(is_main, np.nan_to_num(self._sas), 0), starts)
         main[[name != "MSE" and not is_amino_acid(name) for name in names.tolist()]] = np.nan

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import functools
+from collections.abc import Iterable
 
 from . import _core
 
@@ -19,14 +20,15 @@ class Reference:
     source: str
     areas: dict[str, float]
 
-    def maximum(self, residue: str) -> float:
-        """Returns the maximum area of a residue, also by its name in a force field; not a number if it has none."""
-        return _maximum(self.name, residue)
+    def maximum(self, residue: str, names: Iterable[str] = ()) -> float:
+        """Returns the maximum area of a residue with atoms of these names, also by its name in a force field; not a
+        number if it has none."""
+        return _maximum(self.name, residue, tuple(names))
 
 
-@functools.lru_cache(maxsize=None)
-def _maximum(reference: str, residue: str) -> float:
-    area = _core._maximum_areas(reference, [residue])[1][0]
+@functools.lru_cache(maxsize=4096)
+def _maximum(reference: str, residue: str, names: tuple[str, ...] = ()) -> float:
+    area = _core._maximum_area(reference, residue, names)
     return float("nan") if area is None else area
 
 
@@ -41,8 +43,7 @@ def is_polymer(residue: str) -> bool:
 
 
 def _reference(name: str) -> Reference:
-    source, areas = _core._maximum_areas(name, NAMES)
-    return Reference(name, source, {residue: area for residue, area in zip(NAMES, areas) if area is not None})
+    return Reference(name, _core._source_of_reference(name), {residue: _maximum(name, residue) for residue in NAMES})
 
 
 REFERENCE_PROBE_RADIUS = _core._reference_probe_radius  # angstrom

@@ -211,14 +211,25 @@ py::tuple radii_of(const std::vector<std::string>& residues, const std::vector<s
   return py::make_tuple(found.set, found.are_united, radii, symbols, by_element, by_name);
 }
 
-// Returns the source of a reference, and the maximum areas of residues; None for other residues.
-py::tuple maximum_areas(const std::string& reference, const std::vector<std::string>& residues) {
-  const AreaReference which = reference == "miller"   ? AreaReference::miller
-                              : reference == "sander" ? AreaReference::sander
-                                                      : AreaReference::tien;
-  std::vector<std::optional<double>> areas;
-  for (const std::string& residue : residues) areas.push_back(max_sas_area(residue, which));
-  return py::make_tuple(std::string(source_of(which)), areas);
+AreaReference reference_of(const std::string& name) {
+  return name == "miller"   ? AreaReference::miller
+         : name == "sander" ? AreaReference::sander
+                            : AreaReference::tien;
+}
+
+std::string source_of_reference(const std::string& name) {
+  return std::string(source_of(reference_of(name)));
+}
+
+// Returns the maximum area of a residue by its name and, if they are known, the names of its atoms;
+// None for other residues.
+std::optional<double> maximum_area(const std::string& reference, const std::string& residue,
+                                   const std::vector<std::string>& names) {
+  const AreaReference which = reference_of(reference);
+  if (names.empty()) return max_sas_area(residue, which);
+  std::vector<AtomLabel> labels;
+  for (const std::string& name : names) labels.push_back({{}, residue, {}, name});
+  return max_sas_area(labels, which);
 }
 
 // Labels share the memory of the file.
@@ -431,7 +442,8 @@ void bind_atoms(py::module_& module) {
   module.def("_warn_about",
              [](const AtomFile& file, const py::str& name) { warn_about(file, name); });
   module.def("_find_radii", &radii_of);
-  module.def("_maximum_areas", &maximum_areas);
+  module.def("_maximum_area", &maximum_area);
+  module.def("_source_of_reference", &source_of_reference);
   module.attr("_reference_probe_radius") = reference_probe_radius;
 }
 

@@ -159,9 +159,8 @@ ReportedAtoms reported_atoms(const PartSelector& selector, const std::vector<boo
     if (are_polar[i]) report.polar_sas += areas.sas[i];
     if (!areas.convex.empty()) report.ses += areas.ses(i);
   }
-  const ResidueRuns runs = residue_runs(labels);
-  if (runs.labels.size() != 1 || !file.reference) return report;
-  if (const auto max = eses::max_sas_area(runs.labels.front().residue, *file.reference))
+  if (residue_runs(labels).labels.size() != 1 || !file.reference) return report;
+  if (const auto max = eses::max_sas_area(labels, *file.reference))
     report.relative_sas = report.sas / *max;
   return report;
 }

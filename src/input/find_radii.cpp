@@ -24,18 +24,16 @@ NamedRadii find_radii(std::span<const AtomLabel> atoms, const std::string& set) 
   NamedRadii found{.set = radii.name, .are_united = radii.is_united, .atoms = {}};
   found.atoms.reserve(labels.size());
   std::size_t end = 0;  // of the residue of the atom
-  bool is_other = false;
+  std::string_view standard;
   for (std::size_t i = 0; i < labels.size(); ++i) {
     AtomLabel& label = labels[i];
     if (i == end) {
       while (end < labels.size() && detail::is_same_residue(label, labels[end])) ++end;
-      is_other = detail::is_other_molecule(
-          label.residue, std::span(labels).subspan(i, end - i),
-          [](const AtomLabel& atom) { return std::string_view(atom.atom_name); });
+      standard = detail::standard_residue(std::span(labels).subspan(i, end - i));
     }
     if (label.element == "D") label.element = "H";
     const auto radius =
-        radii.find({label.residue, label.atom_name, label.element, label.element == "H", is_other});
+        radii.find({label.residue, label.atom_name, label.element, label.element == "H", standard});
     found.atoms.push_back(
         {.radius = radius ? radius->radius : std::numeric_limits<double>::quiet_NaN(),
          .element = label.element,

@@ -7,7 +7,6 @@
 #include <utility>
 
 #include "eses/error.hpp"
-#include "input/residue_atoms.hpp"
 #include "input/text_fields.hpp"
 #include "input/text_source.hpp"
 #include "system/formatted.hpp"
@@ -30,11 +29,10 @@ using NamedRadii = std::unordered_map<std::string, double>;
 template <class Find>
 std::optional<double> find_by_names(const AtomIdentity& atom, Find&& find) {
   if (const std::optional<double> radius = find(atom.residue, atom.atom)) return radius;
-  const std::string_view residue = atom.is_other ? atom.residue : standard_residue(atom.residue);
-  if (residue != atom.residue)
-    if (const std::optional<double> radius = find(residue, atom.atom)) return radius;
-  const std::string name = standard_atom(residue, atom.atom);
-  return name == atom.atom ? std::nullopt : find(residue, name);
+  if (atom.standard != atom.residue)
+    if (const std::optional<double> radius = find(atom.standard, atom.atom)) return radius;
+  const std::string name = standard_atom(atom.standard, atom.atom);
+  return name == atom.atom ? std::nullopt : find(atom.standard, name);
 }
 
 std::optional<double> find_named(const NamedRadii& radii, const AtomIdentity& atom) {
@@ -145,10 +143,10 @@ std::optional<FoundRadius> RadiiSet::find(const AtomIdentity& atom) const {
   if (const auto radius = find_named(atom)) return FoundRadius{*radius, false};
   const std::string residue = upper_case(std::string(atom.residue)),
                     atom_name = upper_case(std::string(atom.atom));
+  AtomIdentity upper{residue, atom_name, atom.element, atom.is_hydrogen};
+  if (residue == atom.residue) upper.standard = atom.standard;
   if (residue != atom.residue || atom_name != atom.atom)
-    if (const auto radius =
-            find_named({residue, atom_name, atom.element, atom.is_hydrogen, atom.is_other}))
-      return FoundRadius{*radius, false};
+    if (const auto radius = find_named(upper)) return FoundRadius{*radius, false};
   if (const auto radius = find_by_element(atom.element)) return FoundRadius{*radius, true};
   return std::nullopt;
 }

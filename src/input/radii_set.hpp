@@ -6,6 +6,8 @@
 #include <string>
 #include <string_view>
 
+#include "input/residue_atoms.hpp"
+
 namespace eses::detail {
 
 /// The properties of an atom that determine its radius.
@@ -14,7 +16,8 @@ struct AtomIdentity {
   std::string_view atom;     ///< atom name without blanks, such as CA
   std::string_view element;  ///< symbol, such as C or Zn
   bool is_hydrogen = false;  ///< hydrogen or deuterium
-  bool is_other = false;     ///< whether the residue is_other_molecule()
+  /// The standard residue with the same atoms; the residue itself if there is none.
+  std::string_view standard = standard_residue(residue);
 };
 
 /// A radius that a set has for an atom.

@@ -20,7 +20,10 @@ std::string_view source_of(AreaReference reference) {
   return "Tien et al. 2013, theoretical values, doi:10.1371/journal.pone.0080635";
 }
 
-std::optional<double> max_sas_area(std::string_view residue, AreaReference reference) {
+namespace {
+
+/// Returns the maximum area of a standard residue.
+std::optional<double> area_of(std::string_view residue, AreaReference reference) {
   struct Maximum {
     std::string_view residue;
     std::array<double, 3> areas;  // by AreaReference
@@ -33,10 +36,19 @@ std::optional<double> max_sas_area(std::string_view residue, AreaReference refer
        {"MET", {224, 204, 188}}, {"PHE", {240, 218, 197}}, {"PRO", {159, 143, 136}},
        {"SER", {155, 122, 130}}, {"THR", {172, 146, 142}}, {"TRP", {285, 259, 227}},
        {"TYR", {263, 229, 222}}, {"VAL", {174, 160, 142}}}};
-  const auto* const found =
-      std::ranges::find(maxima, detail::standard_residue(residue), &Maximum::residue);
+  const auto* const found = std::ranges::find(maxima, residue, &Maximum::residue);
   if (found == maxima.end()) return std::nullopt;
   return found->areas[static_cast<std::size_t>(reference)];
+}
+
+}  // namespace
+
+std::optional<double> max_sas_area(std::string_view residue, AreaReference reference) {
+  return area_of(detail::standard_residue(residue), reference);
+}
+
+std::optional<double> max_sas_area(std::span<const AtomLabel> residue, AreaReference reference) {
+  return residue.empty() ? std::nullopt : area_of(detail::standard_residue(residue), reference);
 }
 
 }  // namespace eses

@@ -20,7 +20,7 @@ constexpr std::array<std::pair<std::string_view, std::string_view>, 12> forms{{
     {"ASP", "ASH ASPH ASB ASPP"},
     {"C", "CYT"},
     {"CYS", "CYX CYM CYN CYSH CYS2 CYH CYP CY2 CYSD"},
-    {"DT", "THY"},
+    {"DT", "THY T"},
     {"G", "GUA"},
     {"GLU", "GLH GLUH GLUP"},
     {"HIS", "HID HIE HIP HSD HSE HSP HSC HIN HDP HISA HISB HISD HISE HISH HISN HISL HIS1 HIS2"},
@@ -58,6 +58,13 @@ std::string_view standard_residue(std::string_view residue) {
   return is_base ? base : residue;
 }
 
+std::string_view standard_residue(std::span<const AtomLabel> residue) {
+  const std::string_view name = residue.front().residue;
+  const bool is_other = is_other_molecule(
+      name, residue, [](const AtomLabel& atom) { return std::string_view(atom.atom_name); });
+  return is_other ? name : standard_residue(name);
+}
+
 std::string_view telling_atoms(std::string_view residue) {
   if (without_end_letter(residue) == "HSE") return "ND1 NE2";
   constexpr std::string_view of_charmm = "ADE CYT GUA THY URA";
@@ -82,7 +89,6 @@ std::string standard_atom(std::string_view residue, std::string_view atom) {
 }
 
 bool may_have_atom(std::string_view residue, std::string_view atom) {
-  residue = standard_residue(residue);
   const bool is_amino_acid = residue.size() == 3 && protor_radius(residue, "N");
   const bool is_nucleotide = residue.size() < 3 && protor_radius(residue, "P");
   if (!is_amino_acid && !is_nucleotide) return true;

@@ -2,9 +2,11 @@
 /// Names of the atoms of amino acids and nucleotides.
 
 #include <algorithm>
+#include <span>
 #include <string>
 #include <string_view>
 
+#include "eses/atoms.hpp"
 #include "input/text_fields.hpp"
 
 namespace eses::detail {
@@ -28,12 +30,15 @@ bool is_other_molecule(std::string_view residue, const Atoms& atoms, NameOf&& na
   });
 }
 
+/// Returns the standard residue of a residue with these atoms; its own name if there is none.
+std::string_view standard_residue(std::span<const AtomLabel> residue);
+
 /// Returns the name of the PDB for an atom of a standard residue, such as OXT for the OT2 of CHARMM
 /// and OP1 for the O1P of Amber. Returns other names as they are.
 std::string standard_atom(std::string_view residue, std::string_view atom);
 
-/// Returns whether a standard amino acid or nucleotide, or its form in a force field such as HID,
-/// may have an atom other than hydrogen of this name. True for all other residues.
+/// Returns whether a standard amino acid or nucleotide may have an atom other than hydrogen of this
+/// name. True for all other residues.
 bool may_have_atom(std::string_view residue, std::string_view atom);
 
 /// Returns whether a name belongs to the backbone of amino acids or nucleotides.

@@ -23,6 +23,7 @@ namespace {
 /// SAS areas of a residue, square angstrom.
 struct ResidueAreas {
   double all = 0, main_chain = 0, polar = 0;
+  std::optional<double> max = std::nullopt;  ///< see max_sas_area
 };
 
 bool is_in_main_chain(std::string_view atom) {
@@ -38,6 +39,7 @@ std::vector<ResidueAreas> residue_areas(const MeasuredAtoms& atoms, const Residu
   std::vector<ResidueAreas> all;
   runs.for_each([&](const AtomLabel&, std::size_t begin, std::size_t end) {
     ResidueAreas& areas = all.emplace_back();
+    areas.max = max_sas_area(atoms, begin, end);
     for (std::size_t atom = begin; atom < end; ++atom) {
       const double sas = atoms.areas.sas[atom];
       areas.all += sas;
@@ -112,13 +114,13 @@ void append_rsa(const MeasuredAtoms& atoms, BufferedText& text) {
   ResidueAreas total;
   for (std::size_t i = 0; i < all.size(); ++i) {
     const AtomLabel& label = runs.labels[i];
-    const auto& [sum, main_chain, polar] = all[i];
+    const auto& [sum, main_chain, polar, max] = all[i];
     const auto [number, icode] = split_number(label.residue_number);
     text.append("RES {} {}{}{} ", in_column(label.residue, 3, "residue name", label),
                 in_column(label.chain, 1, "chain name", label),
                 in_column(std::string(number), 4, "residue number", label),
                 in_column(std::string(icode), 1, "insertion code", label));
-    text.append("{}", area_columns_of(sum, max_sas_area(atoms, label.residue), label));
+    text.append("{}", area_columns_of(sum, max, label));
     for (const double part : {sum - main_chain, main_chain, sum - polar, polar})
       text.append("{}", area_columns_of(part, std::nullopt, label));
     text.append("\n");
@@ -153,9 +155,7 @@ void append_res(const MeasuredAtoms& atoms, BufferedText& text) {
 }
 
 void append_pdb(const MeasuredAtoms& atoms, BufferedText& text) {
-  text.append(
-      "REMARK 999 B-FACTORS ARE AREAS ON THE SOLVENT ACCESSIBLE SURFACE (A^2), OCCUPANCIES ARE "
-      "RADII\n");
+  text.append("{}\n", pdb_heading);
   for (std::size_t i = 0; i < atoms.atoms.size(); ++i) {
     const AtomLabel& label = atoms.labels[i];
     const auto& [center, radius] = atoms.atoms[i];
@@ -177,7 +177,7 @@ void append_pdb(const MeasuredAtoms& atoms, BufferedText& text) {
 }
 
 void append_cif(const MeasuredAtoms& atoms, BufferedText& text) {
-  text.append("data_areas\n#\nloop_\n");
+  text.append("{}\n#\nloop_\n", cif_heading);
   for (const char* name : {"group_PDB",      "id",
                            "type_symbol",    "label_atom_id",
                            "label_alt_id",   "label_comp_id",

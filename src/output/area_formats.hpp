@@ -4,10 +4,17 @@
 /// The relative areas of `.rsa` are in per cent of max_sas_area. There is no reference for parts of
 /// residues, whose relative areas are -99.9, as NACCESS marks missing values.
 
+#include <string_view>
+
 #include "output/buffered_text.hpp"
 #include "output/measure_tables.hpp"
 
 namespace eses::detail {
+
+/// First lines of the files of append_pdb and append_cif.
+inline constexpr std::string_view pdb_heading =
+    "REMARK 999 B-FACTORS ARE AREAS ON THE SOLVENT ACCESSIBLE SURFACE (A^2), OCCUPANCIES ARE RADII";
+inline constexpr std::string_view cif_heading = "data_areas";
 
 /// Append a whole file. Atoms have labels. Throws Error if a name or a number is too wide for its
 /// columns.

@@ -72,8 +72,7 @@ std::string part_fields(const MeasuredAtoms& atoms, const AreaSums& sums) {
   return fields + "," + difference_text(sums.ses_alone, sums.ses.total());
 }
 
-std::string relative_sas(const MeasuredAtoms& atoms, const AtomLabel& label, double sas_area) {
-  const std::optional<double> max = max_sas_area(atoms, label.residue);
+std::string relative_sas(std::optional<double> max, double sas_area) {
   return max ? formatted("{:.6f}", sas_area / *max) : "";
 }
 
@@ -122,8 +121,9 @@ std::vector<std::string> residues_of(const MeasuredAtoms& atoms, std::span<const
   return residues;
 }
 
-std::optional<double> max_sas_area(const MeasuredAtoms& atoms, std::string_view residue) {
-  return atoms.reference ? eses::max_sas_area(residue, *atoms.reference) : std::nullopt;
+std::optional<double> max_sas_area(const MeasuredAtoms& atoms, std::size_t begin, std::size_t end) {
+  if (!atoms.reference) return std::nullopt;
+  return eses::max_sas_area(atoms.labels.subspan(begin, end - begin), *atoms.reference);
 }
 
 void append_measured_atoms(const MeasuredAtoms& atoms, BufferedText& text) {
@@ -151,7 +151,7 @@ void append_measured_residues(const MeasuredAtoms& atoms, BufferedText& text) {
         for (std::size_t atom = begin; atom < end; ++atom) sums.add(atoms, atom);
         text.append("{},{},{},{},{},{}{}{}\n", csv_field(label.chain),
                     csv_field(label.residue_number), csv_field(label.residue), end - begin,
-                    area_fields(atoms, sums), relative_sas(atoms, label, sums.sas),
+                    area_fields(atoms, sums), relative_sas(max_sas_area(atoms, begin, end), sums.sas),
                     part_fields(atoms, sums), auth_field(atoms, label));
       });
 }

@@ -12,6 +12,7 @@
 #include <fstream>
 #include <map>
 #include <memory>
+#include <span>
 #include <sstream>
 #include <string>
 #include <string_view>
@@ -344,6 +345,12 @@ TEST_CASE("names of force fields have the radii of the standard residues", "[str
   CHECK(protor.find({"GOL", "O1", "O"})->by_element);
   CHECK(max_sas_area("HSD") == max_sas_area("HIS"));
   CHECK(max_sas_area("NCYX") == max_sas_area("CYS"));
+  // Homoserine has the name of a histidine.
+  const std::vector<AtomLabel> histidine{{"", "HSE", "1", "CA"}, {"", "HSE", "1", "NE2"}},
+      homoserine{{"", "HSE", "1", "CA"}, {"", "HSE", "1", "OD"}};
+  CHECK(max_sas_area(histidine) == max_sas_area("HIS"));
+  CHECK(max_sas_area(homoserine) == std::nullopt);
+  CHECK(max_sas_area(std::span<const AtomLabel>()) == std::nullopt);
 }
 
 TEST_CASE("find_radii: radii of named atoms, and what was guessed", "[radii]") {

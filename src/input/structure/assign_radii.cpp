@@ -41,8 +41,9 @@ class AtomKinds {
     const double occupancy = radii_.is_occupancy ? occupancy_of(atom) : 0;
     const std::string &residue = atom.residue->name, &name = atom.atom->name;
     const std::string_view element = symbol_of(atom.atom->element);
-    const bool is_other = is_other_molecule(*atom.residue);
-    key_.assign(1, is_other ? 'O' : ' ')
+    const std::string_view standard = standard_residue(*atom.residue);
+    key_.assign(standard)
+        .append(1, '\0')
         .append(residue)
         .append(1, '\0')
         .append(name)
@@ -51,7 +52,7 @@ class AtomKinds {
     if (radii_.is_occupancy) key_.append(1, '\0').append(formatted("{}", occupancy));
     const auto [at, is_new] = indices_.try_emplace(key_, kinds_.size());
     if (is_new) {
-      const auto found = radii_.find({residue, name, element, atom.atom->is_hydrogen(), is_other});
+      const auto found = radii_.find({residue, name, element, atom.atom->is_hydrogen(), standard});
       const double radius = radii_.is_occupancy ? occupancy
                             : found             ? found->radius
                                                 : unknown_radius_;
@@ -59,7 +60,7 @@ class AtomKinds {
       const bool is_bead = is_water_bead(residue) && atom.atom->element == gemmi::El::O;
       const bool is_foreign =
           !is_named && !atom.atom->is_hydrogen() &&
-          (is_bead || (!is_other && is_polymer_residue(residue) && !may_have_atom(residue, name)));
+          (is_bead || (is_polymer_residue(residue) && !may_have_atom(standard, name)));
       kinds_.push_back({{residue, name, std::string(element), radius},
                         found.has_value(),
                         found && found->by_element,

@@ -31,11 +31,11 @@ inline const char* symbol_of(gemmi::Element element) {
 }
 
 /// Returns whether a residue is an amino acid or nucleotide, also a modified one, and also by a
-/// name of Amber, CHARMM or GROMACS.
+/// name of Amber, CHARMM or GROMACS, and in small letters.
 inline bool is_polymer_residue(std::string_view residue) {
-  const std::string name(without_end_letter(residue));
-  const auto& info = gemmi::find_tabulated_residue(name);
-  return info.is_amino_acid() || info.is_nucleic_acid() || is_named_polymer(residue);
+  const std::string name = upper_case(std::string(residue));
+  const auto& info = gemmi::find_tabulated_residue(std::string(without_end_letter(name)));
+  return info.is_amino_acid() || info.is_nucleic_acid() || is_named_polymer(name);
 }
 
 inline std::uint64_t count_atoms(const gemmi::Model& model) {
@@ -63,8 +63,10 @@ inline void mark_residues(gemmi::Model& model) {
 
 /// Returns whether mark_residues has found several atoms, but none of a backbone.
 inline bool has_no_backbone(const gemmi::Residue& residue) { return residue.flag == 'S'; }
-/// Returns whether mark_residues has found another molecule than the name says.
-inline bool is_other_molecule(const gemmi::Residue& residue) { return residue.flag == 'O'; }
+/// Returns the standard residue of a residue, by what mark_residues has found.
+inline std::string_view standard_residue(const gemmi::Residue& residue) {
+  return residue.flag == 'O' ? residue.name : standard_residue(residue.name);
+}
 
 inline bool is_hetatm(const gemmi::Residue& residue) { return residue.het_flag == 'H'; }
 
