@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <functional>
 #include <sstream>
 #include <string>
 #include <system_error>
@@ -12,7 +13,9 @@
 #include "cli/messages.hpp"
 #include "eses/error.hpp"
 #include "input/other_formats.hpp"
+#include "input/text_fields.hpp"
 #include "input/text_source.hpp"
+#include "output/area_formats.hpp"
 #include "system/formatted.hpp"
 
 namespace eses::detail::cli {
@@ -25,8 +28,29 @@ bool is_structure_file(const fs::path& path) {
          format_of(path, AtomFormat::automatic) != AtomFormat::xyzr;
 }
 
+/// Returns whether a file has areas of `measure --write pdb` or `cif`, by its name and its first
+/// line.
+bool is_area_file(const fs::path& path) {
+  const std::string name = lower_case(path.filename().string());
+  const bool is_pdb = name.ends_with(".areas.pdb") || name.ends_with(".areas.pdb.gz");
+  if (!is_pdb && !name.ends_with(".areas.cif") && !name.ends_with(".areas.cif.gz")) return false;
+  std::string heading = formatted("{}\n", is_pdb ? pdb_heading : cif_heading), start;
+  try {
+    TextSource source(path);
+    std::array<char, 128> part{};
+    while (start.size() < heading.size()) {
+      const std::size_t count = source.read(part);
+      if (count == 0) return false;
+      start.append(part.data(), count);
+    }
+  } catch (const Error&) {  // is reported when the file is measured
+    return false;
+  }
+  return start.starts_with(heading);
+}
+
 template <class Iterator>
-std::vector<fs::path> files_in(const fs::path& folder) {
+std::vector<fs::path> files_in(const fs::path& folder, bool is_quiet) {
   std::vector<fs::path> files;
   std::error_code error;
   for (Iterator entry(folder, error); !error && entry != Iterator(); entry.increment(error)) {
@@ -36,14 +60,24 @@ std::vector<fs::path> files_in(const fs::path& folder) {
   }
   if (error)
     throw Error(formatted("cannot read {}: {}", one_line(folder.string()), error.message()));
-  if (files.empty())
-    throw Error(
-        formatted("no PDB, mmCIF, PQR or xyzr files in the folder {}", one_line(folder.string())));
   std::ranges::sort(files);
+  const auto areas = std::stable_partition(files.begin(), files.end(), std::not_fn(is_area_file));
+  const std::string left_out =
+      areas == files.end()
+          ? ""
+          : formatted("{} of areas that measure has written, such as {}",
+                      counted(files.end() - areas, "file"), one_line(areas->string()));
+  files.erase(areas, files.end());
+  if (files.empty())
+    throw Error(formatted("no PDB, mmCIF, PQR or xyzr files in the folder {}{}{}",
+                          one_line(folder.string()), left_out.empty() ? "" : " besides ", left_out));
+  if (!left_out.empty() && !is_quiet)
+    print_message("note", formatted("left out {}; name a file to measure it", left_out));
   return files;
 }
 
-std::vector<fs::path> expand_folders(const std::vector<fs::path>& paths, bool recursively) {
+std::vector<fs::path> expand_folders(const std::vector<fs::path>& paths, bool recursively,
+                                     bool is_quiet) {
   std::vector<fs::path> files;
   for (const fs::path& path : paths) {
     std::error_code ignored;
@@ -51,9 +85,9 @@ std::vector<fs::path> expand_folders(const std::vector<fs::path>& paths, bool re
       files.push_back(path);
       continue;
     }
-    const std::vector<fs::path> found = recursively
-                                            ? files_in<fs::recursive_directory_iterator>(path)
-                                            : files_in<fs::directory_iterator>(path);
+    const std::vector<fs::path> found =
+        recursively ? files_in<fs::recursive_directory_iterator>(path, is_quiet)
+                    : files_in<fs::directory_iterator>(path, is_quiet);
     files.insert(files.end(), found.begin(), found.end());
   }
   return files;
@@ -76,12 +110,12 @@ std::vector<fs::path> read_list(const fs::path& file) {
 
 }  // namespace
 
-std::vector<fs::path> InputChoice::files() const {
+std::vector<fs::path> InputChoice::files(bool is_quiet) const {
   if (paths.empty() && list.empty()) throw UsageError("FILE is required");
   std::vector<fs::path> all = paths;
   if (!list.empty())
     for (const fs::path& file : read_list(list)) all.push_back(file);
-  all = expand_folders(all, looks_in_folders);
+  all = expand_folders(all, looks_in_folders, is_quiet);
   if (all.size() > 1 && std::ranges::find(all, "-") != all.end())
     throw UsageError("standard input (-) cannot be combined with other files");
   return all;

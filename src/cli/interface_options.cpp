@@ -90,7 +90,7 @@ InterfaceOptions parse_interface_arguments(const Arguments& arguments) {
   add_interface_options(app, options, inputs);
   parse(app, arguments, "FILE...");
   options.groups.by_chain = options.groups.parts.empty();
-  options.inputs = inputs.files();
+  options.inputs = inputs.files(options.quiet);
   for (const std::filesystem::path& path : options.inputs) {
     const InputFile input{path, options.format};
     std::error_code ignored;

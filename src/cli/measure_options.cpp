@@ -300,7 +300,7 @@ MeasureCommandOptions parse_measure_arguments(const Arguments& arguments) {
   InputChoice inputs;
   add_measure_options(app, options, inputs);
   parse(app, arguments, "FILE...");
-  options.inputs = inputs.files();
+  options.inputs = inputs.files(options.quiet);
   options.list = inputs.list;
   options.prints_csv = is_standard_output(options.csv);
   if (options.prints_csv) options.csv.clear();

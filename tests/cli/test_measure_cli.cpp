@@ -405,6 +405,20 @@ TEST_CASE("measure: folders and lists stand for their files") {
   CHECK(files({"measure", "structures", "-q"}) == Fields{"structures/a.pqr", "structures/b.xyzr"});
   CHECK(files({"measure", "-r", "structures", "one.xyzr", "-q"}) ==
         Fields{"structures/a.pqr", "structures/b.xyzr", "structures/more/c.xyzr", "one.xyzr"});
+  // What measure has written into the folder is left out, but no file that only has such a name.
+  REQUIRE(box.run({"measure", "structures/a.pqr", "--write", "pdb,cif", "-o", "structures"}).code == 0);
+  const Outcome noted = box.run({"measure", "structures"});
+  CHECK(contains(noted.err, "note: left out 2 files of areas that measure has written, such as "
+                            "structures/a.areas.cif; name a file to measure it"));
+  CHECK(box.run({"measure", "structures", "-q"}).err.empty());
+  CHECK(files({"measure", "structures/a.areas.pdb", "two.xyzr", "-q"}) ==
+        Fields{"structures/a.areas.pdb", "two.xyzr"});
+  fs::copy(folder / "more/c.xyzr", folder / "more/d.areas.xyzr");
+  const std::string areas = read_file(folder / "a.areas.pdb");
+  write_file(folder / "more/e.areas.pdb", areas.substr(areas.find('\n') + 1));
+  CHECK(files({"measure", "-r", "structures", "-q"}) ==
+        Fields{"structures/a.pqr", "structures/b.xyzr", "structures/more/c.xyzr",
+               "structures/more/d.areas.xyzr", "structures/more/e.areas.pdb"});
   write_file(box.directory() / "list", "two.xyzr\r\n\none.xyzr");
   CHECK(files({"measure", "--files-from", "list", "-q"}) == Fields{"two.xyzr", "one.xyzr"});
   CHECK(files({"measure", "--files-from", "-", "-q"}, "< list") == Fields{"two.xyzr", "one.xyzr"});
