@@ -23,9 +23,10 @@ constexpr std::array<Wording, diagnostic_kinds> wordings{{
     {"small_radii", "atom, with a radius below 0.4 angstrom; are lengths in nanometres?",
      "atoms, all with a radius below 0.4 angstrom; are lengths in nanometres?"},
     {"one_atom_residue",
-     "residue has a single atom; area and volume are not those of the whole molecule",
-     "residues have a single atom, as in models of C-alpha atoms; area and volume are not those of "
-     "the whole molecule"},
+     "residue has a single atom, or CA and CB alone; area and volume are not those of the whole "
+     "molecule",
+     "residues have a single atom, or CA and CB alone, as in models of C-alpha atoms; area and "
+     "volume are not those of the whole molecule"},
     {"foreign_residue",
      "residue is no amino acid, nucleotide or water of its name: it has other atoms or no "
      "backbone, as in coarse-grained models; its elements and radii are guesses",

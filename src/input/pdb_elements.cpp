@@ -25,8 +25,8 @@ constexpr std::array<std::string_view, 100> polymer_residues{
     "U5",  "UN",  "RA",  "RC",  "RG",  "RU",  "RA3", "RA5", "RC3", "RC5", "RG3", "RG5", "RU3",
     "RU5", "DA3", "DA5", "DC3", "DC5", "DG3", "DG5", "DT3", "DT5"};
 
-// Names of ions in the force field of CHARMM.
-constexpr std::array<std::pair<std::string_view, std::string_view>, 9> charmm_ions{{
+// Names of ions in the force fields of CHARMM, Amber (C0) and SIRAH.
+constexpr std::array<std::pair<std::string_view, std::string_view>, 16> named_ions{{
     {"SOD", "NA"},
     {"CLA", "CL"},
     {"POT", "K"},
@@ -36,6 +36,13 @@ constexpr std::array<std::pair<std::string_view, std::string_view>, 9> charmm_io
     {"RUB", "RB"},
     {"BAR", "BA"},
     {"CAD", "CD"},
+    {"C0", "CA"},
+    {"NAW", "NA"},
+    {"CLW", "CL"},
+    {"KW", "K"},
+    {"MGX", "MG"},
+    {"CAX", "CA"},
+    {"ZNX", "ZN"},
 }};
 
 // Elements of two letters that are usually meant by these names in ligands, although the first
@@ -47,15 +54,14 @@ constexpr std::array<std::string_view, 10> left_aligned_elements{"CL", "BR", "CU
 // write it, if the symbol is the whole name or a digit follows.
 constexpr std::array<std::string_view, 4> shifted_elements{"CL", "BR", "SI", "SE"};
 
-// Residue names of four letters in GROMACS and CHARMM that begin with the name of an amino acid,
-// and names of water.
-constexpr std::array<std::string_view, 23> long_residues{
-    "ARGN", "ASPH", "ASPP", "CYS2", "CYSD", "CYSH", "GLUH", "GLUP", "HIS1", "HIS2", "HISA", "HISB",
-    "HISD", "HISE", "HISH", "LYSH", "LYSN", "TYRH", "TIP3", "TIP4", "TIP5", "SPCE", "TIP2"};
+// Names of amino acids with four letters in GROMACS and CHARMM, and of water.
+constexpr std::string_view long_residues =
+    "ARGN ASPH ASPP CYS2 CYSD CYSH GLUH GLUP HIS1 HIS2 HISA HISB HISD HISE HISH LYSH LYSN TYRH";
+constexpr std::string_view long_waters = "TIP2 TIP3 TIP4 TIP5 SPCE";
 
-// Names of water in the coarse-grained force fields Martini 2 and 3: beads, beads against freezing,
-// polarizable, small and tiny ones.
-constexpr std::array<std::string_view, 5> water_beads{"W", "WF", "PW", "SW", "TW"};
+// Names of water in coarse-grained force fields. Martini 2 and 3 have beads, beads against
+// freezing, polarizable, small and tiny ones; the last name is that of SIRAH.
+constexpr std::string_view water_beads = "W WF PW SW TW WT4";
 
 bool contains(const auto& list, std::string_view text) {
   return std::find(list.begin(), list.end(), text) != list.end();
@@ -71,10 +77,10 @@ std::string_view stem_of(std::string_view name) {
 }
 
 std::string ion_element(std::string_view name) {
-  const std::string_view stem = stem_of(name);
-  for (const auto& [ion, element] : charmm_ions)
-    if (stem == ion) return std::string(element);
-  return stem.size() <= 2 && is_element(stem) ? std::string(stem) : std::string();
+  const std::string stem = upper_case(std::string(stem_of(name)));
+  for (const auto& [ion, element] : named_ions)
+    if (stem == ion || name == ion) return std::string(element);
+  return stem.size() <= 2 && is_element(stem) ? stem : std::string();
 }
 
 /// Returns the element of an atom that is not of a polymer and whose name begins with `H` or `D`.
@@ -93,7 +99,7 @@ std::string hydrogen_or_mercury(std::string_view name_columns, std::string_view 
 /// nitrogen.
 std::string mixed_case_element(std::string_view name) {
   constexpr std::string_view greek = "abdeghz";
-  if (name.size() < 2 || name[1] < 'a' || name[1] > 'z') return {};
+  if (name.size() < 2 || name[0] > 'Z' || name[1] < 'a' || name[1] > 'z') return {};
   const bool is_ambiguous = std::string_view("CNO").find(name[0]) != std::string_view::npos &&
                             greek.find(name[1]) != greek.npos;
   if (is_ambiguous || !is_element(name.substr(0, 2))) return {};
@@ -119,11 +125,11 @@ std::string ligand_element(std::string_view name, bool is_left_aligned) {
 }  // namespace
 
 bool is_named_polymer(std::string_view residue) {
-  return contains(polymer_residues, without_end_letter(residue));
+  return contains(polymer_residues, without_end_letter(residue)) || has_word(long_residues, residue);
 }
 
 bool is_known_long_residue(std::string_view name) {
-  return name.size() == 4 && (is_named_polymer(name) || contains(long_residues, name));
+  return name.size() == 4 && (is_named_polymer(name) || has_word(long_waters, name));
 }
 
 bool is_long_residue(std::string_view name) {
@@ -144,16 +150,20 @@ ResidueColumns split_residue(std::string_view record, bool may_be_long,
   if (const std::string_view name = columns.substr(1);
       may_be_long && is_blank(columns.front()) && is_filled(name) && is_known_long_residue(name))
     return {name, {}, true};
+  // No chain has a sign as its name.
+  if (columns[3] == '+' || columns[3] == '-')
+    return {trimmed(columns.substr(0, 4)), trimmed(columns.substr(4)), true};
   return {trimmed(columns.substr(0, 3)), trimmed(columns.substr(3)), false};
 }
 
-bool is_water_bead(std::string_view residue) { return contains(water_beads, residue); }
+bool is_water_bead(std::string_view residue) { return has_word(water_beads, residue); }
 
 bool is_ion(const NamedAtom& atom) {
   if (is_water_bead(atom.residue)) return false;
   const std::string_view name = trimmed(atom.name_columns), residue = atom.residue;
   if (atom.is_polymer) return name == residue;
-  if (!stem_of(name).empty() && stem_of(name) == stem_of(residue)) return true;
+  const std::string stem = lower_case(std::string(stem_of(name)));
+  if (!stem.empty() && stem == lower_case(std::string(stem_of(residue)))) return true;
   const std::string element = ion_element(name);
   if (element.empty()) return false;
   if (residue == "ION" || residue == "IONS") return true;

@@ -61,8 +61,8 @@ struct NamedAtom {
   bool is_left_aligned = true;
 };
 
-/// Returns whether a residue has the name of a water bead of Martini, such as W. One bead stands
-/// for several molecules.
+/// Returns whether a residue has the name of water in coarse-grained models, such as W in Martini.
+/// It stands for several molecules.
 bool is_water_bead(std::string_view residue);
 
 /// Returns whether an atom is an ion: the only atom of the residues CA, FE2 and 3CO, an atom of the

@@ -110,8 +110,9 @@ TEST_CASE("models with one atom in each residue give a warning", "[structure][cl
   const auto residue = [](int number, bool is_whole) {
     const std::string text = fmt::format("{:4} ", number);
     const std::string alpha = line_of({.number = text, .x = 3.8 * number});
-    return is_whole ? alpha + line_of({.name = " CB ", .number = text, .x = 3.8 * number, .y = 1.5})
-                    : alpha;
+    const std::string beta = line_of({.name = " CB ", .number = text, .x = 3.8 * number, .y = 1.5});
+    if (!is_whole) return number % 2 == 0 ? alpha : alpha + beta;
+    return alpha + beta + line_of({.name = " C  ", .number = text, .x = 3.8 * number, .z = 1.5});
   };
   const auto diagnostics = [](const std::string& text) { return read_pdb(text).diagnostics; };
   const std::string trace = residue(1, false) + residue(2, false);
@@ -136,9 +137,8 @@ TEST_CASE("models with one atom in each residue give a warning", "[structure][cl
   const Sandbox sandbox;
   write_file(sandbox.directory() / "trace.pdb", trace);
   const std::string message =
-      "trace.pdb: 2 residues have a single atom, as in models of C-alpha atoms; area and volume "
-      "are "
-      "not those of the whole molecule: lines 1, A/ALA 1/CA; 2, A/ALA 2/CA\n";
+      "trace.pdb: 2 residues have a single atom, or CA and CB alone, as in models of C-alpha atoms; "
+      "area and volume are not those of the whole molecule: lines 1, A/ALA 1/CA; 3, A/ALA 2/CA\n";
   const Outcome outcome = sandbox.run({"trace.pdb", "--write", "none"});
   CHECK(outcome.code == 0);
   CHECK(outcome.err == "eses-blocks: warning: " + message);

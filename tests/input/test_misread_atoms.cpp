@@ -11,6 +11,7 @@
 #include "eses/radii.hpp"
 #include "eses/surface.hpp"
 #include "input/radii_set.hpp"
+#include "input/text_fields.hpp"
 #include "support/structures.hpp"
 
 namespace eses::detail::test {
@@ -202,6 +203,48 @@ TEST_CASE("beads of water are neither tungsten nor atoms", "[structure][cli]") {
   CHECK(strict.code == 1);
   CHECK(
       contains(strict.err, "w.pdb: 6 residues are no amino acids, nucleotides or water of their"));
+}
+
+TEST_CASE("ions of Amber and SIRAH, and ions in small letters and with signs", "[structure]") {
+  const AtomFile file = read_bondi(
+      records_of({"NA   Na+    1 ", " CA  Ca+2   2 ", "C0   C0     3 ", " NaW NaW    4 ",
+                  " ClW ClW    5 ", " CaX CaX    6 ", " NA   NA+   7 ", "ZN   ZN2+   8 "}));
+  CHECK(elements_of(file) == Names{"Na", "Ca", "Ca", "Na", "Cl", "Ca", "Na", "Zn"});
+  CHECK(file.labels[6].residue == "NA+");
+  CHECK(file.labels[7].residue == "ZN2+");
+  CHECK(file.labels[7].chain.empty());
+  // Water of SIRAH is no tungsten.
+  CHECK(contains(pdb_error(records_of({" WN1 WT4 A   1 ", " WP1 WT4 A   1 "})),
+                 "left out: 2 of water (--waters keeps them)"));
+}
+
+TEST_CASE("records in small letters have the elements of those in capitals", "[structure]") {
+  const std::vector<std::string> names{" N   ALA A   1 ", " CA  ALA A   1 ", " CL1 LIG A   2 ",
+                                       "CA    CA A   3 ", " OG  SER a   4 "};
+  const AtomFile file = read_bondi(lower_case(records_of(names)));
+  CHECK(elements_of(file) == elements_of(read_bondi(records_of(names))));
+  CHECK(elements_of(file) == Names{"N", "C", "Cl", "Ca", "O"});
+  CHECK(file.structure->guessed_elements.size() == 2);
+}
+
+TEST_CASE("amino acids of GROMACS with four letters, and thymidine of old files", "[structure]") {
+  const AtomFile file =
+      read_pdb(records_of({" CB  LYSHA   1 ", " CG  LYSHA   1 ", " CA  ALA A   2 "}));
+  CHECK(count_of(DiagnosticKind::foreign_residue, file.diagnostics) == 1);
+  CHECK(file.structure->guessed_elements.empty());
+  const auto radius_of = [](const std::string& name) {
+    return read_pdb(records_of({name})).atoms.at(0).radius;
+  };
+  CHECK(radius_of(" O1P   T A   1 ") == radius_of(" OP1  DT A   1 "));
+}
+
+TEST_CASE("coordinates in their columns that are no numbers", "[structure]") {
+  for (const std::string text : {"     nan", "********", "   0,000"}) {
+    std::string line = line_of({.x = 1, .y = 2, .z = 3});
+    CHECK(pdb_error(line.replace(30, 8, text)) ==
+          fmt::format("t.pdb:1: expected a number for x in columns 31 to 38, found \"{}\"",
+                      text.substr(text.find_first_not_of(' '))));
+  }
 }
 
 TEST_CASE("dummy atoms of ligands are no deuterium", "[structure]") {

@@ -185,6 +185,26 @@ TEST_CASE("mmCIF: numbers outside the range of integers are refused or not used"
   CHECK(read_mmcif(atom_table(columns, rows), options).atoms.size() == 1);
 }
 
+TEST_CASE("mmCIF: values of the authors that are unknown are those of the label", "[structure]") {
+  const std::vector<std::string> columns{"type_symbol",   "auth_atom_id", "label_atom_id",
+                                         "auth_comp_id",  "label_comp_id", "auth_asym_id",
+                                         "label_asym_id", "auth_seq_id",  "label_seq_id",
+                                         "Cartn_x",       "Cartn_y",      "Cartn_z"};
+  CHECK(names_of(read_mmcif(atom_table(columns,
+                                       "C ? CA ? ALA ? A ? 5 0 0 0\nC . CB . ALA . A . 5 2 0 0\n"
+                                       "N N1 N LYS ALA B A 7 6 9 0 0\n"))) ==
+        Names{"A ALA 5 CA", "A ALA 5 CB", "B LYS 7 N1"});
+}
+
+TEST_CASE("mmCIF: without a column of elements they follow from the names", "[structure]") {
+  const AtomFile file = read_mmcif(atom_table(
+      {"label_atom_id", "label_comp_id", "auth_seq_id", "Cartn_x", "Cartn_y", "Cartn_z"},
+      "CA ALA 1 0 0 0\nCA CA 2 9 0 0\n"));
+  REQUIRE(file.labels.size() == 2);
+  CHECK(file.labels[0].element == "C");
+  CHECK(file.labels[1].element == "Ca");
+}
+
 TEST_CASE("mmCIF: invalid values are refused with their line and column", "[structure]") {
   const auto row_with = [](std::size_t column, const std::string& value) {
     std::vector<std::string> values{"ATOM", "1", "C", "CA", ".",   "ALA", "A",  "1", "1",
@@ -240,7 +260,7 @@ TEST_CASE("mmCIF: values may be quoted, and some may be unknown", "[structure]")
   CHECK(quoted.atoms.at(0).center == Vec3{1.5, -2, 3.25});
   CHECK(quoted.structure->models == 1);
   const std::string unknown = mmcif_head + "ATOM 1 C CA ? ALA A ? ? ? 1 2 3 ? ? ? ? ?\n";
-  CHECK(names_of(read_mmcif(unknown)) == Names{" ALA 1 CA"});
+  CHECK(names_of(read_mmcif(unknown)) == Names{"A ALA 1 CA"});
   CHECK(read_mmcif(unknown).structure->model == "1");
   StructureOptions options;
   options.select = ";q=1;b=0";
@@ -453,7 +473,7 @@ TEST_CASE("mmCIF: columns that programs leave out have defaults", "[structure]")
   options.select = ";q=1";
   CHECK(read_mmcif(atom_table(columns, rows), options).atoms.size() == 2);
   for (std::size_t i = 0; i < 8; ++i) {
-    if (columns[i] == "auth_asym_id") continue;
+    if (columns[i] == "auth_asym_id" || columns[i] == "type_symbol") continue;
     std::vector<std::string> other = columns;
     other[i] = "details";
     INFO(columns[i]);

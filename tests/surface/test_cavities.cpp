@@ -17,6 +17,7 @@
 #include "support/atom_sets.hpp"
 #include "support/flood_fill.hpp"
 #include "support/measured_sets.hpp"
+#include "surface/connect_walls.hpp"
 #include "surface/measure_patches.hpp"
 
 namespace eses::detail::test {
@@ -528,6 +529,33 @@ TEST_CASE("cavities: flood fills of degenerate atoms agree") {
       // A smaller probe, in general position.
       check_against_flood_fill(atoms, 0.77 * probe, 0.7);
     }
+}
+
+TEST_CASE("cavities: the callback is called during the long steps of the search") {
+  // Several times for 27,000 atoms, so that Ctrl-C is served for a million.
+  const Molecule lattice(make_cube(30, 3, 1));
+  int calls = 0;
+  const CheckCallback check = [&] { ++calls; };
+  find_pieces(SurfaceModel(lattice, 1.4), check);
+  CHECK(calls >= 6);
+  // A rod of atoms around a cavity, where many spheres are almost the largest.
+  std::vector<Atom> rod;
+  for (int k = 0; k < 40; ++k)
+    for (int side = 0; side < 12; ++side)
+      rod.push_back({{4 * std::cos(side * pi / 6), 4 * std::sin(side * pi / 6), k * 1.5}, 1.6});
+  for (const double z : {-1.0, 60.0})
+    for (int x = -2; x <= 2; ++x)
+      for (int y = -2; y <= 2; ++y) rod.push_back({{1.5 * x, 1.5 * y, z}, 1.6});
+  const auto calls_of = [&](bool largest_probes) {
+    calls = 0;
+    const Measures measures = measure_patches(Molecule(rod), {.probe_radius = 1.4,
+                                                              .cavities = true,
+                                                              .check = check,
+                                                              .largest_probes = largest_probes});
+    CHECK(measures.cavities.size() == 1);
+    return calls;
+  };
+  CHECK(calls_of(true) > calls_of(false));
 }
 
 }  // namespace eses::detail::test

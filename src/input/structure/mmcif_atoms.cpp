@@ -5,7 +5,6 @@
 #include <cstddef>
 #include <gemmi/numb.hpp>
 #include <gemmi/resinfo.hpp>
-#include <initializer_list>
 #include <map>
 #include <set>
 #include <stdexcept>
@@ -29,25 +28,28 @@ struct Row {
 /// A column of the table of atoms. All values of a missing column are unknown.
 class Column {
  public:
-  /// Finds the first of these columns that the table has. If it has none, throws MmcifError with
-  /// the name `required`, unless this is empty.
-  Column(gemmi::cif::Block& block, std::initializer_list<const char*> names,
-         const std::string& required = "") {
-    for (const char* const name : names) {
-      tag_ = std::string(atom_category) + name;
-      values_ = block.find_values(tag_);
-      if (values_) return;
+  /// Finds the column `name`, or `other` if the table does not have it. If it has none of them,
+  /// throws MmcifError with the name `required`, unless this is empty.
+  Column(gemmi::cif::Block& block, const std::string& name, const std::string& other = "",
+         const std::string& required = "")
+      : values_(block.find_values(atom_category + name)), tag_(atom_category + name) {
+    if (!other.empty()) others_ = block.find_values(atom_category + other);
+    if (!values_ && others_) {
+      std::swap(values_, others_);
+      tag_ = atom_category + other;
     }
-    if (!required.empty()) throw MmcifError{0, "the _atom_site table lacks the column " + required};
+    if (!values_ && !required.empty())
+      throw MmcifError{0, "the _atom_site table lacks the column " + required};
   }
 
   bool is_found() const { return static_cast<bool>(values_); }
   int length() const { return values_.length(); }
 
-  /// Returns the value without quotation marks; empty if it is unknown, which files write as `.` or
-  /// `?`.
+  /// Returns the value, or that of the other column if it is unknown, without quotation marks; empty
+  /// if both are unknown, which files write as `.` or `?`.
   std::string text(const Row& row) const {
-    return values_ ? gemmi::cif::as_string(values_[row.index]) : std::string();
+    std::string value = values_ ? gemmi::cif::as_string(values_[row.index]) : std::string();
+    return value.empty() && others_ ? gemmi::cif::as_string(others_[row.index]) : value;
   }
 
   /// Returns a value of one character, or `unknown`.
@@ -77,19 +79,21 @@ class Column {
   }
 
   [[noreturn]] void fail(const Row& row, const std::string& expected) const {
+    const std::string value = text(row);
     throw MmcifError{row.line, "expected " + expected + " in " + tag_ + ", found " +
-                                   detail::quoted(values_[row.index])};
+                                   detail::quoted(value.empty() ? values_[row.index] : value)};
   }
 
  private:
-  mutable gemmi::cif::Column values_;  // in gemmi 0.5 no access to values is const
+  // In gemmi 0.5 no access to values is const.
+  mutable gemmi::cif::Column values_, others_;
   std::string tag_;
 };
 
 /// Returns the column of the names of chains.
 Column chain_column(gemmi::cif::Block& block, bool label_chains) {
-  if (label_chains) return {block, {"label_asym_id"}, "label_asym_id"};
-  return {block, {"auth_asym_id", "label_asym_id"}};
+  if (label_chains) return {block, "label_asym_id", "", "label_asym_id"};
+  return {block, "auth_asym_id", "label_asym_id"};
 }
 
 /// Returns the charges of the first set in the table of charges, by the ids of the atoms.
@@ -247,27 +251,27 @@ class ChainBuilder {
   ModelList& models_;
   const ParseOptions& options_;
   // The required columns come first, in the order in which they are reported.
-  Column element_{block_, {"type_symbol"}, "type_symbol"};
-  Column atom_name_{block_, {"auth_atom_id", "label_atom_id"}, "label_atom_id"};
-  Column residue_name_{block_, {"auth_comp_id", "label_comp_id"}, "label_comp_id"};
-  Column x_{block_, {"Cartn_x"}, "Cartn_x"};
-  Column y_{block_, {"Cartn_y"}, "Cartn_y"};
-  Column z_{block_, {"Cartn_z"}, "Cartn_z"};
-  Column number_{block_, {"auth_seq_id", "label_seq_id"}, "auth_seq_id"};
-  Column group_{block_, {"group_PDB"}};
-  Column altloc_{block_, {"label_alt_id"}};
+  Column atom_name_{block_, "auth_atom_id", "label_atom_id", "label_atom_id"};
+  Column residue_name_{block_, "auth_comp_id", "label_comp_id", "label_comp_id"};
+  Column x_{block_, "Cartn_x", "", "Cartn_x"};
+  Column y_{block_, "Cartn_y", "", "Cartn_y"};
+  Column z_{block_, "Cartn_z", "", "Cartn_z"};
+  Column number_{block_, "auth_seq_id", "label_seq_id", "auth_seq_id"};
+  Column element_{block_, "type_symbol"};
+  Column group_{block_, "group_PDB"};
+  Column altloc_{block_, "label_alt_id"};
   Column chain_name_ = chain_column(block_, options_.label_chains);
   Column auth_chain_ = chain_column(block_, false);
-  Column label_chain_{block_, {"label_asym_id"}};
-  Column subchain_{block_, {"label_asym_id", "auth_asym_id"}};
-  Column entity_{block_, {"label_entity_id"}};
-  Column label_number_{block_, {"label_seq_id"}};
-  Column insertion_code_{block_, {"pdbx_PDB_ins_code"}};
-  Column occupancy_{block_, {"occupancy"}};
-  Column b_factor_{block_, {"B_iso_or_equiv"}};
-  Column model_number_{block_, {"pdbx_PDB_model_num"}};
-  Column charge_{block_, {"partial_charge"}};
-  Column id_{block_, {"id"}};
+  Column label_chain_{block_, "label_asym_id"};
+  Column subchain_{block_, "label_asym_id", "auth_asym_id"};
+  Column entity_{block_, "label_entity_id"};
+  Column label_number_{block_, "label_seq_id"};
+  Column insertion_code_{block_, "pdbx_PDB_ins_code"};
+  Column occupancy_{block_, "occupancy"};
+  Column b_factor_{block_, "B_iso_or_equiv"};
+  Column model_number_{block_, "pdbx_PDB_model_num"};
+  Column charge_{block_, "partial_charge"};
+  Column id_{block_, "id"};
   std::unordered_map<std::string, double> charges_ = charges_by_id(block_);
   AtomTable table_;
   std::unordered_map<gemmi::ResidueId, std::size_t> indices_;  // of residues of the last chain

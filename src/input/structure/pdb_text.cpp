@@ -56,6 +56,11 @@ std::string type_of(std::string_view record) {
 
 bool is_hetatm_record(std::string_view record) { return starts_with_ignoring_case(record, "heta"); }
 
+/// Returns a text of a record in capital letters if the whole record is in small ones.
+std::string in_capitals(std::string_view text, std::string_view record) {
+  return record[0] < 'a' ? std::string(text) : upper_case(std::string(text));
+}
+
 /// Looks at four characters, because records of more than 99999 atoms may have a serial number in
 /// the sixth column.
 bool is_atom_record(std::string_view record) {
@@ -180,16 +185,16 @@ std::string_view reason_for_columns(std::string_view record) {
   // Record, serial number, name, residue, perhaps chain, number, and the coordinates.
   constexpr std::size_t min_fields = 8;
   if (count_fields(record) < min_fields) return {};
-  const auto& [first, width] = coordinate_columns[0];
   for (std::string_view rest = record; !rest.empty();) {
     double value = 0;
     const std::string_view field = take_first(rest);
     if (field.find('.') == field.npos || parse_number(field, value) != std::errc{}) continue;
     const auto start = static_cast<std::size_t>(field.data() - record.data());
-    const bool is_in_columns = start >= first && start + field.size() <= first + width;
-    return is_in_columns
-               ? ""
-               : "; its fields are separated by blanks, but PDB records have fixed columns";
+    const auto is_inside = [&](const Columns& columns) {
+      return start >= columns.first && start + field.size() <= columns.first + columns.width;
+    };
+    if (std::any_of(coordinate_columns.begin(), coordinate_columns.end(), is_inside)) return {};
+    return "; its fields are separated by blanks, but PDB records have fixed columns";
   }
   return {};
 }
@@ -415,7 +420,7 @@ class PdbRecords {
     const auto [residue, chain, is_long_name] = split_residue(line, may_be_long, is_long);
     if (is_long_name)
       record_.replace(residue_columns.first, 5,
-                      formatted("{} {:1}", residue.substr(0, residue_columns.width), chain));
+                      formatted("{:3} {:1}", residue.substr(0, residue_columns.width), chain));
     chain_ = field_of(record_, chain_columns);
     // gemmi does not know the exponent letter of Fortran.
     for (std::size_t i = coordinate_columns[0].first; i < occupancy_columns.first; ++i)
@@ -455,7 +460,9 @@ class PdbRecords {
   void write_element(std::string_view line, std::string_view residue) {
     const std::string_view given =
         has_element_in_segment(line) ? element_in_segment(line) : element_of_columns(line);
-    NamedAtom atom{line.substr(name_columns.first, name_columns.width), residue};
+    const std::string name = in_capitals(line.substr(name_columns.first, name_columns.width), line),
+                      of = in_capitals(residue, line);
+    NamedAtom atom{name, of};
     atom.is_alone = true;
     atom.is_alone = !is_same_residue(previous_, line) && is_ion(atom) && is_last_of_residue(line);
     std::string element(given);

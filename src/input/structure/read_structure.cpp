@@ -222,8 +222,13 @@ void sort_by_line(std::vector<StructureAtom>& atoms) {
   throw Error(formatted("{}: {}; left out: {}", name, cause, fmt::join(reasons, ", ")));
 }
 
-/// Returns the diagnostic of residues with a single atom, if these are most residues of the
-/// polymers.
+/// Returns whether a residue has a single atom, or only CA and CB, as in UNRES.
+bool is_trace(const gemmi::Residue& residue) {
+  if (residue.atoms.size() == 1) return true;
+  return residue.atoms.size() == 2 && residue.atoms[0].name == "CA" && residue.atoms[1].name == "CB";
+}
+
+/// Returns the diagnostic of residues that are traces, if these are most residues of the polymers.
 std::vector<Diagnostic> find_one_atom_residues(const std::vector<StructureAtom>& atoms) {
   std::uint64_t residues = 0;
   Diagnostic diagnostic{DiagnosticKind::one_atom_residue, 0, {}};
@@ -231,7 +236,7 @@ std::vector<Diagnostic> find_one_atom_residues(const std::vector<StructureAtom>&
     const gemmi::Residue& residue = *atoms[i].residue;
     if (atoms[i].atom != &residue.atoms.front() || !is_polymer_residue(residue.name)) continue;
     ++residues;
-    if (residue.atoms.size() == 1 && ++diagnostic.count <= Diagnostic::max_examples)
+    if (is_trace(residue) && ++diagnostic.count <= Diagnostic::max_examples)
       diagnostic.examples.push_back({i, i});
   }
   if (2 * diagnostic.count <= residues) return {};
