@@ -57,7 +57,9 @@ inline void mark_residues(gemmi::Model& model) {
       else if (residue.atoms.size() > 1 && residue.name != "UNK" &&
                is_polymer_residue(residue.name) &&
                std::none_of(residue.atoms.begin(), residue.atoms.end(),
-                            [](const gemmi::Atom& atom) { return is_backbone_atom(atom.name); }))
+                            [](const gemmi::Atom& atom) {
+                              return is_backbone_atom(upper_case(atom.name));
+                            }))
         residue.flag = 'S';
 }
 
