@@ -20,8 +20,8 @@ enum class DiagnosticKind : std::uint8_t {
   nested,        ///< The atom is larger than a hydrogen and lies wholly inside another atom.
   large_radius,  ///< The radius is above 4 angstrom.
   small_radii,   ///< All radii are below 0.4 angstrom; lengths may be in nanometres.
-  /// The atom is alone in its residue, or CA with CB alone, as in most residues of the polymers of a
-  /// PDB or mmCIF file. Atoms are missing, as in models of C-alpha atoms.
+  /// The atom is alone in its residue, or CA with CB alone, as in most residues of the polymers of
+  /// a PDB or mmCIF file. Atoms are missing, as in models of C-alpha atoms.
   one_atom_residue,
   /// The atom is the first one of a residue with the name of an amino acid or nucleotide, but with
   /// atoms that it cannot have or without its backbone, as in coarse-grained models, or a bead of

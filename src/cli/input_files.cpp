@@ -70,7 +70,8 @@ std::vector<fs::path> files_in(const fs::path& folder, bool is_quiet) {
   files.erase(areas, files.end());
   if (files.empty())
     throw Error(formatted("no PDB, mmCIF, PQR or xyzr files in the folder {}{}{}",
-                          one_line(folder.string()), left_out.empty() ? "" : " besides ", left_out));
+                          one_line(folder.string()), left_out.empty() ? "" : " besides ",
+                          left_out));
   if (!left_out.empty() && !is_quiet)
     print_message("note", formatted("left out {}; name a file to measure it", left_out));
   return files;

@@ -125,7 +125,8 @@ std::string ligand_element(std::string_view name, bool is_left_aligned) {
 }  // namespace
 
 bool is_named_polymer(std::string_view residue) {
-  return contains(polymer_residues, without_end_letter(residue)) || has_word(long_residues, residue);
+  return contains(polymer_residues, without_end_letter(residue)) ||
+         has_word(long_residues, residue);
 }
 
 bool is_known_long_residue(std::string_view name) {

@@ -151,7 +151,8 @@ void append_measured_residues(const MeasuredAtoms& atoms, BufferedText& text) {
         for (std::size_t atom = begin; atom < end; ++atom) sums.add(atoms, atom);
         text.append("{},{},{},{},{},{}{}{}\n", csv_field(label.chain),
                     csv_field(label.residue_number), csv_field(label.residue), end - begin,
-                    area_fields(atoms, sums), relative_sas(max_sas_area(atoms, begin, end), sums.sas),
+                    area_fields(atoms, sums),
+                    relative_sas(max_sas_area(atoms, begin, end), sums.sas),
                     part_fields(atoms, sums), auth_field(atoms, label));
       });
 }

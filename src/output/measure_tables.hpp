@@ -67,8 +67,8 @@ struct MeasuredAtoms {
 /// assembly.
 std::string_view auth_chain(const MeasuredAtoms& atoms, const AtomLabel& label);
 
-/// Returns the maximum area of the residue of the atoms in [begin, end) by the reference of a table;
-/// nothing if there is none.
+/// Returns the maximum area of the residue of the atoms in [begin, end) by the reference of a
+/// table; nothing if there is none.
 std::optional<double> max_sas_area(const MeasuredAtoms& atoms, std::size_t begin, std::size_t end);
 
 /// Append a whole table.

@@ -177,9 +177,9 @@ class CavityLister {
     const CheckCallback check = [&] { serial_check(); };
     for_each_index(cavities.size(), settings.threads, [&](std::size_t c) {
       const Box centers = grown({cavities[c].low, cavities[c].high}, -probe_radius_);
-      const LargestProbe probe = find_largest_probe(
-          surface_, components_, static_cast<ComponentIndex>(c + 1), centers, cavities[c].atoms,
-          check);
+      const LargestProbe probe =
+          find_largest_probe(surface_, components_, static_cast<ComponentIndex>(c + 1), centers,
+                             cavities[c].atoms, check);
       cavities[c].largest_probe = std::max(probe.radius, probe_radius_);
       cavities[c].largest_probe_center = probe.center;
     });

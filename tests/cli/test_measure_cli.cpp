@@ -406,10 +406,12 @@ TEST_CASE("measure: folders and lists stand for their files") {
   CHECK(files({"measure", "-r", "structures", "one.xyzr", "-q"}) ==
         Fields{"structures/a.pqr", "structures/b.xyzr", "structures/more/c.xyzr", "one.xyzr"});
   // What measure has written into the folder is left out, but no file that only has such a name.
-  REQUIRE(box.run({"measure", "structures/a.pqr", "--write", "pdb,cif", "-o", "structures"}).code == 0);
+  REQUIRE(box.run({"measure", "structures/a.pqr", "--write", "pdb,cif", "-o", "structures"}).code ==
+          0);
   const Outcome noted = box.run({"measure", "structures"});
-  CHECK(contains(noted.err, "note: left out 2 files of areas that measure has written, such as "
-                            "structures/a.areas.cif; name a file to measure it"));
+  CHECK(contains(noted.err,
+                 "note: left out 2 files of areas that measure has written, such as "
+                 "structures/a.areas.cif; name a file to measure it"));
   CHECK(box.run({"measure", "structures", "-q"}).err.empty());
   CHECK(files({"measure", "structures/a.areas.pdb", "two.xyzr", "-q"}) ==
         Fields{"structures/a.areas.pdb", "two.xyzr"});

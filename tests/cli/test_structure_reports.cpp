@@ -137,7 +137,8 @@ TEST_CASE("models with one atom in each residue give a warning", "[structure][cl
   const Sandbox sandbox;
   write_file(sandbox.directory() / "trace.pdb", trace);
   const std::string message =
-      "trace.pdb: 2 residues have a single atom, or CA and CB alone, as in models of C-alpha atoms; "
+      "trace.pdb: 2 residues have a single atom, or CA and CB alone, as in models of C-alpha "
+      "atoms; "
       "area and volume are not those of the whole molecule: lines 1, A/ALA 1/CA; 3, A/ALA 2/CA\n";
   const Outcome outcome = sandbox.run({"trace.pdb", "--write", "none"});
   CHECK(outcome.code == 0);

@@ -225,7 +225,8 @@ TEST_CASE("records in small letters have the elements of those in capitals", "[s
   CHECK(elements_of(file) == elements_of(read_bondi(records_of(names))));
   CHECK(elements_of(file) == Names{"N", "C", "Cl", "Ca", "O"});
   CHECK(file.structure->guessed_elements.size() == 2);
-  CHECK(read_pdb(lower_case(records_of({" N   ALA A   1 ", " CB  ALA A   1 "}))).diagnostics.empty());
+  CHECK(
+      read_pdb(lower_case(records_of({" N   ALA A   1 ", " CB  ALA A   1 "}))).diagnostics.empty());
 }
 
 TEST_CASE("amino acids of GROMACS with four letters, and thymidine of old files", "[structure]") {

@@ -186,10 +186,10 @@ TEST_CASE("mmCIF: numbers outside the range of integers are refused or not used"
 }
 
 TEST_CASE("mmCIF: values of the authors that are unknown are those of the label", "[structure]") {
-  const std::vector<std::string> columns{"type_symbol",   "auth_atom_id", "label_atom_id",
+  const std::vector<std::string> columns{"type_symbol",   "auth_atom_id",  "label_atom_id",
                                          "auth_comp_id",  "label_comp_id", "auth_asym_id",
-                                         "label_asym_id", "auth_seq_id",  "label_seq_id",
-                                         "Cartn_x",       "Cartn_y",      "Cartn_z"};
+                                         "label_asym_id", "auth_seq_id",   "label_seq_id",
+                                         "Cartn_x",       "Cartn_y",       "Cartn_z"};
   CHECK(names_of(read_mmcif(atom_table(columns,
                                        "C ? CA ? ALA ? A ? 5 0 0 0\nC . CB . ALA . A . 5 2 0 0\n"
                                        "N N1 N LYS ALA B A 7 6 9 0 0\n"))) ==
@@ -197,9 +197,9 @@ TEST_CASE("mmCIF: values of the authors that are unknown are those of the label"
 }
 
 TEST_CASE("mmCIF: without a column of elements they follow from the names", "[structure]") {
-  const AtomFile file = read_mmcif(atom_table(
-      {"label_atom_id", "label_comp_id", "auth_seq_id", "Cartn_x", "Cartn_y", "Cartn_z"},
-      "CA ALA 1 0 0 0\nCA CA 2 9 0 0\n"));
+  const AtomFile file = read_mmcif(
+      atom_table({"label_atom_id", "label_comp_id", "auth_seq_id", "Cartn_x", "Cartn_y", "Cartn_z"},
+                 "CA ALA 1 0 0 0\nCA CA 2 9 0 0\n"));
   REQUIRE(file.labels.size() == 2);
   CHECK(file.labels[0].element == "C");
   CHECK(file.labels[1].element == "Ca");

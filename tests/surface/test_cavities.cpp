@@ -548,10 +548,9 @@ TEST_CASE("cavities: the callback is called during the long steps of the search"
       for (int y = -2; y <= 2; ++y) rod.push_back({{1.5 * x, 1.5 * y, z}, 1.6});
   const auto calls_of = [&](bool largest_probes) {
     calls = 0;
-    const Measures measures = measure_patches(Molecule(rod), {.probe_radius = 1.4,
-                                                              .cavities = true,
-                                                              .check = check,
-                                                              .largest_probes = largest_probes});
+    const Measures measures = measure_patches(
+        Molecule(rod),
+        {.probe_radius = 1.4, .cavities = true, .check = check, .largest_probes = largest_probes});
     CHECK(measures.cavities.size() == 1);
     return calls;
   };

@@ -45,8 +45,8 @@ class Column {
   bool is_found() const { return static_cast<bool>(values_); }
   int length() const { return values_.length(); }
 
-  /// Returns the value, or that of the other column if it is unknown, without quotation marks; empty
-  /// if both are unknown, which files write as `.` or `?`.
+  /// Returns the value, or that of the other column if it is unknown, without quotation marks;
+  /// empty if both are unknown, which files write as `.` or `?`.
   std::string text(const Row& row) const {
     std::string value = values_ ? gemmi::cif::as_string(values_[row.index]) : std::string();
     return value.empty() && others_ ? gemmi::cif::as_string(others_[row.index]) : value;

@@ -225,7 +225,8 @@ void sort_by_line(std::vector<StructureAtom>& atoms) {
 /// Returns whether a residue has a single atom, or only CA and CB, as in UNRES.
 bool is_trace(const gemmi::Residue& residue) {
   if (residue.atoms.size() == 1) return true;
-  return residue.atoms.size() == 2 && residue.atoms[0].name == "CA" && residue.atoms[1].name == "CB";
+  return residue.atoms.size() == 2 && residue.atoms[0].name == "CA" &&
+         residue.atoms[1].name == "CB";
 }
 
 /// Returns the diagnostic of residues that are traces, if these are most residues of the polymers.

@@ -56,10 +56,9 @@ inline void mark_residues(gemmi::Model& model) {
         residue.flag = 'O';
       else if (residue.atoms.size() > 1 && residue.name != "UNK" &&
                is_polymer_residue(residue.name) &&
-               std::none_of(residue.atoms.begin(), residue.atoms.end(),
-                            [](const gemmi::Atom& atom) {
-                              return is_backbone_atom(upper_case(atom.name));
-                            }))
+               std::none_of(
+                   residue.atoms.begin(), residue.atoms.end(),
+                   [](const gemmi::Atom& atom) { return is_backbone_atom(upper_case(atom.name)); }))
         residue.flag = 'S';
 }
 
