@@ -78,8 +78,7 @@ std::string describe_xyzr(const Problem& problem, std::string_view line, std::st
 
 // Names of water in the PDB, in force fields, and in files of GROMACS. Other names of water in
 // programs of molecular dynamics are names of ligands in the PDB.
-constexpr std::array<std::string_view, 10> water_residues{"HOH",  "WAT",  "H2O",  "DOD",  "SOL",
-                                                          "TIP2", "TIP3", "TIP4", "TIP5", "SPCE"};
+constexpr std::string_view water_residues = "HOH WAT H2O DOD SOL TIP2 TIP3 TIP4 TIP5 SPCE";
 
 /// Returns the diagnostic of a kind, which may be new. Diagnostics are in the order of their kinds.
 Diagnostic& diagnostic_of(DiagnosticKind kind, AtomFile& file) {
@@ -92,8 +91,7 @@ Diagnostic& diagnostic_of(DiagnosticKind kind, AtomFile& file) {
 
 /// Adds the last atom of a PQR file to the diagnostics if it belongs to water.
 void inspect_residue(std::string_view residue, AtomFile& file) {
-  if (std::find(water_residues.begin(), water_residues.end(), residue) == water_residues.end())
-    return;
+  if (!has_word(water_residues, residue)) return;
   Diagnostic& water = diagnostic_of(DiagnosticKind::water, file);
   const auto atom = static_cast<AtomIndex>(file.atoms.size() - 1);
   if (++water.count <= Diagnostic::max_examples) water.examples.push_back({atom, atom});

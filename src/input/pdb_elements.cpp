@@ -1,10 +1,8 @@
 #include "input/pdb_elements.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cstddef>
 #include <unordered_map>
-#include <utility>
 
 #include "eses/atoms.hpp"
 #include "input/radii_set.hpp"
@@ -15,44 +13,24 @@ namespace {
 
 // Amino acids and nucleotides of the PDB, and their names in the force fields of Amber, CHARMM and
 // GROMACS: protonation states, caps of chains, and nucleotides.
-constexpr std::array<std::string_view, 100> polymer_residues{
-    "ALA", "ARG", "ASN", "ASP", "CYS", "GLN", "GLU", "GLY", "HIS", "ILE", "LEU", "LYS", "MET",
-    "PHE", "PRO", "SER", "THR", "TRP", "TYR", "VAL", "ASX", "GLX", "PYL", "SEC", "MSE", "SEP",
-    "TPO", "PTR", "A",   "C",   "G",   "I",   "U",   "DA",  "DC",  "DG",  "DI",  "DT",  "DU",
-    "HID", "HIE", "HIP", "HSD", "HSE", "HSP", "HSC", "HIN", "HDP", "CYX", "CYM", "CYN", "CYH",
-    "CYP", "CY2", "ASH", "ASB", "GLH", "LYN", "LYP", "ARN", "TYM", "ACE", "NME", "NMA", "NHE",
-    "NH2", "FOR", "CT3", "A3",  "A5",  "AN",  "C3",  "C5",  "CN",  "G3",  "G5",  "GN",  "U3",
-    "U5",  "UN",  "RA",  "RC",  "RG",  "RU",  "RA3", "RA5", "RC3", "RC5", "RG3", "RG5", "RU3",
-    "RU5", "DA3", "DA5", "DC3", "DC5", "DG3", "DG5", "DT3", "DT5"};
+constexpr std::string_view polymer_residues =
+    "ALA ARG ASN ASP CYS GLN GLU GLY HIS ILE LEU LYS MET PHE PRO SER THR TRP TYR VAL ASX GLX PYL "
+    "SEC MSE SEP TPO PTR A C G I U DA DC DG DI DT DU HID HIE HIP HSD HSE HSP HSC HIN HDP CYX CYM "
+    "CYN CYH CYP CY2 ASH ASB GLH LYN LYP ARN TYM ACE NME NMA NHE NH2 FOR CT3 A3 A5 AN C3 C5 CN G3 "
+    "G5 GN U3 U5 UN RA RC RG RU RA3 RA5 RC3 RC5 RG3 RG5 RU3 RU5 DA3 DA5 DC3 DC5 DG3 DG5 DT3 DT5";
 
-// Names of ions in the force fields of CHARMM, Amber (C0) and SIRAH.
-constexpr std::array<std::pair<std::string_view, std::string_view>, 16> named_ions{{
-    {"SOD", "NA"},
-    {"CLA", "CL"},
-    {"POT", "K"},
-    {"CAL", "CA"},
-    {"CES", "CS"},
-    {"LIT", "LI"},
-    {"RUB", "RB"},
-    {"BAR", "BA"},
-    {"CAD", "CD"},
-    {"C0", "CA"},
-    {"NAW", "NA"},
-    {"CLW", "CL"},
-    {"KW", "K"},
-    {"MGX", "MG"},
-    {"CAX", "CA"},
-    {"ZNX", "ZN"},
-}};
+// Names of ions in the force fields of CHARMM, Amber (C0) and SIRAH, and their elements.
+constexpr std::string_view named_ions =
+    "SOD NA CLA CL POT K CAL CA CES CS LIT LI RUB RB BAR BA CAD CD C0 CA NAW NA CLW CL KW K MGX MG "
+    "CAX CA ZNX ZN";
 
 // Elements of two letters that are usually meant by these names in ligands, although the first
 // letter is an element, too. Iron is one in all columns.
-constexpr std::array<std::string_view, 10> left_aligned_elements{"CL", "BR", "CU", "NI", "SI",
-                                                                 "SE", "PT", "PD", "IR", "OS"};
+constexpr std::string_view left_aligned_elements = "CL BR CU NI SI SE PT PD IR OS";
 
 // Some of them are also meant where the name begins in the second column, as GROMACS and others
 // write it, if the symbol is the whole name or a digit follows.
-constexpr std::array<std::string_view, 4> shifted_elements{"CL", "BR", "SI", "SE"};
+constexpr std::string_view shifted_elements = "CL BR SI SE";
 
 // Names of amino acids with four letters in GROMACS and CHARMM, and of water.
 constexpr std::string_view long_residues =
@@ -62,10 +40,6 @@ constexpr std::string_view long_waters = "TIP2 TIP3 TIP4 TIP5 SPCE";
 // Names of water in coarse-grained force fields. Martini 2 and 3 have beads, beads against
 // freezing, polarizable, small and tiny ones; the last name is that of SIRAH.
 constexpr std::string_view water_beads = "W WF PW SW TW WT4";
-
-bool contains(const auto& list, std::string_view text) {
-  return std::find(list.begin(), list.end(), text) != list.end();
-}
 
 bool is_element(std::string_view symbol) { return !usual_spelling(symbol).empty(); }
 
@@ -78,8 +52,10 @@ std::string_view stem_of(std::string_view name) {
 
 std::string ion_element(std::string_view name) {
   const std::string stem = upper_case(std::string(stem_of(name)));
-  for (const auto& [ion, element] : named_ions)
+  for (std::string_view rest = named_ions; !rest.empty();) {
+    const std::string_view ion = take_first(rest), element = take_first(rest);
     if (stem == ion || name == ion) return std::string(element);
+  }
   return stem.size() <= 2 && is_element(stem) ? stem : std::string();
 }
 
@@ -113,10 +89,10 @@ std::string ligand_element(std::string_view name, bool is_left_aligned) {
   if (stem == "FE") return "FE";  // CHARMM writes it in the second column
   if (std::string element = mixed_case_element(name); !element.empty()) return element;
   const std::string_view start = name.substr(0, 2);
-  if (contains(shifted_elements, start) && (name.size() == 2 || is_digit(name[2])))
+  if (has_word(shifted_elements, start) && (name.size() == 2 || is_digit(name[2])))
     return std::string(start);
   if (!is_left_aligned) return {};
-  if (start == "CL" || start == "BR" || contains(left_aligned_elements, stem))
+  if (start == "CL" || start == "BR" || has_word(left_aligned_elements, stem))
     return std::string(start);
   constexpr std::string_view elements = "CNOSPFIB";
   return std::string(elements.find(name.front()) == elements.npos ? "" : name.substr(0, 1));
@@ -125,7 +101,7 @@ std::string ligand_element(std::string_view name, bool is_left_aligned) {
 }  // namespace
 
 bool is_named_polymer(std::string_view residue) {
-  return contains(polymer_residues, without_end_letter(residue)) ||
+  return has_word(polymer_residues, without_end_letter(residue)) ||
          has_word(long_residues, residue);
 }
 

@@ -1,26 +1,15 @@
-#include <algorithm>
-#include <array>
 #include <cstddef>
 #include <limits>
 #include <string_view>
 
 #include "eses/radii.hpp"
 #include "input/residue_runs.hpp"
+#include "input/text_fields.hpp"
 
 namespace eses {
 namespace {
 
 bool is_hydrogen(const AtomLabel& label) { return label.element == "H" || label.element == "D"; }
-
-bool is_apolar_element(std::string_view element) {
-  constexpr std::array<std::string_view, 3> apolar{"C", "B", "Si"};
-  return std::ranges::find(apolar, element) != apolar.end();
-}
-
-bool is_halogen(std::string_view element) {
-  constexpr std::array<std::string_view, 4> halogens{"F", "Cl", "Br", "I"};
-  return std::ranges::find(halogens, element) != halogens.end();
-}
 
 /// The atoms of a residue.
 struct Residue {
@@ -30,7 +19,8 @@ struct Residue {
   /// Returns whether an atom that is no hydrogen is polar.
   bool is_polar(std::size_t i) const {
     const std::string_view element = labels[i].element;
-    return !is_apolar_element(element) && !(is_halogen(element) && labels.size() > 1);
+    const bool is_halogen = detail::has_word("F Cl Br I", element);
+    return !detail::has_word("C B Si", element) && !(is_halogen && labels.size() > 1);
   }
 
   /// Returns whether the nearest atom to a hydrogen that is no hydrogen is polar.

@@ -118,28 +118,6 @@ class AtomKinds {
                 fmt::join(names, ", "), others > 0 ? formatted(" and {} more names", others) : ""));
 }
 
-/// Finds residues with atoms that their amino acids or nucleotides cannot have, or without their
-/// backbone. A single atom is another diagnostic.
-class ForeignResidues {
- public:
-  void add(const StructureAtom& atom, const AtomKind& kind, AtomIndex index) {
-    if (atom.residue == last_) return;
-    const bool lacks_backbone = has_no_backbone(*atom.residue) && !kind.is_named;
-    if (!kind.is_foreign && !lacks_backbone) return;
-    last_ = atom.residue;
-    if (++found_.count <= Diagnostic::max_examples) found_.examples.push_back({index, index});
-  }
-
-  /// Appends the diagnostic if there are such residues.
-  void append_to(std::vector<Diagnostic>& diagnostics) && {
-    if (found_.count > 0) diagnostics.push_back(std::move(found_));
-  }
-
- private:
-  const gemmi::Residue* last_ = nullptr;
-  Diagnostic found_{DiagnosticKind::foreign_residue, 0, {}};
-};
-
 /// Adds the sources of radii and elements to the report. Returns the line of the first atom without
 /// a radius. Elements of polymers and water follow from their names without doubt.
 std::uint64_t report_kinds(const std::vector<AtomKind>& kinds, StructureReport& report) {
@@ -187,17 +165,23 @@ void assign_radii(const std::vector<StructureAtom>& atoms, const RadiiSet& radii
     if (after_part) after_part(result);
   };
   AtomKinds kinds(radii, text.name, unknown_radius.value_or(0), guessed);
-  ForeignResidues foreign;
+  Diagnostic foreign{DiagnosticKind::foreign_residue, 0, {}};
+  const gemmi::Residue* last_foreign = nullptr;
   for (const StructureAtom& atom : atoms) {
     const AtomKind& kind = kinds.add(atom);
-    foreign.add(atom, kind, static_cast<AtomIndex>(result.atoms.size()));
+    const bool lacks_backbone = has_no_backbone(*atom.residue) && !kind.is_named;
+    if ((kind.is_foreign || lacks_backbone) && atom.residue != last_foreign) {
+      last_foreign = atom.residue;
+      const auto index = static_cast<AtomIndex>(result.atoms.size());
+      if (++foreign.count <= Diagnostic::max_examples) foreign.examples.push_back({index, index});
+    }
     result.atoms.push_back({atom.center, kind.source.radius});
     result.lines.push_back(atom.line());
     if (text.options.with_labels) result.labels.push_back(label_of(atom));
     if (result.atoms.size() % part_atoms == 0) end_part();
   }
   if (radii.is_occupancy) require_radii_in_occupancies(result.atoms, text.name);
-  std::move(foreign).append_to(result.diagnostics);
+  if (foreign.count > 0) result.diagnostics.push_back(std::move(foreign));
   result.structure->radii = radii.name;
   const std::uint64_t unknown_line = report_kinds(kinds.all(), *result.structure);
   const std::vector<RadiusSource>& unknown = result.structure->unknown;

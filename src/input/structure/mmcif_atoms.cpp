@@ -90,12 +90,6 @@ class Column {
   std::string tag_;
 };
 
-/// Returns the column of the names of chains.
-Column chain_column(gemmi::cif::Block& block, bool label_chains) {
-  if (label_chains) return {block, "label_asym_id", "", "label_asym_id"};
-  return {block, "auth_asym_id", "label_asym_id"};
-}
-
 /// Returns the charges of the first set in the table of charges, by the ids of the atoms.
 std::unordered_map<std::string, double> charges_by_id(gemmi::cif::Block& block) {
   std::unordered_map<std::string, double> charges;
@@ -260,9 +254,9 @@ class ChainBuilder {
   Column element_{block_, "type_symbol"};
   Column group_{block_, "group_PDB"};
   Column altloc_{block_, "label_alt_id"};
-  Column chain_name_ = chain_column(block_, options_.label_chains);
-  Column auth_chain_ = chain_column(block_, false);
-  Column label_chain_{block_, "label_asym_id"};
+  Column auth_chain_{block_, "auth_asym_id", "label_asym_id"};
+  Column label_chain_{block_, "label_asym_id", "", options_.label_chains ? "label_asym_id" : ""};
+  const Column& chain_name_ = options_.label_chains ? label_chain_ : auth_chain_;
   Column subchain_{block_, "label_asym_id", "auth_asym_id"};
   Column entity_{block_, "label_entity_id"};
   Column label_number_{block_, "label_seq_id"};

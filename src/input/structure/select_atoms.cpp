@@ -3,7 +3,6 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <array>
 #include <cstddef>
 #include <exception>
 #include <gemmi/modify.hpp>
@@ -272,14 +271,13 @@ void keep_altlocs(gemmi::Model& model, const std::string& wanted, std::string_vi
 /// Returns whether a residue is a water molecule. Some of the names that programs of molecular
 /// dynamics use for water are names of other molecules in the PDB, so the elements count as well.
 bool is_water(const gemmi::Residue& residue) {
-  constexpr std::array<std::string_view, 17> names{"SOL", "TIP",  "TIP2", "TIP3", "TIP4", "TIP5",
-                                                   "TP3", "TP4",  "TP5",  "T3P",  "T4P",  "T5P",
-                                                   "SPC", "SPCE", "SPE",  "OPC",  "OP3"};
+  constexpr std::string_view names =
+      "SOL TIP TIP2 TIP3 TIP4 TIP5 TP3 TP4 TP5 T3P T4P T5P SPC SPCE SPE OPC OP3";
   if (residue.is_water()) return true;
   if (is_water_bead(residue.name))
     return std::all_of(residue.atoms.begin(), residue.atoms.end(),
                        [](const gemmi::Atom& atom) { return atom.element == gemmi::El::O; });
-  if (std::find(names.begin(), names.end(), residue.name) == names.end()) return false;
+  if (!has_word(names, residue.name)) return false;
   std::set<std::string> oxygens;  // names, because an oxygen may have alternate locations
   for (const gemmi::Atom& atom : residue.atoms) {
     if (atom.element == gemmi::El::C || atom.element == gemmi::El::P) return false;
