@@ -318,6 +318,8 @@ def test_names_of_force_fields_are_those_of_standard_residues(tmp_path):
             assert result.atoms["radius"].tolist() == results[0].atoms["radius"].tolist()
             np.testing.assert_array_equal(result.residues["relative_sas"], results[0].residues["relative_sas"])
     assert np.isfinite(results[0].residues["relative_sas"]).all()
+    # Without nitrogen in its ring, HSE is homoserine.
+    assert np.isnan(eses.measure(serine.replace(" SER ", " HSE ")).residues["relative_sas"]).all()
 
 
 def test_radii_from_a_file(pdb, tmp_path):
