@@ -5,7 +5,7 @@ side by side. The page needs no network and no other file. Ligands and metals of
 files are left out of the surface and drawn as sticks and spheres.
 
 --electrostatics computes the potential of one PDB, mmCIF or PQR file with PDB2PQR and APBS. PDB2PQR
-has no charges for ligands, metals and modified residues (HETATM records), which a warning names.
+has no charges for ligands, metals and modified residues, which a warning names.
 Arguments after -- are passed to eses-blocks and choose how structures are read, such as
 -- --radii bondi --chains A. Needs numpy (Debian: python3-numpy).
 """
