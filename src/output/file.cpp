@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <stdlib.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -41,8 +42,14 @@ void File::write_at(std::span<const char> bytes, std::uint64_t offset) try {
 }
 
 void File::append(std::span<const char> bytes) {
-  write_at(bytes, size_);
-  size_ += bytes.size();
+  write_at(bytes, appended_);
+  appended_ += bytes.size();
+}
+
+std::uint64_t File::size() const {
+  struct stat status {};
+  if (fstat(file_.value(), &status) != 0) fail(read_, errno);
+  return static_cast<std::uint64_t>(status.st_size);
 }
 
 void File::read_at(std::span<char> bytes, std::uint64_t offset) const try {

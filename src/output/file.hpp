@@ -23,13 +23,12 @@ auto as_chars(std::span<Value> values) {
 /// An open file. Each failure throws Error with the name of the file.
 class File {
  public:
-  /// Writes bytes at an offset. Several threads may call it for disjoint ranges. Does not change
-  /// `size`.
+  /// Writes bytes at an offset. Several threads may call it for disjoint ranges.
   void write_at(std::span<const char> bytes, std::uint64_t offset);
   /// Writes bytes after the bytes that were appended before.
   void append(std::span<const char> bytes);
-  /// Number of appended bytes.
-  std::uint64_t size() const { return size_; }
+  /// Returns the number of bytes in the file.
+  std::uint64_t size() const;
   /// Reads bytes before the end of the file. Bytes in gaps that were never written are 0.
   void read_at(std::span<char> bytes, std::uint64_t offset) const;
   /// Waits until all written bytes are on the disk.
@@ -49,7 +48,7 @@ class File {
  private:
   std::string name_;
   const char* read_;
-  std::uint64_t size_ = 0;
+  std::uint64_t appended_ = 0;
 };
 
 /// A temporary file without a name, which disappears with the object or the process, or with a

@@ -164,7 +164,7 @@ void GridMap::fill_plane(std::int64_t z, std::vector<char>& bytes) const {
     }
 }
 
-std::uint64_t GridMap::write(OutputFile& file, int threads, const std::function<void()>& check) {
+void GridMap::write(OutputFile& file, int threads, const std::function<void()>& check) {
   std::ranges::sort(partial_edges_, {}, &PartialEdge::index);
   struct Scratch {
     std::vector<char> text;
@@ -199,7 +199,6 @@ std::uint64_t GridMap::write(OutputFile& file, int threads, const std::function<
   file.append(on_disk(layout_.header, scratch.front().gzip));
   parallel_for(has_planes ? size_[2] : size_[0] * slices_of_x, threads, write_part, &monitor);
   file.append(on_disk(layout_.footer, scratch.front().gzip));
-  return file.size();
 }
 
 }  // namespace eses::detail

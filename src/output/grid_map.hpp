@@ -30,9 +30,8 @@ class GridMap {
   /// row in the region. Several threads may call it for different rows.
   void add_rows(std::int64_t first_row, std::span<const std::uint64_t> words);
 
-  /// Writes the file after all rows have been added. Returns its length in bytes. Calls `check`
-  /// many times and from all threads.
-  std::uint64_t write(OutputFile& file, int threads, const std::function<void()>& check);
+  /// Writes the file after all rows have been added. Calls `check` many times and from all threads.
+  void write(OutputFile& file, int threads, const std::function<void()>& check);
 
   /// Number of 64-bit words of a row along x.
   static std::int64_t words_of_row(MapQuantity quantity, const GridIndex& size);

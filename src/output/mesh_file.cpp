@@ -75,15 +75,12 @@ std::uint64_t MeshFile::write_header_of(std::size_t section) {
   return bytes;
 }
 
-std::uint64_t MeshFile::finish(const std::function<void()>& check) {
+void MeshFile::finish(const std::function<void()>& check) {
   text_.require_counts(counts_);
-  std::uint64_t end = 0, length = 0;
+  std::uint64_t end = 0;  // of the sections in a file
   for (std::size_t i = 0; i < sections_.size(); ++i) {
     const Section& section = sections_[i];
-    if (is_first_of_file(i)) {
-      length += end;
-      end = write_header_of(i);
-    }
+    if (is_first_of_file(i)) end = write_header_of(i);
     if (text_.has_columns()) {
       write_word(file_, section.size, end);
       end += size_bytes;
@@ -91,13 +88,11 @@ std::uint64_t MeshFile::finish(const std::function<void()>& check) {
     if (section.scratch) copy_file(*section.scratch, section.size, file_, end, check);
     end += section.size;
   }
-  if (text_.has_columns()) end = write_ends(end, check);
-  return length + end;
+  if (text_.has_columns()) write_ends(end, check);
 }
 
 // Writes the last column of VTP, which depends only on the number of triangles, and the footer.
-// Returns the end of the file.
-std::uint64_t MeshFile::write_ends(std::uint64_t begin, const std::function<void()>& check) {
+void MeshFile::write_ends(std::uint64_t begin, const std::function<void()>& check) {
   constexpr std::uint64_t triangles_at_a_time = 1 << 16;
   write_word(file_, counts_.triangles * vtp_offset_bytes, begin);
   begin += size_bytes;
@@ -112,7 +107,6 @@ std::uint64_t MeshFile::write_ends(std::uint64_t begin, const std::function<void
     triangle = next;
   }
   file_.write_at(vtp_end, begin);
-  return begin + vtp_end.size();
 }
 
 }  // namespace eses::detail::mesh

@@ -46,9 +46,9 @@ class MeshFile {
 
   /// The vertices and triangles that were added.
   const MeshCounts& counts() const { return counts_; }
-  /// Completes the files after all pieces were added. Returns their length in bytes. Calls `check`
-  /// repeatedly. Throws Error if the mesh is too large for its format.
-  std::uint64_t finish(const std::function<void()>& check);
+  /// Completes the files after all pieces were added. Calls `check` repeatedly. Throws Error if the
+  /// mesh is too large for its format.
+  void finish(const std::function<void()>& check);
 
  private:
   // A section of the file, or of a scratch file.
@@ -62,7 +62,7 @@ class MeshFile {
     return section == 0 || (section == 1 && face_file_ != nullptr);
   }
   std::uint64_t write_header_of(std::size_t section);
-  std::uint64_t write_ends(std::uint64_t begin, const std::function<void()>& check);
+  void write_ends(std::uint64_t begin, const std::function<void()>& check);
 
   const MeshText& text_;
   OutputFile& file_;

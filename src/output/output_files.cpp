@@ -225,6 +225,13 @@ void OutputFiles::open_mesh(const MeshOptions& choice) {
   }
 }
 
+std::uint64_t OutputFiles::size() const {
+  std::uint64_t bytes = 0;
+  for (const auto& file : files_)
+    if (file) bytes += file->size();
+  return bytes;
+}
+
 void OutputFiles::commit(const std::function<void()>& check) {
   for (const auto& file : files_) {
     if (!file) continue;

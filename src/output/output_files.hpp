@@ -73,10 +73,8 @@ struct FileSizes {
 
   std::uint64_t gzip_maps = 0;     ///< compressed maps, included in `maps`; estimate
   std::uint64_t mesh_scratch = 0;  ///< scratch files of the mesh; estimate
-  /// Pieces of the mesh as numbers, which are in `text_scratch` if texts are written to chunks;
-  /// estimate.
-  std::uint64_t mesh_pieces = 0;
-  /// Scratch files of the texts of chunks; 0 if texts are written in place. Estimate.
+  /// Texts, rows of maps and pieces of the mesh in chunks; 0 if texts are written in place.
+  /// Estimate.
   std::uint64_t text_scratch = 0;
 
   /// Total size of the output files.
@@ -110,6 +108,9 @@ class OutputFiles {
 
   /// Returns a file, or null if it is not chosen.
   OutputFile* find(RunFile file) { return files_[static_cast<std::size_t>(file)].get(); }
+
+  /// Total number of bytes in the files, before `commit`.
+  std::uint64_t size() const;
 
   /// Gives all files their final names. Older files are removed first, so that old and new files
   /// never exist together. The bounding box is renamed last, so that its presence means that all

@@ -26,17 +26,11 @@ class MeshIntoChunk final : public PieceTextSink {
 ChunkFiles::ChunkFiles(Checkpoint& checkpoint, const Outputs& outputs, const GridRegion& region)
     : checkpoint_(checkpoint), region_(region) {
   chunk_.info.planes = {region.begin[2], region.end[2]};
-  const auto add_text = [&](ChunkText text, std::unique_ptr<PieceTextSink> sink) {
-    texts_[static_cast<std::size_t>(text)] = &sinks_.add(std::move(sink));
-  };
   if (outputs.grid)
-    add_text(ChunkText::grid,
-             std::make_unique<PieceTextSink>(&Piece::grid, create(ChunkText::grid)));
+    sinks_.add(std::make_unique<PieceTextSink>(&Piece::grid, create(ChunkText::grid)));
   if (outputs.edges)
-    add_text(ChunkText::edges,
-             std::make_unique<PieceTextSink>(&Piece::edges, create(ChunkText::edges)));
-  if (outputs.mesh)
-    add_text(ChunkText::mesh, std::make_unique<MeshIntoChunk>(create(ChunkText::mesh)));
+    sinks_.add(std::make_unique<PieceTextSink>(&Piece::edges, create(ChunkText::edges)));
+  if (outputs.mesh) sinks_.add(std::make_unique<MeshIntoChunk>(create(ChunkText::mesh)));
   for (const MapChoice& map : chosen_maps(outputs)) add_map(map.quantity);
 }
 
@@ -60,15 +54,13 @@ void ChunkFiles::add_map(MapQuantity quantity) {
                     std::int64_t first_row, std::span<const std::uint64_t> words) {
         write_at(as_chars(words), row_bytes * static_cast<std::uint64_t>(first_row));
       }));
-  chunk_.info.bytes[static_cast<std::size_t>(text_of(quantity))] =
-      GridMap::row_bytes(quantity, region_);
 }
 
 void ChunkFiles::finish(const SweepSums& sums, const Slab& slab) {
   ChunkInfo& info = chunk_.info;
   info.sums = sums;
   for (std::size_t text = 0; text < chunk_text_count; ++text) {
-    if (texts_[text] != nullptr) info.bytes[text] = texts_[text]->size();
+    if (chunk_.texts[text]) info.bytes[text] = chunk_.texts[text]->size();
     info.checksums[text] = checksums_[text].value();
   }
   slab.for_each_sum(sums.atom_shares, [&](const AtomSum& sum) { chunk_.atom_sums.push_back(sum); });

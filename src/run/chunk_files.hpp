@@ -33,7 +33,6 @@ class ChunkFiles {
   PlaneChunk chunk_;
   std::array<TextChecksum, chunk_text_count> checksums_;
   Sinks sinks_;
-  std::array<PieceTextSink*, chunk_text_count> texts_{};  // of the texts without maps
 };
 
 }  // namespace eses::detail

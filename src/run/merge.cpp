@@ -66,15 +66,9 @@ void Merge::read(PlaneChunk& chunk, ChunkText text, std::uint64_t unit, Take&& t
   require_sound(chunk, text, checksum.value());
 }
 
-std::uint64_t Merge::write_text(OutputFile& file, ChunkText text) {
-  std::uint64_t bytes = 0;
-  for (PlaneChunk& chunk : chunks_) {
-    read(chunk, text, 1, [&](std::span<const char> part, std::uint64_t offset) {
-      file.write_at(part, bytes + offset);
-    });
-    bytes += chunk.info.bytes_of(text);
-  }
-  return bytes;
+void Merge::write_text(OutputFile& file, ChunkText text) {
+  for (PlaneChunk& chunk : chunks_)
+    read(chunk, text, 1, [&](std::span<const char> part, std::uint64_t) { file.append(part); });
 }
 
 void Merge::add_rows(GridMap& map) {

@@ -27,8 +27,8 @@ class Merge {
   void add_pieces(RunMesh& mesh);
   /// Adds the rows of all chunks to a map.
   void add_rows(GridMap& map);
-  /// Copies the texts of all chunks to a file. Returns their length in bytes.
-  std::uint64_t write_text(OutputFile& file, ChunkText text);
+  /// Copies the texts of all chunks to a file.
+  void write_text(OutputFile& file, ChunkText text);
 
  private:
   template <class Take>

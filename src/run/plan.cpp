@@ -186,8 +186,8 @@ std::string fixed_choices(const Parameters& p) {
 }
 
 // A closed mesh has about twice as many triangles as vertices.
-void expect_mesh(const MeshOptions& mesh, const LabelTotals& labels, const Plan& plan,
-                 FileSizes& files) {
+void expect_mesh(const MeshOptions& mesh, const LabelTotals& labels, bool has_chunks,
+                 const Plan& plan, FileSizes& files) {
   const double vertices = halo_growth(plan.tiling) * plan.crossings;
   const bool has_names = labels.residue_runs > 0 && mesh::can_name_groups(mesh);
   const mesh::MeshBytes bytes = mesh::typical_mesh_bytes(mesh, has_names);
@@ -199,7 +199,7 @@ void expect_mesh(const MeshOptions& mesh, const LabelTotals& labels, const Plan&
   files.mesh = bytes_of(bytes.vertex, bytes.triangle);
   const mesh::PieceContents contents =
       mesh.quality ? mesh::PieceContents() : mesh::contents_of(required_mesh_format(mesh));
-  files.mesh_pieces = whole_bytes(vertices * piece_bytes_per_vertex(contents));
+  if (has_chunks) files.text_scratch += whole_bytes(vertices * piece_bytes_per_vertex(contents));
   if (mesh.quality) {
     constexpr double left = 0.6;  // fraction of the vertices and triangles that is left
     files.mesh_scratch = whole_bytes(left * static_cast<double>(files.mesh_scratch));
@@ -262,9 +262,10 @@ void choose_schedule(const SurfaceSurvey& survey, const MemoryBudget& budget,
   refuse_limit(p, smallest);
 }
 
-void expect_maps(const Outputs& outputs, const Plan& plan, FileSizes& files) {
+void expect_maps(const Outputs& outputs, bool has_chunks, const Plan& plan, FileSizes& files) {
   const GridRegion& region = plan.tiling.region;
   for (const MapChoice& map : chosen_maps(outputs)) {
+    if (has_chunks) files.text_scratch += GridMap::row_bytes(map.quantity, region);
     if (!map.gzip) {
       files.maps += map_layout(map, plan.parameters.surface(), plan.grid, region).file_bytes();
       continue;
@@ -311,7 +312,7 @@ void require_valid(const Outputs& outputs, const Molecule& molecule) {
 }
 
 FileSizes plan_files(std::uint64_t atoms, const LabelTotals& labels, const Outputs& outputs,
-                     const Plan& plan) {
+                     bool has_chunks, const Plan& plan) {
   FileSizes files;
   const auto on_disk = [&](double bytes, double ratio) {
     return static_cast<std::uint64_t>(outputs.gzip ? ratio * bytes : bytes);
@@ -321,15 +322,16 @@ FileSizes plan_files(std::uint64_t atoms, const LabelTotals& labels, const Outpu
     files.grid = on_disk(static_cast<double>(max_grid_bytes(plan.tiling.region)), grid_gzip_ratio);
   if (outputs.edges)
     files.edges = on_disk(typical_crossing_bytes * plan.crossings, edge_gzip_ratio);
+  if (has_chunks) files.text_scratch = files.grid + files.edges;
   if (outputs.areas)
     files.areas = on_disk(static_cast<double>(area_line_bytes * atoms), area_gzip_ratio);
-  if (outputs.mesh) expect_mesh(*outputs.mesh, labels, plan, files);
+  if (outputs.mesh) expect_mesh(*outputs.mesh, labels, has_chunks, plan, files);
   if (outputs.residues)
     files.residues = table_header_bytes +
                      table_line_bytes * (labels.residue_runs + labels.chain_runs) +
                      labels.residue_text_bytes + labels.chain_text_bytes;
   if (outputs.atoms) files.atoms = typical_atom_table_bytes(atoms, labels.atom_text_bytes);
-  expect_maps(outputs, plan, files);
+  expect_maps(outputs, has_chunks, plan, files);
   return files;
 }
 

@@ -57,8 +57,9 @@ void plan_schedule(const MemoryBudget& budget, const Molecule& molecule, const O
                    Plan& plan);
 
 /// Performs step 3 of a plan: estimates the sizes of the files and of the scratch files for this
-/// number of atoms. `labels` are the totals of all atoms.
+/// number of atoms. `labels` are the totals of all atoms. `has_chunks` tells whether texts are in
+/// the checkpoint until they are merged.
 FileSizes plan_files(std::uint64_t atoms, const LabelTotals& labels, const Outputs& outputs,
-                     const Plan& plan);
+                     bool has_chunks, const Plan& plan);
 
 }  // namespace eses::detail

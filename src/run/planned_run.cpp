@@ -16,7 +16,6 @@
 #include "input/other_formats.hpp"
 #include "input/pdb_elements.hpp"
 #include "input/read_input.hpp"
-#include "output/grid_map.hpp"
 #include "output/mesh_writer.hpp"
 #include "output/output_files.hpp"
 #include "run/chunk_identity.hpp"
@@ -206,14 +205,6 @@ void plan_schedules(const Request& request, const LabelTotals& labels,
   GridIndex block_size = slab.tiling.block_size;
   for (std::int64_t& side : block_size) side = processes.max(side);
   run.plan.tiling = make_tiling(run.plan.grid, block_size, run.plan.tiling.region);
-}
-
-// Adds the sizes of the chunks, which are in the checkpoint until they are merged.
-void expect_chunks(const Request& request, const GridRegion& region, FileSizes& files) {
-  files.text_scratch = files.grid + files.edges;
-  for (const MapChoice& map : chosen_maps(request.outputs))
-    files.text_scratch += GridMap::row_bytes(map.quantity, region);
-  files.text_scratch += files.mesh_pieces;
 }
 
 // Converts labels into residues and names after each part of the text, so that few labels are in
@@ -413,8 +404,7 @@ PlannedRun plan_run(const Request& request, const Processes& processes) {
                                                  : take_file(std::get<InputFile>(request.atoms),
                                                              request, machine, processes, run);
   plan_schedules(request, labels, machine, processes, run);
-  run.plan.files = plan_files(run.atoms, labels, request.outputs, run.plan);
-  if (!run.is_in_place) expect_chunks(request, run.plan.tiling.region, run.plan.files);
+  run.plan.files = plan_files(run.atoms, labels, request.outputs, !run.is_in_place, run.plan);
   return run;
 }
 

@@ -14,14 +14,6 @@
 namespace eses::detail {
 namespace {
 
-// Writes a gzip file without text. A valid gzip file has at least one member.
-std::uint64_t write_empty_member(OutputFile& file) {
-  Gzip gzip;
-  const std::span<const char> member = gzip.member({});
-  file.write_at(member, 0);
-  return member.size();
-}
-
 // Returns the label of an atom of the file. It is empty if the input has no names.
 AtomLabel label_of(const PlannedRun& run, FileIndex atom) {
   if (run.names.has_atoms()) return run.names.label(atom);
@@ -33,9 +25,9 @@ TextSink appender(OutputFile& file) {
   return [&file](std::string_view text) { file.append(text); };
 }
 
-// Writes partition_area.txt. Returns its length in bytes.
-std::uint64_t write_areas(std::span<const double> areas, bool gzip, OutputFile& file,
-                          const std::function<void()>& check) {
+// Writes partition_area.txt.
+void write_areas(std::span<const double> areas, bool gzip, OutputFile& file,
+                 const std::function<void()>& check) {
   // Number of lines that are formatted and compressed at a time.
   constexpr std::size_t lines_per_part = std::size_t{1} << 16;
   std::optional<Gzip> compressor;
@@ -47,23 +39,21 @@ std::uint64_t write_areas(std::span<const double> areas, bool gzip, OutputFile& 
     append_areas(text, begin, areas.subspan(begin, std::min(lines_per_part, areas.size() - begin)));
     file.append(compressor ? compressor->member(text.text()) : text.text());
   }
-  return file.size();
 }
 
-// Writes the tables of residues and chains. Returns their length in bytes.
-std::uint64_t write_area_tables(std::span<const double> areas, const PlannedRun& run,
-                                OutputFile& residues, OutputFile& chains) {
+// Writes the tables of residues and chains.
+void write_area_tables(std::span<const double> areas, const PlannedRun& run, OutputFile& residues,
+                       OutputFile& chains) {
   BufferedText residue_table(appender(residues)), chain_table(appender(chains));
   append_residues(residue_table, run.names.residues(), areas);
   residue_table.flush();
   append_chains(chain_table, run.names.residues(), areas);
   chain_table.flush();
-  return residues.size() + chains.size();
 }
 
-// Writes atoms.csv. Returns its length in bytes.
-std::uint64_t write_atom_table(std::span<const double> areas, const PlannedRun& run,
-                               OutputFile& file, const std::function<void()>& check) {
+// Writes atoms.csv.
+void write_atom_table(std::span<const double> areas, const PlannedRun& run, OutputFile& file,
+                      const std::function<void()>& check) {
   BufferedText table([&](std::string_view text) {
     check();
     file.append(text);
@@ -75,7 +65,6 @@ std::uint64_t write_atom_table(std::span<const double> areas, const PlannedRun& 
                 areas[i]);
   }
   table.flush();
-  return file.size();
 }
 
 }  // namespace
@@ -93,13 +82,13 @@ RunFiles::RunFiles(const Request& request, PlannedRun& run, bool is_first)
 
 void RunFiles::add_sinks() {
   const auto add_text = [&](RunFile which, PieceText Piece::*text) {
-    return &sinks_.add(std::make_unique<PieceTextSink>(
+    sinks_.add(std::make_unique<PieceTextSink>(
         text, [&to = file(which)](std::span<const char> bytes, std::uint64_t offset) {
           to.write_at(bytes, offset);
         }));
   };
-  if (request_.outputs.grid) grid_ = add_text(RunFile::grid, &Piece::grid);
-  if (request_.outputs.edges) edges_ = add_text(RunFile::edges, &Piece::edges);
+  if (request_.outputs.grid) add_text(RunFile::grid, &Piece::grid);
+  if (request_.outputs.edges) add_text(RunFile::edges, &Piece::edges);
   for (const MapChoice& choice : chosen_maps(request_.outputs)) {
     GridMap& map = maps_.emplace_back(choice, run_.plan.parameters.surface(), run_.plan.grid,
                                       run_.plan.tiling.region);
@@ -111,42 +100,38 @@ void RunFiles::add_sinks() {
   if (mesh_) sinks_.add(*mesh_);
 }
 
-void RunFiles::finish_text(RunFile which, std::uint64_t bytes) {
-  bytes_ += request_.outputs.gzip && bytes == 0 ? write_empty_member(file(which)) : bytes;
-}
-
 void RunFiles::write(GridMap& map, const std::function<void()>& check) {
-  bytes_ += map.write(file(file_of(map.quantity())), run_.slab_plan.threads, check);
+  map.write(file(file_of(map.quantity())), run_.slab_plan.threads, check);
 }
 
-std::uint64_t RunFiles::write_areas_of(std::span<const double> areas,
-                                       const std::function<void()>& check) {
+void RunFiles::write_areas_of(std::span<const double> areas, const std::function<void()>& check) {
   const Outputs& outputs = request_.outputs;
-  std::uint64_t bytes = 0;
-  if (outputs.areas) bytes += write_areas(areas, outputs.gzip, file(RunFile::areas), check);
+  if (outputs.areas) write_areas(areas, outputs.gzip, file(RunFile::areas), check);
   if (outputs.residues)
-    bytes += write_area_tables(areas, run_, file(RunFile::residues), file(RunFile::chains));
-  if (outputs.atoms) bytes += write_atom_table(areas, run_, file(RunFile::atoms), check);
-  return bytes;
+    write_area_tables(areas, run_, file(RunFile::residues), file(RunFile::chains));
+  if (outputs.atoms) write_atom_table(areas, run_, file(RunFile::atoms), check);
 }
 
-std::uint64_t RunFiles::write_box() {
+void RunFiles::write_box() {
   OutputFile* const box = files_->find(RunFile::box);
-  if (box == nullptr) return 0;
+  if (box == nullptr) return;
   const std::string text = bounding_box_text(run_.plan.grid);
   if (request_.outputs.gzip)
     box->append(Gzip().member(text));
   else
     box->append(text);
-  return box->size();
+}
+
+void RunFiles::complete_gzip(RunFile which) {
+  OutputFile* const text = files_->find(which);
+  if (text != nullptr && request_.outputs.gzip && text->size() == 0)
+    text->append(Gzip().member({}));
 }
 
 void RunFiles::join(Merge& chunks, const std::function<void()>& check) {
   const Outputs& outputs = request_.outputs;
-  if (outputs.grid)
-    finish_text(RunFile::grid, chunks.write_text(file(RunFile::grid), ChunkText::grid));
-  if (outputs.edges)
-    finish_text(RunFile::edges, chunks.write_text(file(RunFile::edges), ChunkText::edges));
+  if (outputs.grid) chunks.write_text(file(RunFile::grid), ChunkText::grid);
+  if (outputs.edges) chunks.write_text(file(RunFile::edges), ChunkText::edges);
   for (const MapChoice& choice : chosen_maps(outputs)) {
     GridMap map(choice, run_.plan.parameters.surface(), run_.plan.grid, run_.plan.tiling.region);
     chunks.add_rows(map);
@@ -158,18 +143,19 @@ void RunFiles::join(Merge& chunks, const std::function<void()>& check) {
 void RunFiles::finish(const std::function<void()>& check, Summary& summary) {
   if (mesh_) mesh_->finish(summary);
   if (!files_) return;
-  if (grid_ != nullptr) finish_text(RunFile::grid, grid_->size());
-  if (edges_ != nullptr) finish_text(RunFile::edges, edges_->size());
-  if (mesh_) bytes_ += mesh_->write(check);
+  complete_gzip(RunFile::grid);
+  complete_gzip(RunFile::edges);
+  if (mesh_) mesh_->write(check);
   for (GridMap& map : maps_) write(map, check);
-  bytes_ += write_areas_of(summary.atom_areas, check) + write_box();
+  write_areas_of(summary.atom_areas, check);
+  write_box();
   require_memory_within(request_.parameters.max_memory);
+  summary.bytes_written = files_->size();
   files_->commit(check);
   if (run_.checkpoint)
     run_.checkpoint->remove();
   else if (!file_names(request_.outputs).empty())  // the output directory is locked
     remove_checkpoint(request_.output_directory);
-  summary.bytes_written = bytes_;
 }
 
 }  // namespace eses::detail

@@ -42,20 +42,18 @@ class RunFiles {
  private:
   OutputFile& file(RunFile which) { return *files_->find(which); }
   void add_sinks();
-  void finish_text(RunFile which, std::uint64_t bytes);
   void write(GridMap& map, const std::function<void()>& check);
-  std::uint64_t write_areas_of(std::span<const double> areas, const std::function<void()>& check);
-  std::uint64_t write_box();
+  void write_areas_of(std::span<const double> areas, const std::function<void()>& check);
+  void write_box();
+  // A valid gzip file has at least one member, also without text.
+  void complete_gzip(RunFile which);
 
   const Request& request_;
   PlannedRun& run_;
   std::unique_ptr<OutputFiles> files_;
   std::optional<RunMesh> mesh_;
   Sinks sinks_;
-  // These sinks and maps are those of a sweep in place.
-  PieceTextSink *grid_ = nullptr, *edges_ = nullptr;
-  std::deque<GridMap> maps_;
-  std::uint64_t bytes_ = 0;  // written so far
+  std::deque<GridMap> maps_;  // of a sweep in place
 };
 
 }  // namespace eses::detail

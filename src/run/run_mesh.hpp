@@ -36,8 +36,8 @@ class RunMesh final : public Sink {
   void add(const mesh::MeshPiece& piece);
   /// Finishes the mesh after all pieces were added. Sets its counts and angles in the summary.
   void finish(Summary& summary);
-  /// Completes the file after `finish`. Returns its length in bytes.
-  std::uint64_t write(const std::function<void()>& check) { return file_->finish(check); }
+  /// Completes the file after `finish`.
+  void write(const std::function<void()>& check) { file_->finish(check); }
 
  private:
   const Request& request_;

@@ -68,13 +68,11 @@ class PieceTextSink : public Sink {
       : text_(text), write_at_(std::move(write_at)) {}
   void place(Piece& piece) override;
   void store(const Piece& piece) override;
-  /// Length of all pieces in bytes.
-  std::uint64_t size() const { return size_; }
 
  private:
   PieceText Piece::*text_;
   WriteAt write_at_;
-  std::uint64_t size_ = 0;
+  std::uint64_t size_ = 0;  // of all pieces
 };
 
 /// Passes on the rows of a map.
