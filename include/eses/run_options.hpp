@@ -24,7 +24,8 @@ struct RunOptions {
   /// the planner chooses the size: 64, flatter blocks for wide molecules, and smaller blocks for
   /// coarse grids or to satisfy `max_memory`.
   std::int64_t block_size = 0;
-  /// Limit of the resident memory of the process, in bytes; 0 for the available memory.
+  /// Limit of the resident memory that the computation adds to that of the process, in bytes; 0 for
+  /// the available memory.
   std::uint64_t max_memory = 0;
   /// Number of points, and number of edges, to check against the definition of the surface after
   /// the computation; 0 to 1e7. Faults throw VerificationError.

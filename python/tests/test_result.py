@@ -365,6 +365,13 @@ def test_memory_limits_are_kept(chain):
     assert "--" not in str(error.value)  # the options of the program
 
 
+def test_memory_of_the_caller_does_not_count():
+    held = np.ones(40 << 20)  # 320 MiB
+    surface = eses.Surface([[0, 0, 0]], [1.5])
+    assert surface.compute(surface.grid(0.2), max_memory=250 << 20).inside.any()
+    assert held[-1] == 1
+
+
 def test_small_grid_in_a_large_molecule_needs_little_memory():
     index = np.indices((40, 40, 40)).reshape(3, -1).T
     surface = eses.Surface(3.0 * index, np.full(len(index), 1.7))

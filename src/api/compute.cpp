@@ -50,6 +50,7 @@ detail::Parameters parameters_of(const Surface& surface, const Grid& grid,
                                 .max_memory = options.max_memory,
                                 .verify = options.verify,
                                 .max_filled_void = surface.max_filled_void()};
+  if (options.max_memory > 0) parameters.memory_before = detail::resident_memory();
   if (options.region) parameters.part = *options.region;
   return parameters;
 }

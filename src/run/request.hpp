@@ -49,6 +49,8 @@ struct Parameters {
   int threads = 0;
   /// Maximum resident memory of the process in bytes. 0 means all available memory.
   std::uint64_t max_memory = 0;
+  /// Resident memory in bytes that the process held before, to which `max_memory` does not apply.
+  std::uint64_t memory_before = 0;
   std::int64_t verify = 0;  ///< number of points, and of edges, to verify; 0 to `max_verify`
   /// Whether to measure the whole surface in closed form, too. Only for a single process.
   bool exact = false;

@@ -149,7 +149,7 @@ void RunFiles::finish(const std::function<void()>& check, Summary& summary) {
   for (GridMap& map : maps_) write(map, check);
   write_areas_of(summary.atom_areas, check);
   write_box();
-  require_memory_within(request_.parameters.max_memory);
+  require_memory_within(request_.parameters.max_memory, request_.parameters.memory_before);
   summary.bytes_written = files_->size();
   files_->commit(check);
   if (run_.checkpoint)

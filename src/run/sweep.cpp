@@ -150,7 +150,7 @@ void Sweep::build(const BuildStep& step, Worker& worker) {
       break;
   }
   worker.build_seconds += watch.seconds();
-  require_memory_within(plan_.parameters.max_memory);
+  require_memory_within(plan_.parameters.max_memory, plan_.parameters.memory_before);
   progress_.check();
   monitor_.change([&] { patches_.finish(step); });
 }
@@ -185,7 +185,7 @@ void Sweep::solve(const WorkItem& block, Worker& worker) {
     worker.block.tally.atom_shares.move_into(atom_shares_);
   }
   sink_.take_block(result, worker.thread);
-  require_memory_within(plan_.parameters.max_memory);
+  require_memory_within(plan_.parameters.max_memory, plan_.parameters.memory_before);
   progress_.add(1);
   monitor_.change([&] {
     std::int64_t layer = work_.solved_layers();

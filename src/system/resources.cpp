@@ -151,8 +151,8 @@ void require_stack() {
 #endif
 }
 
-void require_memory_within(std::uint64_t max_memory) {
-  if (max_memory > 0 && resident_memory() > max_memory)
+void require_memory_within(std::uint64_t max_memory, std::uint64_t before) {
+  if (max_memory > 0 && resident_memory() > before + max_memory)
     throw LimitExceeded(
         formatted("memory use exceeded both the limit of {} and the estimate; use a larger limit",
                   binary_bytes_text(max_memory)));

@@ -41,9 +41,9 @@ inline constexpr std::uint64_t min_stack_bytes = std::uint64_t{256} << 10;
 /// main thread and for threads that start later. Throws Error if the hard limit is lower.
 void require_stack();
 
-/// Throws Error if the resident memory of the process exceeds `max_memory` bytes. A limit of 0
-/// means no limit.
-void require_memory_within(std::uint64_t max_memory);
+/// Throws Error if the resident memory of the process exceeds that of `before` by more than
+/// `max_memory` bytes. A limit of 0 means no limit.
+void require_memory_within(std::uint64_t max_memory, std::uint64_t before);
 
 /// Returns the bytes that this user can write to the file system of `directory`, which must exist,
 /// or the largest number if the free space is unknown.
