@@ -51,8 +51,13 @@ std::vector<bool> selected(const std::string& selection, const DividedFile& file
   ReadOptions reading = file.reading;
   reading.with_labels = false;
   reading.structure.select = selection;
-  const std::vector<std::uint64_t> found = read_atoms(file.path, reading).lines;
-  const std::set<std::uint64_t> lines(found.begin(), found.end());
+  std::set<std::uint64_t> lines;
+  try {
+    const std::vector<std::uint64_t> found = read_atoms(file.path, reading).lines;
+    lines.insert(found.begin(), found.end());
+  } catch (const Error& error) {
+    throw Error(formatted("{} ({} {})", error.what(), option, printable(selection)));
+  }
   std::vector<bool> is_in;
   for (const std::uint64_t line : file.lines) is_in.push_back(lines.contains(line));
   return is_in;

@@ -1,6 +1,7 @@
 #include "cli/interruption.hpp"
 
 #include <signal.h>
+#include <time.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -11,7 +12,8 @@
 namespace eses::detail::cli {
 namespace {
 
-constexpr unsigned grace = 1;  // seconds that a run has for an orderly end
+constexpr unsigned grace = 1;                // seconds that a run has for an orderly end
+constexpr timespec settling{0, 20'000'000};  // time in which all threads ask whether a run goes on
 
 // Signals that cannot be handled, and signals whose default action does not end the process.
 constexpr std::array not_ending{SIGKILL, SIGSTOP, SIGTSTP, SIGTTIN, SIGTTOU,
@@ -43,9 +45,13 @@ void handle(int signal, void (*handler)(int)) {
   sigaction(signal, &action, nullptr);
 }
 
-// Removes the temporary files and locks, and then performs the default action, a core dump. The
-// signal is blocked in its handler; if the handler itself causes it, the system ends the process.
+// Removes the temporary files and locks, and then performs the default action, a core dump. Files
+// that other threads create meanwhile are removed, too: threads stop where they ask whether the run
+// goes on. The signal is blocked in its handler; if the handler itself causes it, the system ends
+// the process.
 void end_with_core_dump(int signal) {
+  remove_leftovers();
+  nanosleep(&settling, nullptr);
   remove_leftovers();
   handle(signal, SIG_DFL);
   raise(signal);
@@ -89,6 +95,7 @@ InterruptibleRun::~InterruptibleRun() {
 }
 
 void InterruptibleRun::check() {
+  while (is_ending) pause();
   has_locks_ = true;
   if (received_signal != 0) throw Interrupted{128 + received_signal};
 }

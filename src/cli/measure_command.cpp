@@ -225,6 +225,7 @@ Outcome outcome_of(const MeasureCommandOptions& options, std::size_t input, int 
     std::vector<std::string>& lines = options.strict ? outcome.errors : outcome.warnings;
     if (options.strict || !options.quiet) lines = warnings_of(file.diagnostics);
     if (!outcome.errors.empty()) return with_failure(options, input, std::move(outcome));
+    check();
     if (directory != nullptr) write_tables(options, input, file, *directory);
     outcome.text = measured_text(options, file);
     outcome.csv = measure_csv_line(options, file);

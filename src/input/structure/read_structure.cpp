@@ -257,15 +257,19 @@ std::vector<ChainName> names_of_chains(const gemmi::Model& model, ChainNames kin
   return names;
 }
 
-/// Returns the charges of atoms by their lines; none if the text has none.
+/// Returns the charges of atoms by their lines; none if the text has none. Atoms that share a line
+/// have unknown charges.
 std::vector<double> charges_of(const std::vector<std::uint64_t>& lines,
                                const ChargesByLine& charges) {
   std::vector<double> result;
   if (charges.empty()) return result;
   result.reserve(lines.size());
-  for (const std::uint64_t line : lines)
-    result.push_back(
-        std::ranges::lower_bound(charges, line, {}, &ChargesByLine::value_type::first)->second);
+  for (const std::uint64_t line : lines) {
+    const auto found =
+        std::ranges::lower_bound(charges, line, {}, &ChargesByLine::value_type::first);
+    const bool is_alone = found + 1 == charges.end() || (found + 1)->first != line;
+    result.push_back(is_alone ? found->second : NAN);
+  }
   return result;
 }
 
