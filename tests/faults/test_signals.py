@@ -177,6 +177,26 @@ class Phase(FaultTest):
                 self.assertEqual(self.finish(program).returncode, -number)
                 self.assertEqual(self.all_files(), [])
 
+    @unittest.skipIf(os.environ.get("ESES_SANITIZE"), "sanitizers handle these signals")
+    def test_core_dumps_wait_for_the_files_of_other_threads(self):
+        def prepare():
+            forget_signals()
+            resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+        atoms = "".join(f"{3 * (k % 6)} {3 * (k // 6 % 6)} {3 * (k // 36)} 1.7\n" for k in range(216))
+        files = [self.folder / f"{k}.xyzr" for k in range(40)]
+        for file in files:
+            file.write_text(atoms)
+        ended = 0
+        for turn in range(20):
+            program = self.start("measure", *files, "-q", "--write", "atoms,derivatives", "-t", "4", prepare=prepare)
+            wait_for(lambda: len(self.all_files()) > turn or has_ended(program))
+            program.send_signal(signal.SIGQUIT)
+            ended += self.finish(program).returncode == -signal.SIGQUIT
+            self.assertEqual([name for name in self.all_files() if name.startswith(".")], [])
+            for name in self.all_files():
+                (self.output / name).unlink()
+        self.assertGreater(ended, 5)
+
     @needs_library
     def test_signal_ends_a_run_on_a_file_system_that_hangs(self):
         for call in ("open 2", "write 1", "close 1", "rename 2"):
