@@ -269,6 +269,7 @@ int perform_measure(const Arguments& arguments) {
   std::optional<OutputFile> csv;
   if (!options.written_tables.empty()) {
     directory.emplace(options.output_directory);
+    interruptible.check();  // a signal removes the lock from now on
     directory->remove_abandoned(is_table);
   }
   if (!options.csv.empty()) {

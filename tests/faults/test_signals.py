@@ -189,7 +189,8 @@ class Phase(FaultTest):
         ended = 0
         for turn in range(20):
             program = self.start("measure", *files, "-q", "--write", "atoms,derivatives", "-t", "4", prepare=prepare)
-            wait_for(lambda: len(self.all_files()) > turn or has_ended(program))
+            # The lock is the first file.
+            wait_for(lambda: len(self.all_files()) > turn + 1 or has_ended(program))
             program.send_signal(signal.SIGQUIT)
             ended += self.finish(program).returncode == -signal.SIGQUIT
             self.assertEqual([name for name in self.all_files() if name.startswith(".")], [])
