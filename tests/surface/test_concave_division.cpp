@@ -47,6 +47,7 @@ void compare(const std::vector<Atom>& atoms, double probe, int cutters, double s
     ConcavePatch patch;
     ConcaveScratch scratch;
     set_triangle(surface, placement, patch);
+    if (patch.cone.solid_angle == 0) continue;
     add_cutters(patch, cutters, step, scratch.finder, random);
     ++counts.patches;
     const auto parts = divide_among_three(surface, placement.center, patch, scratch.finder.arcs());
