@@ -24,8 +24,7 @@ void print(std::string_view text);
 /// Throws Error if standard output cannot be written. Called before a run starts.
 void require_standard_output();
 
-/// Prints a line to standard error. `kind` is `error`, `warning` or
-/// `note`.
+/// Prints a line to standard error. `kind` is `error`, `warning` or `note`.
 void print_message(std::string_view kind, std::string_view message);
 /// Prints the message about insufficient memory without allocating any.
 void print_out_of_memory();
