@@ -405,8 +405,8 @@ TEST_CASE("measure: folders and lists stand for their files") {
   CHECK(files({"measure", "structures", "-q"}) == Fields{"structures/a.pqr", "structures/b.xyzr"});
   CHECK(files({"measure", "-r", "structures", "one.xyzr", "-q"}) ==
         Fields{"structures/a.pqr", "structures/b.xyzr", "structures/more/c.xyzr", "one.xyzr"});
-  // Files of areas in the folder are left out if measure has written them. A file that only has such
-  // a name is measured.
+  // Files of areas in the folder are left out if measure has written them. A file that only has
+  // such a name is measured.
   REQUIRE(box.run({"measure", "structures/a.pqr", "--write", "pdb,cif", "-o", "structures"}).code ==
           0);
   const Outcome noted = box.run({"measure", "structures"});
