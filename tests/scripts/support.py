@@ -183,3 +183,11 @@ class TestCase(unittest.TestCase):
 
     def assertDone(self, done, code=0):
         self.assertEqual(done.returncode, code, done.stdout + done.stderr)
+
+    def assertNeedsNo(self, libraries, build):
+        """The program of tests/downstream is linked with none of these libraries. Only names of files count:
+        those of temporary folders are random, and may contain one of these words."""
+        linking = (build / "CMakeFiles/blocks.dir/link.txt").read_text()
+        names = [pathlib.Path(word).name for word in linking.split()]
+        self.assertIn("blocks", names)
+        self.assertEqual([name for name in names for library in libraries if library in name], [])
