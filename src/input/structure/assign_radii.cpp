@@ -41,8 +41,11 @@ class AtomKinds {
     const double occupancy = radii_.is_occupancy ? occupancy_of(atom) : 0;
     const std::string &residue = atom.residue->name, &name = atom.atom->name;
     const std::string_view element = symbol_of(atom.atom->element);
-    const std::string_view standard = standard_residue(*atom.residue);
-    key_.assign(standard)
+    if (atom.residue != residue_) {
+      residue_ = atom.residue;
+      standard_ = standard_residue(*residue_);
+    }
+    key_.assign(standard_)
         .append(1, '\0')
         .append(residue)
         .append(1, '\0')
@@ -52,7 +55,7 @@ class AtomKinds {
     if (radii_.is_occupancy) key_.append(1, '\0').append(formatted("{}", occupancy));
     const auto [at, is_new] = indices_.try_emplace(key_, kinds_.size());
     if (is_new) {
-      const auto found = radii_.find({residue, name, element, atom.atom->is_hydrogen(), standard});
+      const auto found = radii_.find({residue, name, element, atom.atom->is_hydrogen(), standard_});
       const double radius = radii_.is_occupancy ? occupancy
                             : found             ? found->radius
                                                 : unknown_radius_;
@@ -60,7 +63,7 @@ class AtomKinds {
       const bool is_bead = is_water_bead(residue) && atom.atom->element == gemmi::El::O;
       const bool is_foreign =
           !is_named && !atom.atom->is_hydrogen() &&
-          (is_bead || (is_polymer_residue(residue) && !may_have_atom(standard, name)));
+          (is_bead || (is_polymer_residue(residue) && !may_have_atom(standard_, name)));
       kinds_.push_back({{residue, name, std::string(element), radius},
                         found.has_value(),
                         found && found->by_element,
@@ -94,6 +97,8 @@ class AtomKinds {
   std::string_view file_;
   double unknown_radius_;
   const std::vector<std::uint64_t>& guessed_;
+  const gemmi::Residue* residue_ = nullptr;  // of the last atom
+  std::string_view standard_;                // the standard residue of this one
   std::string key_;
   std::unordered_map<std::string, std::size_t> indices_;
   std::vector<AtomKind> kinds_;

@@ -48,13 +48,22 @@ struct StructureDocument : gemmi::cif::Document {
   explicit StructureDocument(const CheckCallback& its_check) : check(its_check) {}
 
   /// The item being read in the current data block.
-  const Item& item() const { return blocks.back().items.back(); }
+  Item& item() { return blocks.back().items.back(); }
 
   const CheckCallback& check;
   std::uint64_t value_count = 0;          ///< number of values of loops
   bool keeps_values = false;              ///< whether the values of the current loop are kept
   std::vector<std::uint64_t> atom_lines;  ///< line numbers of the rows of the table of atoms
+  std::size_t rest = 0;                   ///< bytes of the text from the first of these rows on
 };
+
+/// Makes room for the values of the table of atoms when its second row begins, as if all rows were
+/// as long as the first one. `rest` is the number of bytes that follow.
+void reserve_rows(Loop& loop, std::size_t rest, StructureDocument& document) {
+  if (loop.values.empty()) document.rest = rest;
+  if (loop.values.size() == loop.tags.size())
+    loop.values.reserve((2 + rest / (document.rest - rest)) * loop.tags.size());
+}
 
 /// The actions of gemmi's parser for a StructureDocument.
 template <class Rule>
@@ -77,9 +86,11 @@ struct StructureAction<rules::loop_value> {
   static void apply(const Input& in, StructureDocument& document) {
     check_at(++document.value_count, document.check);
     if (!document.keeps_values) return;
-    const Loop& loop = document.item().loop;
-    if (loop.values.size() % loop.tags.size() == 0 && is_atom_table(document.item()))
+    Loop& loop = document.item().loop;
+    if (loop.values.size() % loop.tags.size() == 0 && is_atom_table(document.item())) {
       document.atom_lines.push_back(in.iterator().line);
+      reserve_rows(loop, in.input().size(0), document);
+    }
     gemmi::cif::Action<rules::loop_value>::apply(in, document);
   }
 };
