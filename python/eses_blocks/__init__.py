@@ -16,6 +16,24 @@ Examples
 True
 """
 
+def _load_core():
+    """Loads the compiled module. The OpenMP of g++ reads the environment then. By default, its threads spin while
+    they wait for each other: where other programs use the processors, two threads take twice the CPU time of one."""
+    import importlib
+    import os
+
+    is_chosen = "OMP_WAIT_POLICY" in os.environ
+    os.environ.setdefault("OMP_WAIT_POLICY", "passive")
+    try:
+        importlib.import_module("._core", __name__)
+    finally:
+        if not is_chosen:
+            del os.environ["OMP_WAIT_POLICY"]
+
+
+_load_core()
+del _load_core
+
 from . import adaptors
 from ._core import (
     AtomAreas,

@@ -218,3 +218,17 @@ def test_own_signal_handlers_run_during_a_computation(medium):
     finally:
         signal.setitimer(signal.ITIMER_REAL, 0)
         signal.signal(signal.SIGALRM, before)
+
+
+@pytest.mark.parametrize("chosen", [None, "active"])
+def test_waiting_threads_sleep_unless_the_environment_chooses(chosen):
+    environment = {name: value for name, value in os.environ.items() if name != "OMP_WAIT_POLICY"}
+    environment["OMP_DISPLAY_ENV"] = "verbose"
+    if chosen:
+        environment["OMP_WAIT_POLICY"] = chosen
+    done = subprocess.run([sys.executable, "-c", "import eses_blocks, os; print(os.environ.get('OMP_WAIT_POLICY'))"],
+                          env=environment, capture_output=True, text=True, check=True)
+    assert done.stdout == f"{chosen}\n"
+    if "GOMP_SPINCOUNT" not in done.stderr:
+        pytest.skip("the OpenMP of clang reads the environment later")
+    assert ("GOMP_SPINCOUNT = '0'" in done.stderr) == (chosen is None)
