@@ -8,7 +8,6 @@ set(CMAKE_REQUIRED_LINK_OPTIONS ${eses_static_options})
 check_cxx_source_compiles("#include <iostream>\nint main() { std::cout << 1; }" ESES_HAS_STATIC_RUNTIME)
 cmake_pop_check_state()
 
-
 # Links these archives statically, where they are. All of an archive comes first, so that nothing needs
 # the shared library.
 function(target_link_archives target)
