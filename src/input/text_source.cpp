@@ -48,7 +48,10 @@ constexpr std::array compressions{
     Compression{"\x28\xb5\x2f\xfd", "Zstandard", "zstd -d FILE"},
     Compression{"PK\x03\x04", "ZIP", "unzip FILE"},
 };
-constexpr std::size_t max_magic_bytes = 6;
+
+// The magic bytes of tar archives, POSIX.1-2017, section "pax".
+constexpr std::string_view tar_magic = "ustar";
+constexpr std::size_t tar_magic_begin = 257, max_magic_bytes = tar_magic_begin + tar_magic.size();
 
 void refuse_other_compression(std::string_view bytes, std::string_view name) {
   for (const Compression& compression : compressions) {
@@ -58,6 +61,14 @@ void refuse_other_compression(std::string_view bytes, std::string_view name) {
     throw Error(formatted("{}: {} files are not read; decompress the file, for example with `{}`",
                           name, compression.name, advice_for(name, compression.command)));
   }
+}
+
+void refuse_archive(std::string_view bytes, std::string_view name) {
+  if (bytes.size() < max_magic_bytes || !bytes.substr(tar_magic_begin).starts_with(tar_magic))
+    return;
+  throw Error(
+      formatted("{}: tar archives are not read; unpack it with `{}`, and choose a file of it", name,
+                advice_for(name, "tar -xf FILE")));
 }
 
 }  // namespace
@@ -107,6 +118,8 @@ std::size_t TextSource::read(std::span<char> text) {
   }
   std::size_t count = 0;  // zlib may consume input without producing text
   while (count == 0 && enter_member()) count = inflate_part(text);
+  const bool is_begin = inflation_->stream.total_out == count;
+  if (is_begin) refuse_archive({text.data(), count}, name_);
   return count;
 }
 
@@ -118,6 +131,7 @@ void TextSource::begin() {
     count = read_bytes(std::span(buffer_).subspan(used));
   input_ = std::span(buffer_).first(used);
   refuse_other_compression({buffer_.data(), used}, name_);
+  refuse_archive({buffer_.data(), used}, name_);
   if (!is_gzip({buffer_.data(), used})) return;
   inflation_ = std::make_unique<Inflation>();
   is_in_member_ = true;

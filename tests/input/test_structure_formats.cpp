@@ -136,6 +136,17 @@ TEST_CASE("compressed files other than gzip are refused by name", "[structure]")
         "a.xyzr:1: field 1 (x): expected a number, found \"BZhello\"");
   CHECK(error("a.xyzr", "BZh") == "a.xyzr:1: field 1 (x): expected a number, found \"BZh\"");
   CHECK(error("a.xyzr", "0 0 0 1").empty());
+  for (const std::string options : {"-cf", "-czf"}) {
+    const std::string folder = directory.path().string();
+    std::ofstream(directory.path() / "1.pdb") << line_of({});
+    REQUIRE(std::system(
+                fmt::format("tar {1} '{0}/all.pdb' -C '{0}' 1.pdb", folder, options).c_str()) == 0);
+    CHECK(error_of([&] { read_structure(directory.path() / "all.pdb"); }) ==
+          fmt::format(
+              "{0}/all.pdb: tar archives are not read; unpack it with `tar -xf {0}/all.pdb`, and "
+              "choose a file of it",
+              folder));
+  }
   for (const std::string program : {"bzip2", "xz", "zstd"}) {
     if (std::system(fmt::format("command -v {} >/dev/null", program).c_str()) != 0) continue;
     INFO(program);
