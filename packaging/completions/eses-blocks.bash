@@ -36,14 +36,21 @@ _eses_blocks() {
       if [[ $command == measure ]]; then
         COMPREPLY=($(compgen -W "$tables atoms,residues,chains cavities,pieces" -- "$cur")) && return
       fi
+      if [[ $command == interface ]]; then
+        COMPREPLY=($(compgen -W 'interfaces residues atoms pdb cif' -- "$cur")) && return
+      fi
       COMPREPLY=($(compgen -W 'all none grid edges areas residues atoms grid,edges grid,areas \
       edges,areas' -- "$cur")) && return
       ;;
     --table)
-      if [[ $command == interface ]]; then tables='interfaces residues atoms'; fi
+      if [[ $command == interface ]]; then tables='interfaces residues atoms pdb cif'; fi
       COMPREPLY=($(compgen -W "$tables" -- "$cur")) && return
       ;;
     --like) COMPREPLY=($(compgen -W 'freesasa biopython mdtraj zsasa pymol' -- "$cur")) && return ;;
+    --radii) _filedir && COMPREPLY+=($(compgen -W 'protor bondi msms occupancy' -- "$cur")) && return ;;
+    --hydrogens) COMPREPLY=($(compgen -W 'keep drop' -- "$cur")) && return ;;
+    --chain-names) COMPREPLY=($(compgen -W 'auth label' -- "$cur")) && return ;;
+    --surface) COMPREPLY=($(compgen -W 'ses sas vdw all' -- "$cur")) && return ;;
     --reference) COMPREPLY=($(compgen -W 'tien miller sander' -- "$cur")) && return ;;
     --parts) COMPREPLY=($(compgen -W chains -- "$cur")) && return ;;
     --model) if [[ $command == measure ]]; then COMPREPLY=($(compgen -W all -- "$cur")); fi; return ;;
@@ -84,10 +91,14 @@ complete -F _eses_blocks eses-blocks
 _eses_tool() {
   local cur prev words cword split
   _init_completion -s || return
-  if [[ $cur == -* ]]; then
-    # COLUMNS keeps the names of options and their descriptions, which begin after two blanks, in a line.
-    COMPREPLY=($(compgen -W "$(COLUMNS=1000 "$1" --help-all 2>/dev/null |
-      sed -n -e '/^  -/{s/^  //;s/   *.*//;p;}' | grep -oE -e '--[a-z-]+')" -- "$cur"))
+  # COLUMNS keeps the names of options and their descriptions, which begin after two blanks, in a line.
+  local names
+  names=$(COLUMNS=1000 "$1" --help-all 2>/dev/null | sed -n -e '/^  -/{s/^  //;s/   *.*//;p;}')
+  local chosen="(^|[ ,])$prev \{([^}]*)\}"  # the names that are values of the option
+  if [[ $prev == -* && $names =~ $chosen ]]; then
+    COMPREPLY=($(compgen -W "${BASH_REMATCH[2]//,/ }" -- "$cur"))
+  elif [[ $cur == -* ]]; then
+    COMPREPLY=($(compgen -W "$(grep -oE -e '--[a-z-]+' <<<"$names")" -- "$cur"))
   else
     _filedir
   fi

@@ -61,19 +61,30 @@ function __eses_blocks_values
             printf '%s\n' tses ases
         case --table
             if contains interface $words[2]
-                printf '%s\n' interfaces residues atoms
+                printf '%s\n' interfaces residues atoms pdb cif
             else
                 printf '%s\n' $tables
             end
         case --write
             if contains measure $words[2]
                 printf '%s\n' $tables
+            else if contains interface $words[2]
+                printf '%s\n' interfaces residues atoms pdb cif
             else
                 printf '%s\n' all none grid edges areas residues atoms
             end
         case '*'
             return 1
     end
+end
+
+# Prints the names that are values of the option of a tool before the cursor, such as {sticks,surface}.
+function __eses_tool_values
+    set -l words (commandline -opc)
+    set -l option $words[-1]
+    string match -q -- '-*' $option; or return 1
+    set -l found (COLUMNS=1000 $words[1] --help-all 2>/dev/null | string match -r -- "^  (?:-\w \S+, )?$option \{([^}]*)\}")
+    set -q found[2]; and string split , $found[2]
 end
 
 complete -c eses-blocks -n 'test -z "$(__eses_blocks_command)"; and test (count (commandline -opc)) = 1' -a "$commands"
@@ -84,5 +95,6 @@ for name in msms pdb_to_xyzr pdb_to_xyzrn
     complete -c eses-$name -n __eses_blocks_values -f -a '(__eses_blocks_values)'
 end
 for name in $tools
+    complete -c eses-$name -n __eses_tool_values -f -a '(__eses_tool_values)'
     complete -c eses-$name -n 'string match -q -- "-*" (commandline -ct)' -a '(__eses_blocks_options)'
 end

@@ -4,3 +4,8 @@ eses-traj.
 Each tool is a module with a function start(). They need only the program; numpy and VTK are imported
 where a tool needs them. `python -m eses_tools view ...` starts a tool, too.
 """
+
+# Of pages that show surfaces: colours of the surface, and drawings of atoms.
+SCHEMES = ("patch", "atom", "element", "chain", "residue", "area", "component", "potential", "file",
+           "plain")
+STYLES = ("none", "sticks", "balls", "spheres")

@@ -47,6 +47,7 @@ def command_of(tool):
 PROGRAM = default_program()
 NAME = pathlib.Path(sys.argv[0]).name  # of the tool; installed ones begin with eses-
 COMPRESSION_LEVEL = 6  # gzip's own default
+RED, YELLOW = 31, 33  # of terminals
 
 
 class Failed(Exception):
@@ -79,6 +80,13 @@ class Parser(argparse.ArgumentParser):
         at = arguments.index("--") if "--" in arguments else len(arguments)
         return self.parse_args(arguments[:at]), arguments[at + 1:]
 
+    def refuse_own(self, arguments):
+        """Ends with exit code 2 if one of the arguments after -- is an option of the tool."""
+        own = {name for action in self._actions if action.dest != "help" for name in action.option_strings}
+        for name in (each.partition("=")[0] for each in arguments):
+            if name in own - {"--help-all"}:
+                self.error(f"{name} must come before --")
+
     def format_help(self):
         hidden = [action for action in self._actions
                   if not self.shows_all and set(action.option_strings) & set(self.advanced)]
@@ -98,7 +106,7 @@ class Parser(argparse.ArgumentParser):
             message = self.message_of_typo() or message
         if message.startswith("unrecognized arguments") and "-- ARGUMENT" in (self.usage or ""):
             message += "; arguments of eses-blocks follow --"
-        self.exit(2, f"{self.prog}: {message}\n")  # one line, without the usage
+        self.exit(2, f"{colored(f'{self.prog}:', RED)} {message}\n")  # one line, without the usage
 
     def message_of_typo(self):
         """Returns the message for the first unknown option that resembles a known one, if there is any."""
@@ -175,9 +183,9 @@ def end_with(main):
     except BrokenPipeError:
         sys.exit(1)  # the reader has closed the pipe
     except Failed as error:
-        sys.exit(f"{NAME}: {printable_lines(error)}")
+        sys.exit(f"{colored(f'{NAME}:', RED)} {printable_lines(error)}")
     except OSError as error:
-        sys.exit(f"{NAME}: {printable(error.filename or 'output')}: {error.strerror or error}")
+        sys.exit(f"{colored(f'{NAME}:', RED)} {printable(error.filename or 'output')}: {error.strerror or error}")
     except KeyboardInterrupt:
         sys.exit(130)
 
@@ -202,7 +210,18 @@ def show(text):
 def say(text):
     """Prints a line on standard error, which replaces the line of progress."""
     show("")
+    warning = "warning:"
+    if text.startswith(warning):
+        text = colored(warning, YELLOW) + text[len(warning):]
     print(f"{NAME}: {text}", file=sys.stderr, flush=True)
+
+
+def colored(text, color):
+    """Returns the text in a colour if standard error is a terminal that shows colours, and the user has
+    not refused them (https://no-color.org)."""
+    terminal = os.environ.get("TERM", "dumb")
+    is_shown = terminal != "dumb" and not os.environ.get("NO_COLOR") and sys.stderr.isatty()
+    return f"\033[1;{color}m{text}\033[0m" if is_shown else text
 
 
 def printable(text):

@@ -16,6 +16,8 @@ import math
 import pathlib
 import typing
 
+from eses_tools import SCHEMES, STYLES
+
 try:
     import numpy
 except ImportError:
@@ -25,11 +27,8 @@ else:
 
 FOLDER = pathlib.Path(__file__).resolve().parent / "pages"  # head.html is the head of all pages
 PARTS = FOLDER / "viewer"
-SCHEMES = ("patch", "atom", "element", "chain", "residue", "area", "component", "potential", "file",
-           "plain")
-SCRIPTS = ("data", "colors", "shaders", "graphics", "parts", "table", "picture", "viewer",
-           "input")
-STYLES = ("none", "sticks", "balls", "spheres")
+SCRIPTS = ("data", "colors", "shaders", "graphics", "parts", "table", "picture", "ligands",
+           "viewer", "input")
 STEPS = 65535  # of a coordinate of a vertex
 NORMAL_STEPS = 1023  # on each side of zero of an octahedral coordinate
 POTENTIAL_STEPS = 32767  # on each side of zero
@@ -307,10 +306,12 @@ def make_page(molecules, title, color=None, style="none", opacity=None, potentia
     values = [one.potential for one in molecules if one.potential is not None]
     if potential_limit is None:
         potential_limit = nice_limit(numpy.concatenate(values)) if values else 1
-    if opacity is None:
+    is_chosen = opacity is not None
+    if not is_chosen:
         opacity = 100 if style == "none" else 45
     described = [describe(one) for one in molecules]
-    settings = {"color": color or default_color(molecules), "style": style, "opacity": opacity}
+    settings = {"color": color or default_color(molecules), "style": style, "opacity": opacity,
+                "opacity_is_chosen": is_chosen}
     data = {"settings": settings,
             "limits": {"potential": potential_limit, "diverging": DIVERGING,
                        "patches": PATCH_COLORS},

@@ -1,4 +1,4 @@
-"""Finds the borders between patches of the surface in a mesh, and divides triangles at them.
+"""Finds the borders between patches and atoms of the surface in a mesh, and cuts triangles at them.
 
 A vertex names its kind of patch and its first adjacent atom. Its probe is at x + p n. The spheres
 and the probe radius p follow from the vertices: on a convex patch x = a + r n, and elsewhere the
@@ -13,9 +13,13 @@ import numpy
 CONVEX, SADDLE, CONCAVE = 1, 2, 3
 TOLERANCE = 1e-3  # angstrom; normals of PLY files have single precision
 MIN_GAP = 0.02  # angstrom; nearer to a contact circle the probe radius is inexact
-BATCH = 200000  # divided triangles at once, which bounds the memory
+BATCH = 200000  # edges at once, which bounds the memory
 HALVINGS = 5  # of an edge, to find a border on it
 RINGS = 3  # of vertices around a border that know the kinds beyond it
+POWER_TOLERANCE = 1e-4  # square angstrom
+UNKNOWN_POWER = 1e6  # square angstrom, more than that of any sphere at the surface
+MIN_SHARE = 1e-9  # of a triangle, smaller parts are left out
+SAME_PLACE = 1e-4  # angstrom
 CELL = 4.0  # angstrom; side of the cells in which spheres are looked up
 
 
@@ -80,22 +84,6 @@ def touching(probes, centers, radii):
         close = numpy.take_along_axis(gaps, best, axis=1) < TOLERANCE
         found[group, :best.shape[1]] = numpy.where(close, near[best], -1)
     return found
-
-
-def grid_of(pieces):
-    """Returns barycentric coordinates of the points and the triangles of a divided triangle."""
-    numbers, corners = {}, []
-    for i in range(pieces + 1):
-        for j in range(pieces + 1 - i):
-            numbers[i, j] = len(corners)
-            corners.append((pieces - i - j, i, j))
-    small = []
-    for i, j in numbers:
-        if i + j < pieces:
-            small.append((numbers[i, j], numbers[i + 1, j], numbers[i, j + 1]))
-        if i + j < pieces - 1:
-            small.append((numbers[i + 1, j], numbers[i + 1, j + 1], numbers[i, j + 1]))
-    return numpy.array(corners) / pieces, numpy.array(small)
 
 
 def nearest_corner(places, kind, probe, touched, centers, radii, weights):
@@ -212,33 +200,129 @@ def edge_lengths(points, edges):
     return numpy.linalg.norm(points[edges[:, 0]] - points[edges[:, 1]], axis=1)
 
 
-def divide(points, normals, triangles, kinds, atoms, colors, pieces):
-    """Returns points, normals, triangles and the colour of each triangle, with the triangles at
-    borders of colours divided into `pieces` squared parts."""
-    corner_colors = colors[triangles]
-    is_mixed = (corner_colors != corner_colors[:, :1]).any(axis=(1, 2))
-    whole, mixed = triangles[~is_mixed], triangles[is_mixed]
-    weights, small = grid_of(pieces)
-    middles = weights[small].mean(axis=1)
-    used, corner = numpy.unique(mixed, return_inverse=True)
-    corner = corner.reshape(mixed.shape)
-    centers, radii, probes, touched = contacts(points, normals, kinds, atoms, used)
-    all_points, all_normals = [points], [normals]
-    all_triangles, all_colors = [whole], [colors[whole[:, 0]]]
+def share_by_power(points, triangles, atoms, centers, radii):
+    """Returns the index of the sphere of each vertex: that of least power among those of the vertices
+    around it, as areas of atoms are shared. `atoms` has indices of spheres."""
+    edges = numpy.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]])
+    edges = numpy.concatenate([edges, edges[:, ::-1]])
+    atoms = atoms.copy()
+    while True:
+        here = edges[atoms[edges[:, 0]] != atoms[edges[:, 1]]]
+        offered = power_of(points[here[:, 0]], atoms[here[:, 1]], centers, radii)
+        is_less = offered < power_of(points[here[:, 0]], atoms[here[:, 0]], centers, radii) - POWER_TOLERANCE
+        if not is_less.any():
+            return atoms
+        vertices, offered, atoms_beside = here[is_less, 0], offered[is_less], atoms[here[is_less, 1]]
+        order = numpy.lexsort((-offered, vertices))  # the least power is written last
+        atoms[vertices[order]] = atoms_beside[order]
+
+
+def power_of(points, atoms, centers, radii):
+    """Returns the powers of points with respect to spheres; that of an unknown sphere is large."""
+    away = points - centers[atoms]
+    return numpy.where(numpy.isfinite(radii[atoms]), row_dot(away, away) - radii[atoms]**2, UNKNOWN_POWER)
+
+
+def cut_by_kind(mesh):
+    """Returns points, normals, triangles and owners of a mesh, see cut(), whose triangles are cut where
+    patches of different kinds meet."""
+    points, normals, triangles, kinds, atoms = parts_of(mesh)
+    heights = numpy.full((len(points), 3), 255.0)
+    next_kinds = (kinds[:, None] + numpy.arange(2)) % 3
+    numpy.put_along_axis(heights, next_kinds, border_heights(points, normals, triangles, kinds, atoms), axis=1)
+    return cut(points, normals, triangles, kinds, lambda corners: numpy.take_along_axis(
+        heights[corners], numpy.repeat(kinds[corners][:, None] - 1, 3, axis=1), axis=2))
+
+
+def cut_by_atom(mesh):
+    """Returns points, normals, triangles and owners of a mesh, see cut(), whose triangles are cut where the
+    powers of the atoms are equal, as areas of atoms are shared.
+
+    On solvent accessible and van der Waals surfaces the spheres meet there: the parts of a triangle get the
+    normals of their spheres."""
+    points, normals, triangles, kinds, atoms = parts_of(mesh)
+    found, radii_found, numbers = spheres(points, normals, kinds, atoms)
+    named, first, atom = numpy.unique(atoms, return_index=True, return_inverse=True)
+    centers, radii = numpy.zeros((len(named), 3)), numpy.full(len(named), numpy.nan)
+    index = numpy.searchsorted(named, numbers)
+    centers[index], radii[index] = found, radii_found
+    if not is_of_spheres(mesh):
+        atom = share_by_power(points, triangles, atom, centers, radii)
+    points, normals, triangles, owners = cut(points, normals, triangles, atom, lambda corners: -power_of(
+        points[corners][:, :, None], atom[corners][:, None], centers, radii))
+    if is_of_spheres(mesh) and len(triangles) > len(mesh.triangles):
+        sphere = atom[owners]
+        is_known = numpy.isfinite(radii[sphere])
+        normals[is_known] = ((points - centers[sphere]) / radii[sphere][:, None])[is_known]
+    return points, normals, triangles, first[atom][owners]
+
+
+def is_of_spheres(mesh):
+    """Whether a mesh that names atoms is a solvent accessible or van der Waals surface."""
+    kinds = mesh.values.get("patch")
+    return "atom" in mesh.values and (kinds is None or bool((kinds == CONVEX).all()))
+
+
+def parts_of(mesh):
+    """Returns points, normals, triangles, kinds of patches and atoms; spheres are convex patches."""
+    kinds = mesh.values.get("patch")
+    return (mesh.points.astype(float), mesh.normals.astype(float), mesh.triangles,
+            numpy.full(len(mesh.points), CONVEX) if kinds is None else kinds, mesh.values["atom"])
+
+
+def cut(points, normals, triangles, labels, heights_of):
+    """Returns points, normals and triangles, with those whose vertices have different labels cut where the
+    heights of two of their corners are equal, and for each point its owner: a vertex of the mesh that has
+    the label of its triangles.
+
+    `heights_of` returns the heights of the corners of triangles: triangle, place, corner. Between the
+    places they are linear, so that the border of two corners is a line.
+    """
+    corner_labels = labels[triangles]
+    is_mixed = (corner_labels != corner_labels[:, :1]).any(axis=1)
+    if not is_mixed.any():
+        return points, normals, triangles, numpy.arange(len(points))
+    mixed = triangles[is_mixed]
+    heights = heights_of(mixed)
+    parts = [(points, normals, triangles[~is_mixed], numpy.arange(len(points)))]
     count = len(points)
-    batches = max(1, len(mixed) * len(small) // BATCH)
-    for part in numpy.array_split(numpy.arange(len(mixed)), batches):
-        here = mixed[part]
-        if len(here) == 0:
-            continue
-        chosen = nearest_corner(numpy.einsum("mc,tcx->tmx", middles, points[here]),
-                                kinds[here], probes[corner[part]], touched[corner[part]],
-                                centers, radii, middles)
-        all_points.append(numpy.einsum("mc,tcx->tmx", weights, points[here]).reshape(-1, 3))
-        all_normals.append(numpy.einsum("mc,tcx->tmx", weights, normals[here]).reshape(-1, 3))
-        base = count + len(weights) * numpy.arange(len(here))
-        all_triangles.append((base[:, None, None] + small).reshape(-1, 3))
-        all_colors.append(numpy.take_along_axis(colors[here], chosen[..., None], axis=1)
-                          .reshape(-1, 3))
-        count += len(here) * len(weights)
-    return tuple(map(numpy.concatenate, (all_points, all_normals, all_triangles, all_colors)))
+    for corner in range(3):
+        # A corner with the label of an earlier one has no part of its own.
+        is_new = (corner_labels[is_mixed, :corner] != corner_labels[is_mixed, corner][:, None]).all(axis=1)
+        shares = numpy.repeat(numpy.eye(3)[None], len(mixed), axis=0)  # polygon, place, corner of the triangle
+        for other in {0, 1, 2} - {corner}:
+            shares = clipped(shares, row_dot(shares, (heights[..., corner] - heights[..., other])[:, None]))
+        made = count + shares.shape[1] * numpy.arange(len(mixed))[:, None]
+        fans = [numpy.stack([made[:, 0], made[:, 0] + k, made[:, 0] + k + 1], axis=1)
+                [is_new & (numpy.abs(numpy.linalg.det(shares[:, [0, k, k + 1]])) > MIN_SHARE)] for k in range(1, shares.shape[1] - 1)]
+        parts.append((numpy.einsum("tmc,tcx->tmx", shares, points[mixed]).reshape(-1, 3),
+                      numpy.einsum("tmc,tcx->tmx", shares, normals[mixed]).reshape(-1, 3), numpy.concatenate(fans),
+                      numpy.repeat(mixed[:, corner], shares.shape[1])))
+        count += shares.shape[0] * shares.shape[1]
+    return merged(*map(numpy.concatenate, zip(*parts)), labels)
+
+
+def merged(points, normals, triangles, owners, labels):
+    """Returns the points that triangles have, without repetition where labels agree."""
+    used, corner = numpy.unique(triangles, return_inverse=True)
+    keys = numpy.column_stack([numpy.rint(points[used] / SAME_PLACE), labels[owners[used]]]).astype("i8")
+    _, first, index = numpy.unique(keys.view([("", "i8")] * 4).ravel(), return_index=True, return_inverse=True)
+    kept = used[first]
+    return points[kept], normals[kept], index[corner].reshape(-1, 3), owners[kept]
+
+
+def clipped(polygons, values):
+    """Returns convex polygons without their parts with negative values. They have a place more, and
+    repeat the last one where they have fewer. Polygons without positive values become points."""
+    following, values_after = numpy.roll(polygons, -1, axis=1), numpy.roll(values, -1, axis=1)
+    is_kept = values >= 0
+    is_crossing = (values < 0) != (values_after < 0)
+    step = numpy.where(is_crossing, values / numpy.where(is_crossing, values - values_after, 1), 0)[..., None]
+    places = numpy.stack([polygons, polygons + step * (following - polygons)], axis=2)
+    is_there = numpy.stack([is_kept, is_crossing], axis=2)
+    count = polygons.shape[1]
+    places, is_there = places.reshape(len(polygons), 2 * count, -1), is_there.reshape(len(polygons), -1)
+    order = numpy.argsort(~is_there, axis=1, kind="stable")[:, :count + 1]
+    last = numpy.maximum(is_there.sum(axis=1) - 1, 0)[:, None]
+    order = numpy.take_along_axis(order, numpy.minimum(numpy.arange(count + 1), last), axis=1)
+    return numpy.take_along_axis(places, order[..., None], axis=1)

@@ -34,7 +34,6 @@ CAVITY = (0.84, 0.37, 0)
 SECTION = (0.93, 0.90, 0.84)  # of --cavities through the molecule
 POTENTIAL = "potential"  # name of an array
 MAX_LEGEND = 26  # entries; more would not be legible
-PIECES = 6  # parts of an edge of a triangle at the border of patches
 MARGIN = 0.03  # free part of the picture on each side
 LEGEND_WIDTH = 0.14  # part of the picture at the right
 MAX_SIZE = 8000  # pixels; OpenGL draws at most 16384, and each pixel is the mean of several
@@ -158,28 +157,45 @@ def add_potential(mesh, values):
     mesh.GetPointData().AddArray(array)
 
 
-def read_mesh(vtk, path, pieces, is_divided=True):
-    """Returns a mesh of VTK and its legend. If the patches of the mesh have colours, its triangles are
-    divided at their borders, which separates the patches, unless `is_divided` is False."""
+def read_mesh(vtk, path, is_cut=True):
+    """Returns a mesh of VTK and its legend. If its colours are those of patches or atoms, its triangles
+    are cut at their borders, unless `is_cut` is False."""
     from eses_tools import meshes
-    from eses_tools import patch_borders
     mesh = meshes.read_mesh(path)
-    colors = mesh.values.get("color")
-    potential = mesh.values.get("potential")
-    if colors is None or "patch" not in mesh.values or potential is not None or not is_divided:
-        made = triangle_mesh(vtk, mesh.points, mesh.normals, mesh.triangles, None)
-        if colors is not None:
-            paint_vertices(made, colors)
-        if potential is not None:
-            add_potential(made, potential)
-        return made, {}
-    kinds = mesh.values["patch"]
-    parts = patch_borders.divide(mesh.points.astype(float), mesh.normals.astype(float),
-                                 mesh.triangles, kinds, mesh.values["atom"], colors, pieces)
-    return triangle_mesh(vtk, *parts), legend_of(
-        kinds, colors, [(mesh.values.get("component"), component_name),
-                        (mesh.values.get("chain"), lambda number: f"chain {mesh.chains[number]}"
-                         if mesh.chains[number] else "no chain")])
+    colors, potential = mesh.values.get("color"), mesh.values.get("potential")
+    parts, legend = (None, {}) if colors is None or potential is not None or not is_cut else cut(mesh)
+    if parts:
+        return triangle_mesh(vtk, *parts), legend
+    made = triangle_mesh(vtk, mesh.points, mesh.normals, mesh.triangles, None)
+    if colors is not None:
+        paint_vertices(made, colors)
+    if potential is not None:
+        add_potential(made, potential)
+    return made, legend
+
+
+def cut(mesh):
+    """Returns points, normals, triangles and colours of triangles of a mesh that is cut at the borders of
+    its colours, or None if these are unknown, and the legend."""
+    import numpy
+    from eses_tools import patch_borders
+    atoms, colors = mesh.values.get("atom"), mesh.values["color"]
+    if atoms is None:
+        return None, {}
+    kinds = mesh.values.get("patch", numpy.full(len(atoms), patch_borders.CONVEX))
+    legend = legend_of(kinds, colors, [
+        (mesh.values.get("component"), component_name),
+        (mesh.values.get("chain"), lambda number: f"chain {mesh.chains[number]}"
+         if mesh.chains[number] else "no chain")])
+    _, first, atom = numpy.unique(atoms, return_index=True, return_inverse=True)
+    if (colors == colors[first][atom]).all():
+        way = patch_borders.cut_by_atom
+    elif legend.keys() <= PATCHES.keys():
+        way = patch_borders.cut_by_kind
+    else:
+        return None, legend
+    points, normals, triangles, owners = way(mesh)
+    return (points, normals, triangles, colors[owners[triangles[:, 0]]]), legend
 
 
 def potentials_of(meshes, options):
@@ -502,7 +518,7 @@ def main():
 def draw(options):
     """Returns the bytes of a PNG file of the meshes."""
     vtk = import_vtk()
-    found = [read_mesh(vtk, path, PIECES, not options.cavities) for path in options.meshes]
+    found = [read_mesh(vtk, path, not options.cavities) for path in options.meshes]
     drawn = [mesh for mesh, _ in found]
     legend = {name: color for _, entries in found for name, color in entries.items()}
     values = potentials_of(drawn, options)

@@ -18,7 +18,7 @@ LAYOUTS = {"xyzr": "xyzr", "pqr": "pqr", "pdb": "pdb", "ent": "pdb", "cif": "mmc
            "mmcif": "mmcif", "mcif": "mmcif", "pdbx": "mmcif"}
 
 # First lines of files of areas, by suffix.
-AREA_HEADINGS = {"pdb": b"REMARK 999 B-FACTORS ARE AREAS ON THE SOLVENT ACCESSIBLE SURFACE", "cif": b"data_areas\n"}
+AREA_HEADINGS = {"pdb": b"REMARK 999 B-FACTORS ARE ", "cif": b"data_areas\n"}
 
 # Suffix of the PDB's files of assemblies, in the format PDB. Their models are copies of chains.
 ASSEMBLY_SUFFIX = r"pdb[0-9]+"

@@ -25,8 +25,8 @@ import tempfile
 
 from eses_tools.common import (NAME, PROGRAM, Failed, Parser, at_least, command_of,
                                complete_file, describe_build, end_with, files_among, require_kind,
-                               require_output, show)
-from eses_tools import measuring, mmcif, pdb_to_pqr
+                               require_output, say, show)
+from eses_tools import SCHEMES, STYLES, measuring, mmcif, pdb_to_pqr
 from eses_tools.structures import KINDS, split_name
 
 meshes = open_dx = page = None  # imported after --help and the checks of the arguments, which need no numpy
@@ -52,11 +52,6 @@ def import_numpy():
         from eses_tools import open_dx
     except ImportError:
         raise Failed("install numpy (Debian: python3-numpy)") from None
-
-
-def say(text):
-    show("")
-    print(f"{NAME}: {text}", file=sys.stderr)
 
 
 # ----------------------------------------------------------------------------------- programs
@@ -246,11 +241,21 @@ def read_structure(options, path, folder, ligands=()):
                             "component" if options.surface == "ses" else "atom"], folder)
     if messages:
         say(messages)
-    read = meshes.read_mesh(mesh)
+    read = with_creases(meshes.read_mesh(mesh))
     return page.Molecule(path.name, read.points, read.normals, read.triangles,
                          patch=read.values.get("patch"), component=read.values.get("component"),
                          atom=read.values["atom"], atoms=atoms,
                          voids=[float(row["void_volume"]) for row in cavities])
+
+
+def with_creases(mesh):
+    """Returns a mesh whose triangles are cut where spheres meet, if it is one of spheres with atoms."""
+    from eses_tools import patch_borders
+    if not patch_borders.is_of_spheres(mesh):
+        return mesh
+    points, normals, triangles, owners = patch_borders.cut_by_atom(mesh)
+    values = {name: array[owners] for name, array in mesh.values.items()}
+    return mesh._replace(points=points, normals=normals, triangles=triangles, values=values)
 
 
 def atoms_of_mesh(mesh):
@@ -280,7 +285,7 @@ def split_residue(text, chain):
 
 def read_mesh(path):
     show(f"mesh {path}")
-    mesh = meshes.read_mesh(path)
+    mesh = with_creases(meshes.read_mesh(path))
     molecule = page.Molecule(path.name, mesh.points, mesh.normals, mesh.triangles,
                              patch=mesh.values.get("patch"), component=mesh.values.get("component"),
                              color=mesh.values.get("color"),
@@ -328,8 +333,6 @@ def per_cent(text):
 
 
 def parse():
-    arguments = sys.argv[1:]
-    at = arguments.index("--") if "--" in arguments else len(arguments)
     paragraphs = __doc__.split("\n\n")
     above_zero = at_least(0, is_open=True)
     parser = Parser(description="\n\n".join(paragraphs[:2]), epilog=paragraphs[2],
@@ -344,15 +347,14 @@ def parse():
                         help="page to write; - for standard output")
     parser.add_argument("--title", help="title of the page (default: the names of the files)")
     look = parser.add_argument_group("first view, which the controls of the page change")
-    look.add_argument("--color", metavar="NAME",
-                      help="colours of the surface: patch, atom, element, chain, residue, area, "
-                           "component, potential, file or plain (default: potential if there is one, "
-                           "file if a mesh has colours, chain if there are several, otherwise plain)")
+    look.add_argument("--color", choices=SCHEMES,
+                      help="colours of the surface (default: potential if there is one, file if a "
+                           "mesh has colours, chain if there are several, otherwise plain)")
     look.add_argument("--table", type=pathlib.Path, metavar="FILE.csv",
                       help="colour by the columns of a table with a column serial (of atoms) or "
                            "residue_number and chain")
-    look.add_argument("--atoms", default="none", metavar="NAME",
-                      help="atoms of structures: none (the default), sticks, balls or spheres")
+    look.add_argument("--atoms", default="none", choices=STYLES,
+                      help="drawing of the atoms of structures (default: none)")
     look.add_argument("--opacity", type=per_cent, metavar="PERCENT",
                       help="opacity (default: 100, or 45 with --atoms)")
     surface = parser.add_argument_group("surface of structures")
@@ -385,9 +387,9 @@ def parse():
     parser.add_argument("--program", type=pathlib.Path, default=PROGRAM, metavar="FILE",
                         help="path of eses-blocks (default: the one beside this script, or "
                              "build/eses-blocks)")
-    options = parser.parse_args(arguments[:at])
-    options.arguments = [each for each in arguments[at + 1:] if each not in SURFACE_ONLY]
-    options.surface_arguments = [each for each in arguments[at + 1:] if each in SURFACE_ONLY]
+    options, arguments = parser.parse_before_dashes()
+    options.arguments = [each for each in arguments if each not in SURFACE_ONLY]
+    options.surface_arguments = [each for each in arguments if each in SURFACE_ONLY]
     import_modules()
     complete_options(parser, options)
     import_numpy()
@@ -396,18 +398,13 @@ def parse():
 
 def complete_options(parser, options):
     """Sets the title. Ends with exit code 2 if options contradict each other."""
-    for name, value, known in (("--color", options.color, page.SCHEMES),
-                               ("--atoms", options.atoms, page.STYLES)):
-        if value is not None and value not in known:
-            parser.error(f"{name}: {value} is none of {', '.join(known)}")
     require_kind(parser, options.output, "a page", ".html", ".htm")
     is_mesh = [meshes.is_mesh(path) for path in options.files]
     for path, known in zip(options.files, is_mesh):
         if not known and split_name(path.name) is None:
             parser.error(f"{path}: neither a structure nor a mesh; the suffixes are {KINDS}, and "
                          f"{', '.join(meshes.SUFFIXES)}")
-    if any(each.partition("=")[0] == "--surface" for each in options.arguments):
-        parser.error("--surface must come before --")
+    parser.refuse_own(options.arguments)
     if options.electrostatics and options.potential:
         parser.error("--electrostatics and --potential exclude each other")
     if options.electrostatics and any(is_mesh):

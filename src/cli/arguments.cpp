@@ -1,6 +1,7 @@
 #include "cli/arguments.hpp"
 
 #include <algorithm>
+#include <array>
 #include <filesystem>
 #include <memory>
 #include <numeric>
@@ -120,19 +121,48 @@ std::size_t distance_of(std::string_view a, std::string_view b) {
   return row.back();
 }
 
+/// An option of another command or program, and what has its place here.
+struct ForeignOption {
+  std::string_view name, advice;
+};
+constexpr std::string_view of_measure = "it is an option of 'eses-blocks measure'";
+constexpr std::string_view of_interface = "it is an option of 'eses-blocks interface'";
+constexpr std::string_view of_surface = "it is an option of 'eses-blocks FILE', without a command";
+constexpr std::array foreign_options{
+    ForeignOption{"--cavities", of_measure},
+    ForeignOption{"--pockets", of_measure},
+    ForeignOption{"--at", of_measure},
+    ForeignOption{"--parts", of_measure},
+    ForeignOption{"--report", of_measure},
+    ForeignOption{"--table", of_measure},
+    ForeignOption{"--csv", of_measure},
+    ForeignOption{"--large-probe", of_measure},
+    ForeignOption{"--groups", of_interface},
+    ForeignOption{"--ligand", of_interface},
+    ForeignOption{"--mesh", of_surface},
+    ForeignOption{"--color", of_surface},
+    ForeignOption{"--rsa",
+                  "relative areas of residues are printed by 'eses-blocks measure FILE --table "
+                  "residues' or, as NACCESS does, '--table rsa'"},
+    ForeignOption{
+        "--depth",
+        "areas by chain, residue or atom are printed by 'eses-blocks measure FILE --table "
+        "chains', 'residues' or 'atoms'"},
+};
+
 /// Returns what to do instead of giving an unknown option.
 std::string advice_for_option(const CLI::App& app, const std::string& extra) {
   std::error_code ignored;
   if (std::filesystem::exists(extra, ignored)) return "; put a file of this name after --";
   const std::string name = extra.substr(0, extra.find('='));
+  const auto* const foreign = std::ranges::find(foreign_options, name, &ForeignOption::name);
+  if (foreign != foreign_options.end()) return formatted("; {}", foreign->advice);
   std::vector<std::string> names;
   for (const CLI::Option* option : app.get_options())
     for (const std::string& known : option->get_lnames()) names.push_back("--" + known);
   if (const std::string_view meant = closest_name(name, names); !meant.empty())
     return formatted("; did you mean {}?", meant);
-  const bool is_of_measure = name == "--cavities" || name == "--pockets" || name == "--parts" ||
-                             name == "--csv" || name == "--large-probe";
-  return is_of_measure ? formatted("; it is an option of 'eses-blocks measure'") : "";
+  return "";
 }
 
 [[noreturn]] void refuse_extra(const CLI::App& app, const std::string& extra,

@@ -28,13 +28,14 @@ bool is_structure_file(const fs::path& path) {
          format_of(path, AtomFormat::automatic) != AtomFormat::xyzr;
 }
 
-/// Returns whether a file has areas of `measure --write pdb` or `cif`, by its name and its first
-/// line.
+/// Returns whether a file has areas of `--write pdb` or `cif`, by its name and its first line.
 bool is_area_file(const fs::path& path) {
   const std::string name = lower_case(path.filename().string());
   const bool is_pdb = name.ends_with(".areas.pdb") || name.ends_with(".areas.pdb.gz");
   if (!is_pdb && !name.ends_with(".areas.cif") && !name.ends_with(".areas.cif.gz")) return false;
-  std::string heading = formatted("{}\n", is_pdb ? pdb_heading : cif_heading), start;
+  const std::string heading =
+      is_pdb ? std::string(pdb_heading_start) : formatted("{}\n", cif_heading);
+  std::string start;
   try {
     TextSource source(path);
     std::array<char, 128> part{};

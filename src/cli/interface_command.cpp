@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -14,9 +15,12 @@
 #include "cli/interruption.hpp"
 #include "cli/messages.hpp"
 #include "cli/shared_report.hpp"
+#include "cli/table_files.hpp"
 #include "eses/interface.hpp"
 #include "eses/radii.hpp"
 #include "eses/read_atoms.hpp"
+#include "output/area_table_writer.hpp"
+#include "system/formatted.hpp"
 
 namespace eses::detail::cli {
 namespace {
@@ -32,9 +36,10 @@ std::vector<ComplexParts> divisions_of(const InterfaceOptions& options, const Re
 
 /// Adds the interfaces of a division that are large enough.
 void add_interfaces(const InterfaceOptions& options, const Surface& surface,
-                    const ComplexParts& division, InterfaceFile& file) {
+                    const ComplexParts& division, const CheckCallback& check, InterfaceFile& file) {
   if (division.names.empty()) return;  // a single chain
-  const MeasureOptions measuring{.probe_radius = options.probe_radius, .threads = options.threads};
+  const MeasureOptions measuring{
+      .probe_radius = options.probe_radius, .threads = options.threads, .check = check};
   for (Interface& areas : measure_interfaces(surface, division.part_of_atom, measuring)) {
     if (areas.sas.interface_area() < options.min_area) continue;
     std::vector<std::uint32_t> parts;
@@ -45,24 +50,99 @@ void add_interfaces(const InterfaceOptions& options, const Surface& surface,
   }
 }
 
-/// Prints the interfaces of a file.
-void report_interfaces(const InterfaceOptions& options, std::size_t input) {
-  const ReadOptions reading{.format = options.format, .structure = options.structure};
+/// Returns the interfaces of a file.
+InterfaceFile read_interfaces(const InterfaceOptions& options, std::size_t input,
+                              const CheckCallback& check) {
+  const ReadOptions reading{
+      .format = options.format, .structure = options.structure, .check = check};
   const std::filesystem::path& path = options.inputs[input];
   InterfaceFile file{.path = path,
                      .file = read_atoms(path, reading),
                      .diagnostics = {},
                      .are_polar = {},
                      .interfaces = {}};
-  const Surface surface(file.file, {.threads = options.threads});
+  const Surface surface(file.file, {.threads = options.threads, .check = check});
   file.diagnostics = describe(file.file, surface, path);
   warn(file.diagnostics, options.strict, options.quiet);
   for (const ComplexParts& division : divisions_of(options, reading, file))
-    add_interfaces(options, surface, division, file);
+    add_interfaces(options, surface, division, check, file);
   std::ranges::stable_sort(file.interfaces, std::ranges::greater(),
                            [](const NamedInterface& each) { return each.areas.sas.total(); });
   file.are_polar = find_polar_atoms(file.file.atoms, file.file.labels);
-  print(interface_text(options, file));
+  return file;
+}
+
+/// Returns the names of the tables of an input.
+std::vector<std::string> names_of_tables(const InterfaceOptions& options, std::size_t input) {
+  std::vector<std::string> names;
+  for (const NamedInterfaceTable* const table : options.written_tables)
+    names.push_back(table_name(options.inputs[input], table->ending));
+  return names;
+}
+
+TableChoice files_to_write(const InterfaceOptions& options) {
+  TableChoice choice{options.output_directory, {}, options.csv};
+  for (std::size_t input = 0; input < options.inputs.size(); ++input)
+    for (const std::string& name : names_of_tables(options, input)) choice.names.push_back(name);
+  return choice;
+}
+
+bool is_interface_table(std::string_view name) {
+  return std::ranges::any_of(interface_tables, [&](const NamedInterfaceTable& table) {
+    return name.ends_with(table.ending);
+  });
+}
+
+/// Writes the tables of an input.
+void write_tables(const InterfaceOptions& options, std::size_t input, const InterfaceFile& found,
+                  const TableFiles& files) {
+  std::vector<TableContent> contents;
+  for (const NamedInterfaceTable* const table : options.written_tables)
+    contents.push_back(
+        {table_name(options.inputs[input], table->ending), [&, table](OutputFile& file) {
+           file.append(interface_table(options, table->table, found));
+         }});
+  if (!contents.empty()) files.write(contents);
+}
+
+/// Returns what is printed about an input in place of the table of --csv.
+std::string printed_text(const InterfaceOptions& options, std::size_t input,
+                         const InterfaceFile& file) {
+  if (options.prints_csv) return "";
+  if (options.table == InterfaceTable::report) {
+    const std::string text = interface_text(options, file);
+    return options.json || options.quiet
+               ? text
+               : text + written_text(options.output_directory, names_of_tables(options, input));
+  }
+  const bool has_many = options.inputs.size() > 1;  // then the heading has been printed
+  return has_many
+             ? interface_rows(options, options.table, file, csv_field(file.path.string()) + ",")
+             : interface_table(options, options.table, file);
+}
+
+/// The row of --csv for an input that could not be measured.
+std::string failure_row(const std::filesystem::path& path, const std::string& error) {
+  const std::string heading = interface_heading(InterfaceTable::interfaces);
+  const auto columns = static_cast<std::size_t>(std::ranges::count(heading, ',')) + 1;
+  return formatted("{}{},{}\n", csv_field(path.string()), std::string(columns, ','),
+                   csv_field(error));
+}
+
+/// Measures an input and writes and prints its interfaces. Returns its rows of --csv.
+std::string report_interfaces(const InterfaceOptions& options, std::size_t input,
+                              TableFiles& files) {
+  const InterfaceFile file = read_interfaces(options, input, [&files] { files.check(); });
+  write_tables(options, input, file, files);
+  print(printed_text(options, input, file));
+  return interface_rows(options, InterfaceTable::interfaces, file,
+                        csv_field(file.path.string()) + ",", ",");
+}
+
+/// Prints the heading of a table of several files.
+void print_heading(const InterfaceOptions& options) {
+  if (options.table == InterfaceTable::report || options.inputs.size() == 1) return;
+  print(formatted("file,{}\n", interface_heading(options.table)));
 }
 
 }  // namespace
@@ -71,22 +151,32 @@ int perform_interface(const Arguments& arguments) {
   end_on_signals();
   const InterfaceOptions options = parse_interface_arguments(arguments);
   require_standard_output();
-  print(interface_heading(options));
+  TableFiles files(files_to_write(options),
+                   files_that_are_read(options.inputs, options.structure.radii, options.list),
+                   is_interface_table);
+  const auto append_csv = [&](const std::string& text) {
+    if (options.prints_csv) print(text);
+    if (files.csv() != nullptr) files.csv()->append(text);
+  };
+  append_csv(formatted("file,{},error\n", interface_heading(InterfaceTable::interfaces)));
+  print_heading(options);
   bool has_errors = false;
   for (std::size_t input = 0; input < options.inputs.size(); ++input) {
     std::vector<std::string> errors;
     try {
-      report_interfaces(options, input);
+      append_csv(report_interfaces(options, input, files));
     } catch (const StrictError& error) {
       errors = error.lines;
     } catch (const Error& error) {
       errors.push_back(message_with_file(error, options.inputs[input]));
     }
     for (const std::string& error : errors) print_message("error", error);
+    if (!errors.empty()) append_csv(failure_row(options.inputs[input], errors.front()));
     if (!errors.empty() && options.json && options.inputs.size() > 1)
       print(failure_json(options.inputs[input], errors.front()));
     has_errors = has_errors || !errors.empty();
   }
+  files.finish();
   return has_errors ? exit_failure : exit_done;
 }
 

@@ -1,15 +1,18 @@
 #include "cli/interface_options.hpp"
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <filesystem>
 #include <limits>
 #include <optional>
 #include <string>
 #include <system_error>
+#include <vector>
 
 #include "cli/arguments.hpp"
 #include "cli/input_files.hpp"
 #include "cli/shared_options.hpp"
+#include "cli/table_files.hpp"
 #include "system/formatted.hpp"
 
 namespace eses::detail::cli {
@@ -31,23 +34,48 @@ Groups and their atoms:
   ligand:STI     all residues named STI
   //A/10-50      a selection in gemmi's syntax, for PDB and mmCIF files
 
+Tables (--write), in the output directory, named after the input file NAME:
+  NAME.interfaces.csv          areas of both sides, numbers of residues and atoms
+  NAME.interface.residues.csv  residues that lose at least the area of --residue-cutoff
+  NAME.interface.atoms.csv     atoms that lose area
+  NAME.interface.areas.pdb, .interface.areas.cif
+                               the atoms with the SAS areas that they lose as B-factors: the
+                               sum over all interfaces of the file
+
 More examples:
   eses-blocks interface 1brs.pdb --table residues   the residues of each interface, as CSV
-  eses-blocks interface complexes --table interfaces   all files in a folder
+  eses-blocks interface 1brs.pdb --write pdb        buried areas as B-factors
+  eses-blocks interface complexes --csv all.csv     all files in a folder
 
 Exit codes:
   0  done
   1  input, output or resource error
   2  error in the command line)";
 
+std::optional<InterfaceTable> interface_table_in(const std::string& name) {
+  const auto* const found = std::ranges::find(interface_tables, name, &NamedInterfaceTable::name);
+  return found == interface_tables.end() ? std::nullopt : std::optional(found->table);
+}
+
+std::optional<std::vector<const NamedInterfaceTable*>> interface_tables_in(
+    const std::string& list) {
+  const std::vector<std::string> names = split(list, ',');
+  std::vector<const NamedInterfaceTable*> chosen;
+  for (const NamedInterfaceTable& table : interface_tables)
+    if (std::ranges::count(names, table.name) > 0) chosen.push_back(&table);
+  const bool are_known = std::ranges::all_of(
+      names, [](const std::string& name) { return interface_table_in(name).has_value(); });
+  return are_known ? std::optional(chosen) : std::nullopt;
+}
+
 void add_interface_options(CLI::App& app, InterfaceOptions& options, InputChoice& inputs) {
-  set_up(app,
-         {.usage = "eses-blocks interface [OPTIONS] FILE...",
-          .examples = interface_examples,
-          .details = interface_details,
-          .common = {"--groups", "--ligand", "--probe-radius", "--area-cutoff", "--residue-cutoff",
-                     "--table", "--radii", "--model", "--waters", "--no-hetatm", "--chains",
-                     "--select", "--threads", "--quiet", "--json"}});
+  set_up(app, {.usage = "eses-blocks interface [OPTIONS] FILE...",
+               .examples = interface_examples,
+               .details = interface_details,
+               .common = {"--groups", "--ligand", "--probe-radius", "--area-cutoff",
+                          "--residue-cutoff", "--table", "--write", "--output-dir", "--csv",
+                          "--radii", "--model", "--waters", "--no-hetatm", "--chains", "--select",
+                          "--threads", "--quiet", "--json"}});
   begin_group(app, "Interfaces");
   add_input_files(app, "input files (PDB, mmCIF or PQR), or folders of them; - for\nstandard input",
                   inputs);
@@ -72,12 +100,35 @@ void add_interface_options(CLI::App& app, InterfaceOptions& options, InputChoice
   begin_group(app, "Input and output");
   add_input_lists(app, inputs);
   add_format(app, options.format);
-  add_value(app, "--table", "NAME", "print a table as CSV: interfaces, residues or atoms",
+  add_value(app, "--write", "LIST",
+            "tables to write: interfaces,residues,atoms; buried areas\nas B-factors: pdb,cif",
+            options.written_tables,
+            Format<std::vector<const NamedInterfaceTable*>>{
+                interface_tables_in, "some of interfaces,residues,atoms,pdb,cif"});
+  add_value(app, "--table", "NAME", "print one of these tables in place of the report",
             options.table,
-            one_of<InterfaceTable>({{"interfaces", InterfaceTable::interfaces},
-                                    {"residues", InterfaceTable::residues},
-                                    {"atoms", InterfaceTable::atoms}}));
+            Format<InterfaceTable>{interface_table_in, "one of interfaces,residues,atoms,pdb,cif"});
+  add_value(app, "-o,--output-dir", "DIR", "directory of the tables, created if missing [.]",
+            options.output_directory, any_text("a directory"))
+      ->needs("--write");
+  add_value(app, "--csv", "FILE",
+            "write the interfaces of all files as a table; - prints it\nin place of the report",
+            options.csv, any_text("a file"));
   add_last_options(app, options);
+}
+
+/// Throws UsageError if outputs exclude each other.
+void check_outputs(const InterfaceOptions& options) {
+  if (options.output_directory == "-")
+    throw UsageError("--output-dir is '-', but tables need a directory; print one with --table");
+  const bool has_table = options.table != InterfaceTable::report;
+  if (options.prints_csv && (options.json || has_table))
+    throw UsageError(
+        formatted("--csv - cannot be combined with {}", options.json ? "--json" : "--table"));
+  const bool has_atoms =
+      options.table == InterfaceTable::pdb || options.table == InterfaceTable::cif;
+  if (has_atoms && options.inputs.size() > 1)
+    throw UsageError("--table pdb and cif print the atoms of a single file; use --write");
 }
 
 }  // namespace
@@ -91,6 +142,10 @@ InterfaceOptions parse_interface_arguments(const Arguments& arguments) {
   parse(app, arguments, "FILE...");
   options.groups.by_chain = options.groups.parts.empty();
   options.inputs = inputs.files(options.quiet);
+  options.list = inputs.list;
+  options.prints_csv = is_standard_output(options.csv);
+  if (options.prints_csv) options.csv.clear();
+  check_outputs(options);
   for (const std::filesystem::path& path : options.inputs) {
     const InputFile input{path, options.format};
     std::error_code ignored;

@@ -1,8 +1,10 @@
 #pragma once
 /// The command line of `eses-blocks interface` as plain data.
 
+#include <array>
 #include <filesystem>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "cli/command.hpp"
@@ -12,11 +14,26 @@
 
 namespace eses::detail::cli {
 
-/// The outputs of `eses-blocks interface`.
-enum class InterfaceTable { report, interfaces, residues, atoms };
+/// The outputs of `eses-blocks interface`: the report, tables as CSV, and the atoms with buried
+/// areas as B-factors.
+enum class InterfaceTable { report, interfaces, residues, atoms, pdb, cif };
+
+/// A table of `--write` or `--table`. That of the file NAME.pdb is written to NAME and `ending`.
+struct NamedInterfaceTable {
+  std::string_view name, ending;
+  InterfaceTable table;
+};
+inline constexpr std::array interface_tables{
+    NamedInterfaceTable{"interfaces", ".interfaces.csv", InterfaceTable::interfaces},
+    NamedInterfaceTable{"residues", ".interface.residues.csv", InterfaceTable::residues},
+    NamedInterfaceTable{"atoms", ".interface.atoms.csv", InterfaceTable::atoms},
+    NamedInterfaceTable{"pdb", ".interface.areas.pdb", InterfaceTable::pdb},
+    NamedInterfaceTable{"cif", ".interface.areas.cif", InterfaceTable::cif},
+};
 
 struct InterfaceOptions {
   std::vector<std::filesystem::path> inputs;  ///< without folders; `-` is standard input
+  std::filesystem::path list;                 ///< file of --files-from; empty if it is not given
   AtomFormat format = AtomFormat::automatic;
   StructureOptions structure;  ///< for PDB and mmCIF files
   PartChoice groups{.by_chain = true};
@@ -25,7 +42,11 @@ struct InterfaceOptions {
   double min_area = 0;           ///< least SAS interface area of an interface, square angstrom
   double min_residue_area = 15;  ///< least SAS area that an interface residue loses
   InterfaceTable table = InterfaceTable::report;
-  int threads = 0;  ///< 0 means all available processors
+  std::vector<const NamedInterfaceTable*> written_tables;  ///< in the order of `interface_tables`
+  std::filesystem::path output_directory = ".";            ///< of the tables
+  std::filesystem::path csv;  ///< file of --csv; empty if there is none
+  bool prints_csv = false;    ///< whether the table of --csv is printed in place of the report
+  int threads = 0;            ///< 0 means all available processors
   bool json = false;
   bool quiet = false;
   bool strict = false;  ///< whether warnings are errors

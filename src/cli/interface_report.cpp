@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <set>
+#include <span>
 #include <string_view>
 #include <utility>
 
@@ -11,7 +12,10 @@
 #include "cli/shared_report.hpp"
 #include "input/residue_runs.hpp"
 #include "input/text_source.hpp"
+#include "output/area_formats.hpp"
 #include "output/area_table_writer.hpp"
+#include "output/buffered_text.hpp"
+#include "output/measure_tables.hpp"
 #include "system/formatted.hpp"
 
 namespace eses {
@@ -193,8 +197,8 @@ Json atom_record(const AtomLabel& label, const BuriedAtom& buried, bool is_polar
 }
 
 /// Returns the rows of a table about an interface.
-std::vector<std::string> rows_of(const InterfaceOptions& options, const InterfaceFile& file,
-                                 const NamedInterface& interface) {
+std::vector<std::string> rows_of(const InterfaceOptions& options, InterfaceTable table,
+                                 const InterfaceFile& file, const NamedInterface& interface) {
   std::vector<std::string> rows;
   // The sides of a residue or atom, its own one first.
   const auto add = [&](std::uint32_t part, const Json& record) {
@@ -202,9 +206,9 @@ std::vector<std::string> rows_of(const InterfaceOptions& options, const Interfac
     if (part != interface.areas.first) std::swap(side, other);
     rows.push_back(formatted("{},{},{}", side, other, csv_row(record)));
   };
-  if (options.table == InterfaceTable::interfaces) {
+  if (table == InterfaceTable::interfaces) {
     rows.push_back(csv_row(interface_record(options, file, interface)));
-  } else if (options.table == InterfaceTable::residues) {
+  } else if (table == InterfaceTable::residues) {
     for (const BuriedResidue& residue : residues_of(options, file, interface))
       add(residue.part, residue_record(residue));
   } else {
@@ -217,13 +221,31 @@ std::vector<std::string> rows_of(const InterfaceOptions& options, const Interfac
   return rows;
 }
 
-std::string interface_rows(const InterfaceOptions& options, const InterfaceFile& file) {
-  const std::string start =
-      options.inputs.size() > 1 ? csv_field(file.path.string()) + "," : std::string();
-  std::string text;
+/// Returns the atoms with the SAS areas that they lose in all interfaces as B-factors.
+std::string atoms_text(InterfaceTable table, const InterfaceFile& file) {
+  eses::AtomAreas lost;
+  lost.sas.resize(file.file.atoms.size());
   for (const NamedInterface& interface : file.interfaces)
-    for (const std::string& row : rows_of(options, file, interface)) text += start + row + "\n";
-  return text;
+    for (const BuriedAtom& buried : interface.areas.atoms) lost.sas[buried.atom] += buried.sas;
+  const Gradients gradients;
+  MeasuredAtoms atoms{file.file.atoms,
+                      file.file.labels,
+                      FileIndices(std::span<const FileIndex>()),
+                      lost,
+                      gradients,
+                      {},
+                      {},
+                      {}};
+  if (file.file.structure && file.file.structure->chain_names == ChainNames::label)
+    atoms.chains = file.file.structure->chains;
+  std::string all;
+  BufferedText text([&](std::string_view part) { all += part; });
+  if (table == InterfaceTable::pdb)
+    append_pdb(pdb_heading_of_interface, atoms, text);
+  else
+    append_cif(atoms, text);
+  text.flush();
+  return all;
 }
 
 Json side_json(const std::string& name, const std::vector<BuriedResidue>& residues) {
@@ -257,22 +279,39 @@ std::string interface_json(const InterfaceOptions& options, const InterfaceFile&
 
 }  // namespace
 
-std::string interface_heading(const InterfaceOptions& options) {
-  if (options.table == InterfaceTable::report) return "";
-  const std::string file = options.inputs.size() > 1 ? "file," : "";
-  if (options.table == InterfaceTable::interfaces)
-    return file + csv_heading(interface_record(options, {}, {})) + "\n";
+std::string interface_heading(InterfaceTable table) {
   const AtomLabel label;
-  return file + "side,other_side," +
-         csv_heading(options.table == InterfaceTable::residues ? residue_record({.label = label})
-                                                               : atom_record(label, {}, false)) +
-         "\n";
+  switch (table) {
+    case InterfaceTable::interfaces:
+      return csv_heading(interface_record({}, {}, {}));
+    case InterfaceTable::residues:
+      return "side,other_side," + csv_heading(residue_record({.label = label}));
+    case InterfaceTable::atoms:
+      return "side,other_side," + csv_heading(atom_record(label, {}, false));
+    default:
+      return "";
+  }
+}
+
+std::string interface_rows(const InterfaceOptions& options, InterfaceTable table,
+                           const InterfaceFile& file, std::string_view start,
+                           std::string_view end) {
+  std::string text;
+  for (const NamedInterface& interface : file.interfaces)
+    for (const std::string& row : rows_of(options, table, file, interface))
+      text += formatted("{}{}{}\n", start, row, end);
+  return text;
+}
+
+std::string interface_table(const InterfaceOptions& options, InterfaceTable table,
+                            const InterfaceFile& file) {
+  const std::string heading = interface_heading(table);
+  return heading.empty() ? atoms_text(table, file)
+                         : heading + "\n" + interface_rows(options, table, file);
 }
 
 std::string interface_text(const InterfaceOptions& options, const InterfaceFile& file) {
-  if (options.json) return interface_json(options, file);
-  return options.table == InterfaceTable::report ? interface_report(options, file)
-                                                 : interface_rows(options, file);
+  return options.json ? interface_json(options, file) : interface_report(options, file);
 }
 
 }  // namespace eses::detail::cli

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "cli/diagnostics.hpp"
@@ -30,10 +31,20 @@ struct InterfaceFile {
   std::vector<NamedInterface> interfaces;  ///< without those below InterfaceOptions::min_area
 };
 
-/// Returns the heading of a table; empty without one.
-std::string interface_heading(const InterfaceOptions& options);
+/// Returns the heading of a table as CSV; empty for the report and for files of atoms.
+std::string interface_heading(InterfaceTable table);
 
-/// Returns what the command prints about a file: the report, rows of a table as CSV, or JSON.
+/// Returns the rows of a table as CSV. Each begins with `start` and ends with `end`.
+std::string interface_rows(const InterfaceOptions& options, InterfaceTable table,
+                           const InterfaceFile& file, std::string_view start = "",
+                           std::string_view end = "");
+
+/// Returns a whole table of a file: CSV with its heading, or the atoms with the SAS areas that they
+/// lose in all interfaces as B-factors. Throws Error if a name is too wide for its columns.
+std::string interface_table(const InterfaceOptions& options, InterfaceTable table,
+                            const InterfaceFile& file);
+
+/// Returns the report about a file, or with --json its JSON object.
 std::string interface_text(const InterfaceOptions& options, const InterfaceFile& file);
 
 }  // namespace eses::detail::cli

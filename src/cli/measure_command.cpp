@@ -6,14 +6,10 @@
 #include <cstdint>
 #include <functional>
 #include <map>
-#include <memory>
 #include <mutex>
-#include <optional>
-#include <set>
 #include <stdexcept>
 #include <string>
 #include <string_view>
-#include <system_error>
 #include <utility>
 #include <vector>
 
@@ -26,28 +22,20 @@
 #include "cli/options.hpp"
 #include "cli/progress.hpp"
 #include "cli/shared_report.hpp"
+#include "cli/table_files.hpp"
 #include "eses/error.hpp"
 #include "input/read_input.hpp"
-#include "output/file_path.hpp"
-#include "output/output_directory.hpp"
-#include "output/output_file.hpp"
 #include "system/formatted.hpp"
-#include "system/gzip.hpp"
 #include "system/parallel.hpp"
 
 namespace eses::detail::cli {
 namespace {
 
-/// Returns the name of the table of an input: the name of its file without the suffix of its
-/// format, and the number of the model, if each has a table.
-std::string table_name(const MeasureCommandOptions& options, std::size_t input,
-                       const Table& table) {
-  const std::filesystem::path& path = options.inputs[input];
-  std::filesystem::path name = path == "-" ? "stdin" : path.filename();
-  if (name.extension() == gzip_suffix) name = name.stem();
+/// Returns the name of the table of an input. Each model has a table, if each is measured.
+std::string name_of(const MeasureCommandOptions& options, std::size_t input, const Table& table) {
   const std::string model =
       options.models.empty() ? "" : formatted(".model{}", options.models[input]);
-  return name.stem().string() + model + std::string(table.ending);
+  return table_name(options.inputs[input], model + std::string(table.ending));
 }
 
 bool is_table(std::string_view name) {
@@ -55,46 +43,12 @@ bool is_table(std::string_view name) {
                              [&](const Table& table) { return name.ends_with(table.ending); });
 }
 
-OutputPaths paths_of(const MeasureCommandOptions& options) {
-  OutputPaths paths;
+TableChoice files_to_write(const MeasureCommandOptions& options) {
+  TableChoice choice{options.output_directory, {}, options.csv};
   for (const Table* const table : options.written_tables)
     for (std::size_t input = 0; input < options.inputs.size(); ++input)
-      paths.add(options.output_directory, table_name(options, input, *table));
-  if (!options.written_tables.empty()) paths.locks.push_back(lock_path(options.output_directory));
-  if (options.csv.empty()) return paths;
-  const auto [parent, name] = require_end_of_links(options.csv);
-  require_free_name({parent, name});
-  paths.add(parent, name);
-  paths.final.back() = options.csv;  // for messages
-  paths.locks.push_back(lock_path(parent, name));
-  return paths;
-}
-
-/// Returns a path that is the same for all paths of a file that need not exist, by the links of its
-/// directory.
-std::filesystem::path plain_path(const std::filesystem::path& output) {
-  const FilePath end = end_of_links(output);
-  std::error_code error;
-  const std::filesystem::path parent =
-      weakly_canonical(std::filesystem::path(end_of_links(end.directory).text()), error);
-  return (error ? std::filesystem::path(end.directory) : parent) / end.name;
-}
-
-/// Throws Error if an output file would replace a file that is read, another output file, or
-/// something else than a regular file.
-void check_outputs(const MeasureCommandOptions& options, const std::vector<std::string>& outputs) {
-  std::vector<ReadFile> read{{options.structure.radii, "the file of --radii"},
-                             {options.list, "the file of --files-from"}};
-  for (const std::filesystem::path& input : options.inputs)
-    read.push_back({input, "an input file"});
-  const ReadFiles files(read);
-  std::set<std::filesystem::path> seen;
-  for (const std::string& output : outputs) {
-    require_replaceable(output);
-    if (!seen.insert(plain_path(output)).second)
-      throw Error(formatted("{} would be written twice; use separate output directories", output));
-    files.refuse(output);
-  }
+      choice.names.push_back(name_of(options, input, *table));
+  return choice;
 }
 
 /// The outcome of a file.
@@ -176,15 +130,14 @@ void append_table(const Table& table, const MeasuredFile& file,
 
 /// Writes the tables of a file, all or none.
 void write_tables(const MeasureCommandOptions& options, std::size_t input, const MeasuredFile& file,
-                  const OutputDirectory& directory) {
-  std::vector<std::unique_ptr<OutputFile>> files;
-  for (const Table* const table : options.written_tables) {
-    OutputFile& output = *files.emplace_back(
-        std::make_unique<OutputFile>(directory, table_name(options, input, *table)));
-    append_table(*table, file, [&](std::string_view part) { output.append(part); });
-    output.close();
-  }
-  commit_all(files);
+                  const TableFiles& files) {
+  std::vector<TableContent> contents;
+  for (const Table* const table : options.written_tables)
+    contents.push_back({name_of(options, input, *table), [&file, table](OutputFile& output) {
+                          append_table(*table, file,
+                                       [&](std::string_view part) { output.append(part); });
+                        }});
+  if (!contents.empty()) files.write(contents);
 }
 
 std::string table_text(const Table& table, const MeasuredFile& file) {
@@ -193,10 +146,15 @@ std::string table_text(const Table& table, const MeasuredFile& file) {
   return all;
 }
 
+/// Returns what is printed about a file.
 std::string measured_text(const MeasureCommandOptions& options, const MeasuredFile& file) {
   if (options.printed_table != nullptr) return table_text(*options.printed_table, file);
   if (options.json) return measure_json(options, file);
-  return options.inputs.size() > 1 ? measure_line(options, file) : measure_text(options, file);
+  if (options.inputs.size() > 1) return measure_line(options, file);
+  const std::string text = measure_text(options, file);
+  return options.quiet
+             ? text
+             : text + written_text(options.output_directory, files_to_write(options).names);
 }
 
 std::string input_message(const std::exception& error, const MeasureCommandOptions& options,
@@ -218,7 +176,7 @@ Outcome with_failure(const MeasureCommandOptions& options, std::size_t input, Ou
 }
 
 Outcome outcome_of(const MeasureCommandOptions& options, std::size_t input, int threads,
-                   const CheckCallback& check, const OutputDirectory* directory) {
+                   const CheckCallback& check, const TableFiles& files) {
   Outcome outcome;
   try {
     const MeasuredFile file = measure_file(options, input, threads, check);
@@ -226,7 +184,7 @@ Outcome outcome_of(const MeasureCommandOptions& options, std::size_t input, int 
     if (options.strict || !options.quiet) lines = warnings_of(file.diagnostics);
     if (!outcome.errors.empty()) return with_failure(options, input, std::move(outcome));
     check();
-    if (directory != nullptr) write_tables(options, input, file, *directory);
+    write_tables(options, input, file, files);
     outcome.text = measured_text(options, file);
     outcome.csv = measure_csv_line(options, file);
   } catch (const Error& error) {
@@ -262,41 +220,25 @@ int perform_measure(const Arguments& arguments) {
   MeasureCommandOptions options = parse_measure_arguments(arguments);
   require_standard_output();
   expand_models(options);
-  const OutputPaths paths = paths_of(options);
-  check_outputs(options, paths.final);
-  InterruptibleRun interruptible(paths);
-  std::optional<OutputDirectory> directory, directory_of_csv;
-  std::optional<OutputFile> csv;
-  if (!options.written_tables.empty()) {
-    directory.emplace(options.output_directory);
-    interruptible.check();  // a signal removes the lock from now on
-    directory->remove_abandoned(is_table);
-  }
-  if (!options.csv.empty()) {
-    const auto [parent, name] = end_of_links(options.csv);
-    directory_of_csv.emplace(parent, name);
-    csv.emplace(*directory_of_csv, name);
-  }
-  Reporter reporter(options, csv ? &*csv : nullptr);
+  TableFiles files(files_to_write(options),
+                   files_that_are_read(options.inputs, options.structure.radii, options.list),
+                   is_table);
+  Reporter reporter(options, files.csv());
   const CheckCallback check = [&] {
-    interruptible.check();
+    files.check();
     reporter.show_time();
   };
   const int threads = chosen_threads(options.threads);
   // Parallel loops are not nested: either files or the atoms of a file are measured in parallel.
-  const auto files = static_cast<std::int64_t>(options.inputs.size());
-  const int file_threads = static_cast<int>(std::min<std::int64_t>(threads, files));
+  const auto count = static_cast<std::int64_t>(options.inputs.size());
+  const int file_threads = static_cast<int>(std::min<std::int64_t>(threads, count));
   const int atom_threads = file_threads > 1 ? 1 : threads;
-  parallel_for(files, file_threads, [&](std::int64_t index, int /*thread*/) {
+  parallel_for(count, file_threads, [&](std::int64_t index, int /*thread*/) {
     const auto i = static_cast<std::size_t>(index);
     check();
-    reporter.take(i,
-                  outcome_of(options, i, atom_threads, check, directory ? &*directory : nullptr));
+    reporter.take(i, outcome_of(options, i, atom_threads, check, files));
   });
-  if (csv) {
-    csv->close();
-    csv->commit();
-  }
+  files.finish();
   return reporter.has_errors() ? exit_failure : exit_done;
 }
 

@@ -14,6 +14,7 @@
 #include "cli/input_files.hpp"
 #include "cli/option_values.hpp"
 #include "cli/shared_options.hpp"
+#include "cli/table_files.hpp"
 #include "input/other_formats.hpp"
 #include "run/pocket_sweep.hpp"
 #include "system/formatted.hpp"
@@ -165,7 +166,7 @@ void add_pocket_options(CLI::App& app, MeasureCommandOptions& options) {
 void check_pocket_options(const CLI::App& app, const MeasureCommandOptions& options) {
   refuse_without(app, {"--large-probe", "--spacing", "--min-pocket-volume", "--allow-far-atoms"},
                  options.need_pockets(), "--pockets or --write pockets");
-  refuse_without(app, {"--at"}, options.need_pockets() || options.cavities,
+  refuse_without(app, {"--at"}, options.need_pockets() || options.need_cavities(),
                  "--pockets or --cavities");
   if (!options.need_pockets()) return;
   try {
@@ -284,11 +285,6 @@ void check(const CLI::App& app, const MeasureCommandOptions& options) {
     if (!options.reports.empty()) refuse_xyzr(input, "--report", "names");
     if (has_place_of_atoms) refuse_xyzr(input, "--at", "names");
   }
-}
-
-/// Returns whether a name is that of standard output, also as a file.
-bool is_standard_output(const std::string& name) {
-  return name == "-" || name == "/dev/stdout" || name == "/dev/fd/1";
 }
 
 }  // namespace

@@ -111,6 +111,11 @@ struct MeasureCommandOptions {
 
   bool need_pockets() const { return pockets || needs(has_pockets); }
 
+  /// Whether cavities are written or printed.
+  bool need_cavities() const {
+    return cavities || std::ranges::count(needed_tables(), "cavities", &Table::name) > 0;
+  }
+
   /// The tables to write or to print.
   TableList needed_tables() const {
     TableList needed = written_tables;

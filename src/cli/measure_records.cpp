@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -30,13 +31,15 @@ std::string chains_of(const MeasuredAtoms& atoms, const Piece& piece) {
   return formatted("{}", fmt::join(chains, " "));
 }
 
-/// Appends a row for each item, after its number. `make` returns the record of an item.
+/// Appends a row for each item that `is_chosen` accepts, after its number. `make` returns the
+/// record of an item.
 template <class Item, class Make>
-void append_records(std::string_view number, std::span<const Item> items, const Make& make,
-                    BufferedText& text) {
+void append_records(
+    std::string_view number, std::span<const Item> items, const Make& make, BufferedText& text,
+    const std::function<bool(std::size_t index)>& is_chosen = [](std::size_t) { return true; }) {
   text.append("{},{}\n", number, csv_heading(make(Item())));
   for (std::size_t k = 0; k < items.size(); ++k)
-    text.append("{},{}\n", k + 1, csv_row(make(items[k])));
+    if (is_chosen(k)) text.append("{},{}\n", k + 1, csv_row(make(items[k])));
 }
 
 }  // namespace
@@ -89,7 +92,8 @@ void append_cavities(const MeasuredAtoms& atoms, BufferedText& text) {
     record["residues"] = residues_of(atoms, cavity.atoms);
     return record;
   };
-  append_records("cavity", atoms.cavities, row, text);
+  append_records("cavity", atoms.cavities, row, text,
+                 [&](std::size_t cavity) { return atoms.is_chosen(cavity); });
 }
 
 void append_pieces(const MeasuredAtoms& atoms, BufferedText& text) {

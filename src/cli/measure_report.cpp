@@ -141,8 +141,9 @@ std::string cavities_text(const MeasuredFile& file) {
   text +=
       "cavity  void (A^3)  centers (A^3)  SES area (A^2)  largest probe (A)  centroid (A)"
       "               atoms  overlaps\n";
+  const MeasuredAtoms atoms = file.table();
   for (std::size_t k = 0; k < measures.cavities.size(); ++k) {
-    if (file.place && !std::ranges::binary_search(file.place->cavities, k)) continue;
+    if (!atoms.is_chosen(k)) continue;
     const Cavity& cavity = measures.cavities[k];
     text += formatted("{:>6} {:>11.4f} {:>14.4f} {:>15.4f} {:>18.4f}  {:<25} {:>6} {}\n", k + 1,
                       cavity.void_volume, cavity.probe_center_volume, cavity.ses_area,
@@ -162,8 +163,9 @@ Json array_of(const Items& items, const Make& make) {
 
 void add_cavities(Json& object, const MeasuredFile& file) {
   const MeasuredAtoms atoms = file.table();
-  object["cavities"] =
-      array_of(atoms.cavities, [&](const Cavity& cavity) { return cavity_json(atoms, cavity); });
+  object["cavities"] = Json::array();
+  for (std::size_t k = 0; k < atoms.cavities.size(); ++k)
+    if (atoms.is_chosen(k)) object["cavities"].push_back(cavity_json(atoms, atoms.cavities[k]));
   object["pieces"] =
       array_of(atoms.pieces, [&](const Piece& piece) { return piece_json(atoms, piece); });
 }

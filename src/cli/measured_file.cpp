@@ -216,6 +216,7 @@ MeasuredAtoms MeasuredFile::table() const {
                       measures.pieces,  pockets.pockets};
   atoms.reference = reference;
   atoms.chains = label_chains();
+  if (place) atoms.chosen_cavities = place->cavities;
   if (parts.empty()) return atoms;
   atoms.areas_alone = &areas_alone;
   atoms.parts = part_of_atom;
@@ -271,7 +272,7 @@ MeasuredFile measure_file(const MeasureCommandOptions& options, std::size_t inpu
     searching.check = check;
     take_pockets(searching, result);
   }
-  if (options.at && options.cavities)
+  if (options.at && options.need_cavities())
     result.place->cavities = find_cavities_at(
         result.surface, result.place->place,
         {.probe_radius = options.probe_radius, .threads = threads, .check = check});

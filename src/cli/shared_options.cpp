@@ -64,12 +64,15 @@ bool is_altloc(const std::string& text) { return text.size() == 1 && text != " "
 }  // namespace
 
 void add_format(CLI::App& app, AtomFormat& format, const std::string& description) {
-  add_value(app, "--format", "NAME", description, format,
-            one_of<AtomFormat>({{"auto", AtomFormat::automatic},
-                                {"xyzr", AtomFormat::xyzr},
-                                {"pqr", AtomFormat::pqr},
-                                {"pdb", AtomFormat::pdb},
-                                {"mmcif", AtomFormat::mmcif}}));
+  Format<AtomFormat> known = one_of<AtomFormat>({{"auto", AtomFormat::automatic},
+                                                 {"xyzr", AtomFormat::xyzr},
+                                                 {"pqr", AtomFormat::pqr},
+                                                 {"pdb", AtomFormat::pdb},
+                                                 {"mmcif", AtomFormat::mmcif}});
+  known.expected +=
+      ", the format of the input; outputs of 'eses-blocks measure' are chosen by --csv, --json and "
+      "--table";
+  add_value(app, "--format", "NAME", description, format, known);
 }
 
 CLI::Option* add_parts(CLI::App& app, const std::string& name, const std::string& value_name,

@@ -155,7 +155,11 @@ void append_res(const MeasuredAtoms& atoms, BufferedText& text) {
 }
 
 void append_pdb(const MeasuredAtoms& atoms, BufferedText& text) {
-  text.append("{}\n", pdb_heading);
+  append_pdb(pdb_heading, atoms, text);
+}
+
+void append_pdb(std::string_view heading, const MeasuredAtoms& atoms, BufferedText& text) {
+  text.append("{}\n", heading);
   for (std::size_t i = 0; i < atoms.atoms.size(); ++i) {
     const AtomLabel& label = atoms.labels[i];
     const auto& [center, radius] = atoms.atoms[i];

@@ -11,9 +11,12 @@
 
 namespace eses::detail {
 
-/// First lines of the files of append_pdb and append_cif.
+/// First lines of the files of append_pdb, which begin alike, and append_cif.
+inline constexpr std::string_view pdb_heading_start = "REMARK 999 B-FACTORS ARE ";
 inline constexpr std::string_view pdb_heading =
     "REMARK 999 B-FACTORS ARE AREAS ON THE SOLVENT ACCESSIBLE SURFACE (A^2), OCCUPANCIES ARE RADII";
+inline constexpr std::string_view pdb_heading_of_interface =
+    "REMARK 999 B-FACTORS ARE BURIED SOLVENT ACCESSIBLE AREAS (A^2), OCCUPANCIES ARE RADII";
 inline constexpr std::string_view cif_heading = "data_areas";
 
 /// Append a whole file. Atoms have labels. Throws Error if a name or a number is too wide for its
@@ -29,6 +32,8 @@ void append_res(const MeasuredAtoms& atoms, BufferedText& text);
 /// The atoms as a PDB file with SAS areas as B-factors and radii as occupancies, as FreeSASA prints
 /// them.
 void append_pdb(const MeasuredAtoms& atoms, BufferedText& text);
+/// The same with another first line.
+void append_pdb(std::string_view heading, const MeasuredAtoms& atoms, BufferedText& text);
 /// The atoms as an mmCIF file with SAS areas as B-factors.
 void append_cif(const MeasuredAtoms& atoms, BufferedText& text);
 

@@ -23,6 +23,7 @@
 /// derivatives by the coordinates and the radius of the atom, such as
 /// `ses_area_x,ses_area_y,ses_area_z,ses_area_radius`.
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -61,6 +62,12 @@ struct MeasuredAtoms {
   std::optional<AreaReference> reference = AreaReference::tien;
   /// Both names of the chains, if the labels have those of label_asym_id; else empty.
   std::span<const ChainName> chains = {};
+  /// Indices of the cavities to write, ascending; nothing for all.
+  std::optional<std::span<const std::size_t>> chosen_cavities = {};
+
+  bool is_chosen(std::size_t cavity) const {
+    return !chosen_cavities || std::ranges::binary_search(*chosen_cavities, cavity);
+  }
 };
 
 /// Returns the chain of a label in auth_asym_id; empty if it is unknown, as of copies in an

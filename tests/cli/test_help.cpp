@@ -127,6 +127,17 @@ TEST_CASE("mistyped options and commands have suggestions", "[cli]") {
        "'eses-view', a program of its own?"},
       {{"pair.xyzr", "--cavities"},
        "unknown option '--cavities'; it is an option of 'eses-blocks measure'"},
+      {{"measure", "pair.pdb", "--rsa"},
+       "unknown option '--rsa'; relative areas of residues are printed by 'eses-blocks measure "
+       "FILE --table residues' or, as NACCESS does, '--table rsa'"},
+      {{"pair.pdb", "--depth", "residue"},
+       "unknown option '--depth'; areas by chain, residue or atom are printed by 'eses-blocks "
+       "measure FILE --table chains', 'residues' or 'atoms'"},
+      {{"measure", "pair.pdb", "--mesh", "a.ply"},
+       "unknown option '--mesh'; it is an option of 'eses-blocks FILE', without a command"},
+      {{"measure", "pair.pdb", "--format", "csv"},
+       "--format is 'csv', expected auto, xyzr, pqr, pdb or mmcif, the format of the input; "
+       "outputs of 'eses-blocks measure' are chosen by --csv, --json and --table"},
       {{"measur", "pair.xyzr"},
        "PROBE is 'pair.xyzr', expected a number from 0.01 to 1000, in angstrom; did you mean "
        "'eses-blocks measure'?"},
@@ -140,7 +151,8 @@ TEST_CASE("mistyped options and commands have suggestions", "[cli]") {
       {{"msms", "-if", "pair.xyzr", "-of", "-density", "3"},
        "-of needs a value before -density; for a file of this name, write ./-density"},
       {{"measure", "pair.xyzr", "--format", "-q"},
-       "--format is '-q', expected auto, xyzr, pqr, pdb or mmcif"},
+       "--format is '-q', expected auto, xyzr, pqr, pdb or mmcif, the format of the input; "
+       "outputs of 'eses-blocks measure' are chosen by --csv, --json and --table"},
       {{"--", "pair.xyzr", "--mesh", "a.ply"},
        "PROBE is '--mesh', expected a number from 0.01 to 1000, in angstrom; options must come "
        "before '--' and FILE"},

@@ -225,7 +225,11 @@ class Zsh(TestCase):
                    "pieces", "pockets", "rsa", "seq", "res", "pdb", "cif"})
                   for option in ("--write", "--table")),
                 ("measure a.xyzr --parts ", {"chains"}),
-                ("interface a.pdb --table ", {"interfaces", "residues", "atoms"}),
+                *((f"interface a.pdb {option} ", {"interfaces", "residues", "atoms", "pdb", "cif"}) for option in ("--write", "--table")),
+                ("measure a.pdb --radii ", {"protor", "bondi", "msms", "occupancy", "sub", "a.xyzr", "b.pqr.gz", "i.cif.gz",
+                                            "m.pdb12.gz", "o.mcif", "l.gz", "p.pdbq", "n.pdbx"} | meshes | maps | {"h.txt"}),
+                ("measure a.pdb --surface ", {"ses", "sas", "vdw", "all"}),
+                ("measure a.pdb --hydrogens ", {"keep", "drop"}),
                 ("msms -surface ", {"tses", "ases"}),
                 ("pdb_to_xyzr --form", {"--format"}),
                 ("diff ", {"sub"}),
@@ -264,9 +268,10 @@ class Fish(TestCase):
         self.assertEqual(self.complete(f"{PROGRAM.name} "), commands | {"a.xyzr"})
         self.assertEqual(self.complete(f"{PROGRAM.name} measure "), {"a.xyzr"})
         self.assertEqual(self.complete(f"{PROGRAM.name} --color "), {"patch", "atom", "chain", "potential", "component"})
-        self.assertEqual(self.complete(f"{PROGRAM.name} interface --table "), {"interfaces", "residues", "atoms"})
+        self.assertEqual(self.complete(f"{PROGRAM.name} interface --table "), {"interfaces", "residues", "atoms", "pdb", "cif"})
         self.assertEqual(self.complete(f"{PROGRAM.name} measure --table r"), {"residues", "rsa", "res"})
         self.assertEqual(self.complete(f"{PROGRAM.name} msms -surface "), {"tses", "ases"})
+        self.assertEqual(self.complete("eses-view a.ply --atoms "), {"none", "sticks", "balls", "spheres"})
 
 
 if __name__ == "__main__":

@@ -191,6 +191,9 @@ class Places(Case):
             place = ",".join(str(value) for value in cavity["largest_probe_center"])
             found, = self.json("measure", DATA / "1ubq.xyzr", "--cavities", "--at", place)
             self.assertIn(number, found["at"]["cavities"])
+            self.assertEqual(found["cavities"], [every["cavities"][one - 1] for one in found["at"]["cavities"]])
+            table = self.call("measure", DATA / "1ubq.xyzr", "--table", "cavities", "--at", place).stdout
+            self.assertEqual([int(row["cavity"]) for row in csv.DictReader(io.StringIO(table))], found["at"]["cavities"])
         text = self.call("measure", DATA / "1ubq.xyzr", "--cavities", "--at", "0,0,0").stdout
         self.assertIn("no cavity has a probe centre at the place; all 3 are elsewhere", text)
         text = self.call("measure", DATA / "1ubq.xyzr", "--cavities").stdout
@@ -202,6 +205,35 @@ class Places(Case):
 
 
 class Interfaces(Case):
+    def test_written_tables(self):
+        path, out = self.file("a.pdb", peptide()), self.folder / "out"
+        names = ["interfaces.csv", "interface.residues.csv", "interface.atoms.csv", "interface.areas.pdb", "interface.areas.cif"]
+        text = self.call("interface", path, "--write", "cif,pdb,atoms,residues,interfaces", "-o", out).stdout
+        self.assertEqual(text.splitlines()[-1], "written: " + ", ".join(f"{out}/a.{name}" for name in names))
+        for name, table in zip(names, ("interfaces", "residues", "atoms", "pdb", "cif")):
+            self.assertEqual((out / f"a.{name}").read_text(), self.call("interface", path, "--table", table).stdout)
+        interface = next(csv.DictReader(io.StringIO((out / "a.interfaces.csv").read_text())))
+        lost = float(interface["sas_lost_by_first"]) + float(interface["sas_lost_by_second"])
+        self.assertGreater(lost, 1)
+        lines = (out / "a.interface.areas.pdb").read_text().splitlines()
+        atoms = [line for line in lines if line.startswith(("ATOM", "HETATM"))]
+        self.assertAlmostEqual(sum(float(line[60:66]) for line in atoms), lost, delta=0.006 * len(atoms))
+        done = self.call("measure", out, code=1)  # has only files of areas
+        self.assertIn("besides 2 files of areas that measure has written", done.stderr)
+
+    def test_csv(self):
+        path, missing, table = self.file("a.pdb", peptide()), str(self.folder / "no.pdb"), self.folder / "all.csv"
+        self.call("interface", path, missing, "--csv", table, code=1)
+        self.assertEqual(table.read_text(), self.call("interface", path, missing, "--csv", "-", code=1).stdout)
+        first, failed = csv.DictReader(io.StringIO(table.read_text()))
+        self.assertEqual((first["file"], first["error"], failed["file"]), (path, "", missing))
+        self.assertIn("No such file", failed["error"])
+        self.assertGreater(float(first["sas_interface_area"]), 0)
+        for arguments in (["--csv", "-", "--json"], ["--csv", "-", "--table", "atoms"], [path, "--table", "pdb"], ["-o", "x"],
+                          ["--write", "residue"]):
+            self.call("interface", path, *arguments, code=2)
+        self.call("interface", path, "--csv", path, code=1)  # would replace its input
+
     def test_several_files(self):
         paths = [self.file("a.pdb", peptide()), self.file("b.pdb", peptide(0.2))]
         table = self.call("interface", *paths, "--table", "interfaces").stdout

@@ -251,9 +251,8 @@ class Borders(TestCase):
                                             "--color", "patch", "--spacing", "0.6", *format_options],
                                            capture_output=True, text=True, check=False))
             mesh = meshes.read_mesh(mesh_file)
-            points, _, triangles, colors = patch_borders.divide(
-                mesh.points, mesh.normals.astype(float), mesh.triangles, mesh.values["patch"],
-                mesh.values["atom"], mesh.values["color"], 8)
+            points, _, triangles, owners = patch_borders.cut_by_kind(mesh)
+            colors = mesh.values["color"][owners[triangles[:, 0]]]
             corners = points[triangles]
             middle = corners.mean(axis=1)
             away = numpy.abs(middle[:, 0]) - half
@@ -265,6 +264,30 @@ class Borders(TestCase):
                                               PALETTE["convex"])).all(axis=1)
             self.assertGreater(areas[is_saddle].sum(), 0.1 * areas.sum())
             self.assertLess(areas[~is_right].sum(), 1e-3 * areas.sum())
+
+    def test_spheres_have_creases(self):
+        """On the solvent accessible surface of two spheres, triangles are cut in the plane where they meet, and each part
+        has the normals of its sphere."""
+        from eses_tools import meshes, patch_borders
+        import numpy
+        source, mesh_file, radii, places = self.folder / "two.xyzr", self.folder / "two.ply", (1.2, 1.9), (-1.5, 1.5)
+        source.write_text("".join(f"{x} 0 0 {radius}\n" for x, radius in zip(places, radii)))
+        self.assertDone(subprocess.run([PROGRAM, source, "-q", "--write", "none", "--mesh", mesh_file, "--surface", "sas",
+                                        "--color", "atom", "--spacing", "0.6"], capture_output=True, text=True, check=False))
+        mesh = meshes.read_mesh(mesh_file)
+        points, normals, triangles, owners = patch_borders.cut_by_atom(mesh)
+        atoms = mesh.values["atom"][owners]
+        self.assertTrue((atoms[triangles] == atoms[triangles][:, :1]).all())
+        plane = (places[1]**2 - places[0]**2 + (radii[0] + 1.4)**2 - (radii[1] + 1.4)**2) / (2 * (places[1] - places[0]))
+        beyond = numpy.where(atoms == 0, points[:, 0] - plane, plane - points[:, 0])
+        self.assertLess(beyond.max(), 1e-3)
+        self.assertGreater((numpy.abs(beyond) < 1e-3).sum(), 20)
+        away = points - numpy.array([[x, 0, 0] for x in places])[atoms]
+        self.assertLess(numpy.abs(numpy.cross(away, normals)).max(), 1e-2)
+        def area(points, triangles):
+            a, b, c = (points[triangles[:, corner]] for corner in range(3))
+            return numpy.linalg.norm(numpy.cross(b - a, c - a), axis=1).sum() / 2
+        self.assertAlmostEqual(area(points, triangles), area(mesh.points.astype(float), mesh.triangles), delta=0.01)
 
 
 if __name__ == "__main__":

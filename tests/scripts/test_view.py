@@ -96,7 +96,7 @@ class WithoutPackages(TestCase):
         environment = {**os.environ, "PYTHONPATH": str(self.folder)}
         for script, arguments, code, message in (
                 ("view", ["a.txt"], 2, "neither a structure nor a mesh"),
-                ("view", ["a.ply", "--color", "blue"], 2, "--color: blue is none of patch"),
+                ("view", ["a.ply", "--color", "blue"], 2, "--color: invalid choice: 'blue'"),
                 ("view", ["a.ply"], 1, "install numpy"),
                 ("render", ["a.txt"], 1, "not a .ply"),
                 ("render", ["a.ply", "b.ply", "--cavities"], 2, "--cavities needs a single mesh")):
@@ -245,7 +245,7 @@ class Files(TestCase):
                 ([text], 2, "neither a structure nor a mesh"),
                 ([self.folder / "no.pqr"], 1, "no such file"),
                 ([broken], 1, "not a mesh of eses-blocks"),
-                ([mesh, "--color", "blue"], 2, "--color: blue is none of patch"),
+                ([mesh, "--color", "blue"], 2, "--color: invalid choice: 'blue'"),
                 ([self.atoms, "--color", "potential"], 2, "needs --potential"),
                 ([mesh, "--color", "potential"], 1, "the meshes have no potential"),
                 ([mesh, "--electrostatics"], 2, "needs structures"),

@@ -162,7 +162,8 @@ function labelsOf(molecule, { areLigands, areCavities }) {
     molecule.ligand.forEach((value, atom) => value && isShown(molecule, atom)
       && add(molecule.residue[atom], atom));
   for (const [residue, atoms] of groups)
-    labels.push({ text: molecule.residues[residue].join(" ").trim(), place: meanPlace(molecule.centers, atoms) });
+    labels.push({ text: molecule.residues[residue].join(" ").trim(), residue,
+      place: meanPlace(molecule.centers, atoms) });
   if (!areCavities || !molecule.component) return labels;
   groups.clear();
   molecule.component.forEach((number, vertex) => number > 0 && add(number, vertex));

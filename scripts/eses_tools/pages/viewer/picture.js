@@ -2,6 +2,13 @@
 
 const MIN_PICTURE = 2000; // pixels; width of saved pictures
 
+// Returns length and pixels of a scale bar of about `pixels`.
+function scaleBar(scale, pixels) {
+  const power = 10 ** Math.floor(Math.log10(pixels / scale));
+  const length = power * [5, 2, 1].find((one) => one * power * scale <= pixels);
+  return { text: `${length.toLocaleString("en")} Å`, width: length * scale };
+}
+
 // Returns a canvas with the picture of a viewer, the names, the scale bar and the legend.
 function pictureOf(viewer) {
   const { clientWidth, clientHeight } = canvas;
@@ -24,7 +31,7 @@ function pictureOf(viewer) {
       pen.fillText(viewer.molecules[i].name, panel.x + panel.width / 2, panel.y + 24));
   drawLabels(pen, viewer.visibleLabels());
   pen.textAlign = "left";
-  const bar = viewer.scaleBar(viewer.scaleIn(clientWidth, clientHeight), 140);
+  const bar = scaleBar(viewer.scaleIn(clientWidth, clientHeight), 140);
   pen.fillText(bar.text, 16, clientHeight - 28);
   pen.fillRect(16, clientHeight - 20, bar.width, 3);
   drawLegend(pen, viewer.legend(), clientWidth, clientHeight);

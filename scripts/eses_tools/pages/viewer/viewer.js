@@ -25,8 +25,9 @@ const canvas = $("canvas");
 class Viewer {
   constructor(molecules, settings, limits) {
     this.molecules = molecules;
+    const { opacity_is_chosen: isOpacityChosen, ...look } = settings;
     this.look = { clip: 0, shading: true, theme: "auto", ligands: "balls", cavities: false, names: true,
-      ...settings };
+      ...look };
     this.limits = { ...limits, area: largestArea(molecules) };
     this.radius = Math.max(...molecules.map((one) => one.radius_of_all));
     this.range = 1.1 * this.radius + 5; // spheres of atoms included
@@ -41,6 +42,7 @@ class Viewer {
     this.fillDrawings();
     this.paint();
     this.measure();
+    showLigands(this, isOpacityChosen);
   }
 
   // -------------------------------------------------------------------------------- graphics
@@ -429,9 +431,12 @@ class Viewer {
     this.update(true);
   }
 
-  reset() {
+  // Shows the first view; `turn` replaces how it differs from a look along the shortest axis.
+  reset(turn = this.firstTurn) {
     const [panel] = this.panels(canvas.clientWidth, canvas.clientHeight);
-    this.view = { rotation: startRotation(this.molecules[0], panel.height > panel.width) };
+    const start = startRotation(this.molecules[0], panel.height > panel.width);
+    this.firstTurn = turn;
+    this.view = { rotation: turn ? multiply(turn, start) : start };
     this.fit();
     this.keepInAddress();
   }
@@ -507,15 +512,8 @@ class Viewer {
 
   // ----------------------------------------------------------------------------- text and PNG
 
-  // Returns length and pixels of a scale bar of about `pixels`.
-  scaleBar(scale, pixels) {
-    const power = 10 ** Math.floor(Math.log10(pixels / scale));
-    const length = power * [5, 2, 1].find((one) => one * power * scale <= pixels);
-    return { text: `${length.toLocaleString("en")} Å`, width: length * scale };
-  }
-
   showScale() {
-    const bar = this.scaleBar(this.scaleIn(canvas.clientWidth, canvas.clientHeight), 140);
+    const bar = scaleBar(this.scaleIn(canvas.clientWidth, canvas.clientHeight), 140);
     $("scale-text").textContent = this.isReduced ? `${bar.text}, less detail while it moves` : bar.text;
     $("scale-bar").style.width = `${bar.width}px`;
   }
@@ -525,7 +523,7 @@ class Viewer {
     const { names, ligands, cavities } = this.look;
     const elements = this.molecules.flatMap((molecule, i) =>
       labelsOf(molecule, { areLigands: names && ligands !== "none", areCavities: cavities })
-        .slice(0, MAX_LABELS).map(({ text, place }) => ({ i, place, box: element("div", text) })));
+        .slice(0, MAX_LABELS).map(({ text, place, residue }) => ({ i, place, residue, box: element("div", text) })));
     $("labels").replaceChildren(...elements.map(({ box }) => box));
     this.labels = elements.map((one) => ({ ...one, width: one.box.offsetWidth, height: one.box.offsetHeight }));
   }
@@ -534,7 +532,8 @@ class Viewer {
   visibleLabels() {
     const { clientWidth, clientHeight } = canvas, panels = this.panels(clientWidth, clientHeight);
     const scale = this.scaleIn(clientWidth, clientHeight);
-    return placeLabels(this.labels.map((label) => {
+    const isSeen = ligandFilter(this);
+    return placeLabels(this.labels.filter(isSeen).map((label) => {
       const [x, y] = this.onScreen(label.i, label.place), panel = panels[label.i];
       return { ...label, panel, x: panel.x + panel.width / 2 + scale * x, y: panel.y + panel.height / 2 - scale * y };
     }));

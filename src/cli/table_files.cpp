@@ -1,0 +1,114 @@
+#include "cli/table_files.hpp"
+
+#include <fmt/ranges.h>
+
+#include <set>
+#include <system_error>
+#include <utility>
+
+#include "cli/messages.hpp"
+#include "eses/error.hpp"
+#include "system/formatted.hpp"
+#include "system/gzip.hpp"
+
+namespace eses::detail::cli {
+namespace {
+
+/// Returns a path that is the same for all paths of a file that need not exist, by the links of its
+/// directory.
+std::filesystem::path plain_path(const std::filesystem::path& output) {
+  const FilePath end = end_of_links(output);
+  std::error_code error;
+  const std::filesystem::path parent =
+      weakly_canonical(std::filesystem::path(end_of_links(end.directory).text()), error);
+  return (error ? std::filesystem::path(end.directory) : parent) / end.name;
+}
+
+/// Throws Error if an output file would replace a file that is read, another output file, or
+/// something else than a regular file.
+void check_outputs(std::span<const ReadFile> read, const std::vector<std::string>& outputs) {
+  const ReadFiles files(read);
+  std::set<std::filesystem::path> seen;
+  for (const std::string& output : outputs) {
+    require_replaceable(output);
+    if (!seen.insert(plain_path(output)).second)
+      throw Error(formatted("{} would be written twice; use separate output directories", output));
+    files.refuse(output);
+  }
+}
+
+/// Returns the paths of the files. Throws Error if one of them cannot be written.
+OutputPaths paths_of(const TableChoice& choice, std::span<const ReadFile> read) {
+  OutputPaths paths;
+  for (const std::string& name : choice.names) paths.add(choice.directory, name);
+  if (!choice.names.empty()) paths.locks.push_back(lock_path(choice.directory));
+  if (!choice.csv.empty()) {
+    const auto [parent, name] = require_end_of_links(choice.csv);
+    require_free_name({parent, name});
+    paths.add(parent, name);
+    paths.final.back() = choice.csv;  // for messages
+    paths.locks.push_back(lock_path(parent, name));
+  }
+  check_outputs(read, paths.final);
+  return paths;
+}
+
+}  // namespace
+
+std::string table_name(const std::filesystem::path& input, std::string_view ending) {
+  std::filesystem::path name = input == "-" ? "stdin" : input.filename();
+  if (name.extension() == gzip_suffix) name = name.stem();
+  return name.stem().string() + std::string(ending);
+}
+
+bool is_standard_output(const std::string& name) {
+  return name == "-" || name == "/dev/stdout" || name == "/dev/fd/1";
+}
+
+std::vector<ReadFile> files_that_are_read(std::span<const std::filesystem::path> inputs,
+                                          const std::filesystem::path& radii,
+                                          const std::filesystem::path& list) {
+  std::vector<ReadFile> read{{radii, "the file of --radii"}, {list, "the file of --files-from"}};
+  for (const std::filesystem::path& input : inputs) read.push_back({input, "an input file"});
+  return read;
+}
+
+std::string written_text(const std::filesystem::path& directory,
+                         std::span<const std::string> names) {
+  if (names.empty()) return "";
+  std::vector<std::string> paths;
+  for (const std::string& name : names) paths.push_back(one_line((directory / name).string()));
+  return formatted("written: {}\n", fmt::join(paths, ", "));
+}
+
+TableFiles::TableFiles(const TableChoice& choice, std::span<const ReadFile> read,
+                       const std::function<bool(std::string_view name)>& is_table)
+    : run_(paths_of(choice, read)) {
+  if (!choice.names.empty()) {
+    directory_.emplace(choice.directory);
+    run_.check();  // a signal removes the lock from now on
+    directory_->remove_abandoned(is_table);
+  }
+  if (choice.csv.empty()) return;
+  const auto [parent, name] = end_of_links(choice.csv);
+  directory_of_csv_.emplace(parent, name);
+  csv_.emplace(*directory_of_csv_, name);
+}
+
+void TableFiles::write(std::span<const TableContent> contents) const {
+  std::vector<std::unique_ptr<OutputFile>> files;
+  for (const auto& [name, append] : contents) {
+    OutputFile& file = *files.emplace_back(std::make_unique<OutputFile>(*directory_, name));
+    append(file);
+    file.close();
+  }
+  commit_all(files);
+}
+
+void TableFiles::finish() {
+  if (!csv_) return;
+  csv_->close();
+  csv_->commit();
+}
+
+}  // namespace eses::detail::cli
