@@ -94,7 +94,7 @@ _eses_tool() {
   # COLUMNS keeps the names of options and their descriptions, which begin after two blanks, in a line.
   local names
   names=$(COLUMNS=1000 "$1" --help-all 2>/dev/null | sed -n -e '/^  -/{s/^  //;s/   *.*//;p;}')
-  local chosen="(^|[ ,])$prev \{([^}]*)\}"  # the names that are values of the option
+  local chosen="(^|[[:space:]])$prev \{([^}]*)\}"  # the names that are values of the option
   if [[ $prev == -* && $names =~ $chosen ]]; then
     COMPREPLY=($(compgen -W "${BASH_REMATCH[2]//,/ }" -- "$cur"))
   elif [[ $cur == -* ]]; then

@@ -93,6 +93,8 @@ class Bash(TestCase):
         for name in ("view", "traj"):
             found = {option.rstrip("=") for option in self.complete("--", tool=name)}
             self.assertEqual(found, options_of_tool(name))
+        self.assertEqual(self.complete("a.ply", "--atoms", "", tool="view"), {"none", "sticks", "balls", "spheres"})
+        self.assertEqual(self.complete("a.ply", "--surface", "s", tool="view"), {"ses", "sas"})
 
     def test_options_of_msms_are_those_of_its_help(self):
         text = subprocess.run([PROGRAM, "msms", "--help"], capture_output=True, text=True,

@@ -7,10 +7,11 @@ import re
 import select
 import struct
 import subprocess
+import sys
 import termios
 import unittest
 
-from support import PROGRAM, TestCase, skip_without_terminal
+from support import PROGRAM, PROJECT, TestCase, skip_without_terminal
 
 WIDTH = 70
 
@@ -23,7 +24,7 @@ class Bar(TestCase):
         self.input.write_text("".join(f"{x * 3} {y * 3} {z * 3} 1.7\n" for x in range(16)
                                       for y in range(16) for z in range(16)))
 
-    def run_on_terminal(self, *options, term="xterm", command=None):
+    def run_on_terminal(self, *options, term="xterm", command=None, code=0):
         """Returns standard output and the text sent to the terminal."""
         master, slave = pty.openpty()
         fcntl.ioctl(slave, termios.TIOCSWINSZ, struct.pack("HHHH", 24, WIDTH, 0, 0))
@@ -44,7 +45,7 @@ class Bar(TestCase):
             sent += part
         os.close(master)
         printed = program.communicate()[0]
-        self.assertEqual(program.returncode, 0, sent)
+        self.assertEqual(program.returncode, code, sent)
         return printed, sent.decode()
 
     def test_files_of_measure_are_counted(self):
@@ -66,6 +67,14 @@ class Bar(TestCase):
         self.assertEqual(coloured, plain.replace("warning:", "\033[1;33mwarning:\033[0m"))
         self.assertNotIn("\033", self.run_on_terminal(command=command, term="dumb")[1])
         self.assertNotIn("\033", self.run_on_terminal(command=["env", "NO_COLOR=1", *command])[1])
+
+    def test_errors_of_tools_are_coloured_on_terminals_only(self):
+        command = [sys.executable, PROJECT / "scripts/render", self.folder / "no.ply", "-o", self.folder / "a.png"]
+        plain = subprocess.run(command, capture_output=True, text=True, check=False).stderr
+        self.assertTrue(plain.startswith("render: "), plain)
+        coloured = self.run_on_terminal(command=command, code=1)[1].replace("\r\n", "\n")
+        self.assertEqual(coloured, plain.replace("render:", "\033[1;31mrender:\033[0m", 1))
+        self.assertNotIn("\033", self.run_on_terminal(command=["env", "NO_COLOR=1", *command], code=1)[1])
 
     def test_bar_grows_and_disappears(self):
         printed, sent = self.run_on_terminal()

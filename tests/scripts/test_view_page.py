@@ -116,6 +116,30 @@ class Page(TestCase):
                  "viewer.frames = [2034, 2017, 1017, 1000].map((age) => now - age); viewer.update()")
         self.wait_for("return window.eses.then((viewer) => viewer.isSlow)", True)
 
+    def write_block(self, *shape, hole=()):
+        """Writes a block of atoms of alanine, and an ion in the hole or behind the block."""
+        places = [(x, y, z) for x in range(shape[0]) for y in range(shape[1]) for z in range(shape[2]) if (x, y, z) != hole]
+        ion = hole or (shape[0] // 2, shape[1] // 2, -2)
+        self.atoms.write_text("".join(
+            "ATOM {} {} {} A {} {} {} {} 0 {}\n".format(n, *("CA ALA".split() if n <= len(places) else "ZN ZN".split()), n,
+                                                        *(2.5 * value for value in place), 1.8)
+            for n, place in enumerate([*places, ion], 1)))
+
+    def test_first_views_show_ligands(self):
+        """An ion behind a wall is seen from the other side, and has its label only there."""
+        labels = "document.querySelectorAll('#labels div:not([hidden])').length"
+        self.write_block(9, 6, 1)
+        self.open(self.atoms)
+        self.assertEqual(self.ask(f"viewer.reset(); viewer.draw(); return [viewer.look.opacity, seenLigands(viewer)[0].size, {labels}]"), [100, 1, 1])
+        self.assertEqual(self.ask(f"viewer.turn(0, Math.PI); viewer.isChanging = false; viewer.draw(); return {labels}"), 0)
+        self.assertEqual(self.ask(f"viewer.set('opacity', 50); viewer.draw(); return {labels}"), 1)
+
+    def test_buried_ligands_are_seen_through_the_surface(self):
+        self.write_block(5, 5, 5, hole=(2, 2, 2))
+        for arguments, opacity in (((), 45), (("--opacity", "100"), 100)):
+            self.open(self.atoms, *arguments)
+            self.assertEqual(self.ask("return viewer.look.opacity"), opacity)
+
     def test_labels_do_not_cover_each_other(self):
         self.atoms.write_text(TWO_ATOMS + "".join(
             f"ATOM {n} ZN ZN C {n} {0.1 * n} 9 0 0 0.7\n" for n in range(3, 8)))
