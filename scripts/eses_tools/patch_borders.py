@@ -13,7 +13,9 @@ import numpy
 CONVEX, SADDLE, CONCAVE = 1, 2, 3
 TOLERANCE = 1e-3  # angstrom; normals of PLY files have single precision
 MIN_GAP = 0.02  # angstrom; nearer to a contact circle the probe radius is inexact
-BATCH = 200000  # edges at once, which bounds the memory
+BATCH = 200000  # divided triangles or edges at once, which bounds the memory
+MAX_PARTS = 2000000  # of divided triangles, about
+PIECES = 4, 16  # range of the parts of an edge of a divided triangle
 HALVINGS = 5  # of an edge, to find a border on it
 RINGS = 3  # of vertices around a border that know the kinds beyond it
 POWER_TOLERANCE = 1e-4  # square angstrom
@@ -84,6 +86,22 @@ def touching(probes, centers, radii):
         close = numpy.take_along_axis(gaps, best, axis=1) < TOLERANCE
         found[group, :best.shape[1]] = numpy.where(close, near[best], -1)
     return found
+
+
+def grid_of(pieces):
+    """Returns barycentric coordinates of the points and the triangles of a divided triangle."""
+    numbers, corners = {}, []
+    for i in range(pieces + 1):
+        for j in range(pieces + 1 - i):
+            numbers[i, j] = len(corners)
+            corners.append((pieces - i - j, i, j))
+    small = []
+    for i, j in numbers:
+        if i + j < pieces:
+            small.append((numbers[i, j], numbers[i + 1, j], numbers[i, j + 1]))
+        if i + j < pieces - 1:
+            small.append((numbers[i + 1, j], numbers[i + 1, j + 1], numbers[i, j + 1]))
+    return numpy.array(corners) / pieces, numpy.array(small)
 
 
 def nearest_corner(places, kind, probe, touched, centers, radii, weights):
@@ -223,15 +241,35 @@ def power_of(points, atoms, centers, radii):
     return numpy.where(numpy.isfinite(radii[atoms]), row_dot(away, away) - radii[atoms]**2, UNKNOWN_POWER)
 
 
-def cut_by_kind(mesh):
-    """Returns points, normals, triangles and owners of a mesh, see cut(), whose triangles are cut where
-    patches of different kinds meet."""
+def divide_by_kind(mesh):
+    """Returns points, normals and triangles of a mesh, and for each triangle the vertex of the mesh that has
+    its kind of patch. Triangles between patches are divided into parts, so that also a patch is seen that
+    is thinner than a triangle."""
     points, normals, triangles, kinds, atoms = parts_of(mesh)
-    heights = numpy.full((len(points), 3), 255.0)
-    next_kinds = (kinds[:, None] + numpy.arange(2)) % 3
-    numpy.put_along_axis(heights, next_kinds, border_heights(points, normals, triangles, kinds, atoms), axis=1)
-    return cut(points, normals, triangles, kinds, lambda corners: numpy.take_along_axis(
-        heights[corners], numpy.repeat(kinds[corners][:, None] - 1, 3, axis=1), axis=2))
+    is_mixed = (kinds[triangles] != kinds[triangles][:, :1]).any(axis=1)
+    whole, mixed = triangles[~is_mixed], triangles[is_mixed]
+    pieces = int(numpy.clip(numpy.sqrt(MAX_PARTS / max(len(mixed), 1)), *PIECES))
+    weights, small = grid_of(pieces)
+    middles = weights[small].mean(axis=1)
+    used, corner = numpy.unique(mixed, return_inverse=True)
+    corner = corner.reshape(mixed.shape)
+    centers, radii, probes, touched = contacts(points, normals, kinds, atoms, used)
+    parts = [(points, normals, whole, whole[:, 0])]
+    count = len(points)
+    for part in numpy.array_split(numpy.arange(len(mixed)), max(1, len(mixed) * len(small) // BATCH)):
+        here = mixed[part]
+        if len(here) == 0:
+            continue
+        chosen = nearest_corner(numpy.einsum("mc,tcx->tmx", middles, points[here]),
+                                kinds[here], probes[corner[part]], touched[corner[part]],
+                                centers, radii, middles)
+        base = count + len(weights) * numpy.arange(len(here))
+        parts.append((numpy.einsum("mc,tcx->tmx", weights, points[here]).reshape(-1, 3),
+                      numpy.einsum("mc,tcx->tmx", weights, normals[here]).reshape(-1, 3),
+                      (base[:, None, None] + small).reshape(-1, 3),
+                      numpy.take_along_axis(here, chosen, axis=1).ravel()))
+        count += len(here) * len(weights)
+    return tuple(map(numpy.concatenate, zip(*parts)))
 
 
 def cut_by_atom(mesh):

@@ -189,13 +189,13 @@ def cut(mesh):
          if mesh.chains[number] else "no chain")])
     _, first, atom = numpy.unique(atoms, return_index=True, return_inverse=True)
     if (colors == colors[first][atom]).all():
-        way = patch_borders.cut_by_atom
+        points, normals, triangles, owners = patch_borders.cut_by_atom(mesh)
+        owners = owners[triangles[:, 0]]
     elif legend.keys() <= PATCHES.keys():
-        way = patch_borders.cut_by_kind
+        points, normals, triangles, owners = patch_borders.divide_by_kind(mesh)
     else:
         return None, legend
-    points, normals, triangles, owners = way(mesh)
-    return (points, normals, triangles, colors[owners[triangles[:, 0]]]), legend
+    return (points, normals, triangles, colors[owners]), legend
 
 
 def potentials_of(meshes, options):

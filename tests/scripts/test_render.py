@@ -251,8 +251,8 @@ class Borders(TestCase):
                                             "--color", "patch", "--spacing", "0.6", *format_options],
                                            capture_output=True, text=True, check=False))
             mesh = meshes.read_mesh(mesh_file)
-            points, _, triangles, owners = patch_borders.cut_by_kind(mesh)
-            colors = mesh.values["color"][owners[triangles[:, 0]]]
+            points, _, triangles, owners = patch_borders.divide_by_kind(mesh)
+            colors = mesh.values["color"][owners]
             corners = points[triangles]
             middle = corners.mean(axis=1)
             away = numpy.abs(middle[:, 0]) - half
