@@ -29,6 +29,7 @@
 #include "eses/read_atoms.hpp"
 #include "eses/residue_areas.hpp"
 #include "eses/run_options.hpp"
+#include "eses/select_atoms.hpp"
 #include "eses/summary.hpp"
 #include "eses/surface.hpp"
 #include "eses/vec3.hpp"

@@ -39,8 +39,7 @@ inline constexpr double max_coordinate = 1e6;
 /// Options of a Surface.
 struct SurfaceOptions {
   /// Radius of the probe, in angstrom, `min_probe_radius` to `max_probe_radius`; 0 for the van der
-  /// Waals surface, which has no cavities to fill. The van der Waals surface of atoms with radii
-  /// that are larger by that of a probe is the solvent accessible surface.
+  /// Waals surface, which has no cavities to fill.
   double probe_radius = 1.4;
   /// Fills the cavities whose voids have at most this volume, in cubic angstrom: they are inside.
   /// Infinity fills all cavities, and none are filled without a value. See doc/cavities.md.
@@ -50,6 +49,10 @@ struct SurfaceOptions {
   int threads = 0;
   /// Called while the atoms are indexed, at least once.
   CheckCallback check = {};
+  /// Is added to the radii of the atoms, 0 to `max_probe_radius` (angstrom): the van der Waals
+  /// surface of atoms that are larger by a probe is the solvent accessible surface. The diagnostics
+  /// are those of the atoms as they are given.
+  double added_radius = 0;
 };
 
 /// The solvent excluded surface of atoms for a spherical probe. A probe is accessible if it does
@@ -88,7 +91,7 @@ class Surface {
   Surface& operator=(const Surface&) = default;
   ~Surface() = default;
 
-  /// The atoms, in the order in which they were given.
+  /// The atoms, in the order in which they were given, with SurfaceOptions::added_radius.
   std::span<const Atom> atoms() const;
 
   /// The labels by atom index; empty if none were given.

@@ -16,6 +16,7 @@ Examples
 True
 """
 
+
 def _load_core():
     """Loads the compiled module. The OpenMP of g++ reads the environment then. By default, its threads spin while
     they wait for each other: where other programs use the processors, two threads take twice the CPU time of one."""
@@ -33,6 +34,8 @@ def _load_core():
 
 _load_core()
 del _load_core
+
+from typing import TYPE_CHECKING
 
 from . import adaptors
 from ._core import (
@@ -60,6 +63,19 @@ from ._interface import Interface, Interfaces, interface, interfaces
 from ._measurement import Measurement, Table, measure
 from ._molecule import Molecule, Radii, read_molecule
 from ._shown import add_methods
+
+if TYPE_CHECKING:
+    from . import biopython, biotite, mdanalysis, mdtraj
+else:
+
+    def __getattr__(name):
+        """Imports a module in place of functions of another library when it is first used."""
+        import importlib
+
+        if name in ("biopython", "biotite", "mdanalysis", "mdtraj"):
+            return importlib.import_module(f"{__name__}.{name}")
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+
 
 add_methods(Mesh, Result, Surface)
 del add_methods

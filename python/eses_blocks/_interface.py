@@ -10,7 +10,7 @@ import numpy as np
 
 from . import _core, _molecule
 from ._files import output_path, write_structure
-from ._measurement import _Path, Table, _mask_of, _polar_atoms, _starts_of
+from ._measurement import _Path, Table, _polar_atoms, _starts_of
 
 
 class Interface:
@@ -173,8 +173,8 @@ def interface(molecule: Any, first: Any, second: Any = None, radii: Any = None, 
     molecule : object
         See ``read_molecule``, which also describes the further arguments.
     first, second : str or array_like
-        The parts: names of chains, such as ``"A"`` or ``"A+B"``, residues by their name, such as ``"ligand:STI"``, or selections, masks or indices as
-        ``report`` of ``measure``. Without ``second``, it is all other atoms.
+        The parts: names of chains, such as ``"A"`` or ``"A+B"``, ligands, such as ``"ligand:STI"``,
+        selections, masks or indices as ``report`` of ``measure``. Without ``second``, it is all other atoms.
     probe_radius : float, optional
         Radius of the probe, in angstrom.
 
@@ -191,9 +191,8 @@ def interface(molecule: Any, first: Any, second: Any = None, radii: Any = None, 
         If a part has no atoms, if the parts share atoms, or as ``measure``.
     """
     found, select = _molecule._read(molecule, radii, waters, hydrogens, unknown_radius, frame, options)
-    masks = [_part_mask(part, found, select) for part in ([first] if second is None else [first, second])]
-    if second is None:
-        masks.append(~masks[0])
+    masks = [select.mask(first, "first")]
+    masks.append(~masks[0] if second is None else select.mask(second, "second"))
     if (masks[0] & masks[1]).any():
         raise ValueError(f"{int((masks[0] & masks[1]).sum())} atoms belong to both parts")
     for mask, name in zip(masks, ("first", "second")):
@@ -206,23 +205,6 @@ def interface(molecule: Any, first: Any, second: Any = None, radii: Any = None, 
     nothing = np.zeros(0)
     return measured[0] if measured else Interface(found, names[0], names[1], nothing.astype(np.int64),
                                                   nothing.astype(bool), nothing.astype(np.int64), nothing, nothing)
-
-
-def _part_mask(part: Any, molecule: _molecule.Molecule, select: Any) -> Any:
-    """Returns the mask of a part."""
-    if isinstance(part, str) and part.startswith("ligand:"):
-        mask = molecule.residue == part.removeprefix("ligand:")
-        if not mask.any():
-            raise ValueError(f"no residue {part.removeprefix('ligand:')!r}; the residues are "
-                             f"{', '.join(dict.fromkeys(molecule.residue.tolist()))}")
-        return mask
-    if isinstance(part, str):
-        chains = [name.strip() for name in part.split("+")]
-        if set(chains) <= set(molecule.chain.tolist()):
-            return np.isin(molecule.chain, chains)
-        if select is None:
-            raise ValueError(f"no chain {part!r}; the chains are {', '.join(dict.fromkeys(molecule.chain.tolist()))}")
-    return _mask_of(part, len(molecule), select)
 
 
 def interfaces(molecule: Any, radii: Any = None, *, probe_radius: float = 1.4, waters: bool = False,

@@ -15,6 +15,7 @@ import numpy.typing as npt
 from . import _core, _molecule
 from ._files import model_numbers, output_path, write_structure
 from ._references import CLASSES, MAIN_CHAIN, REFERENCE_PROBE_RADIUS, REFERENCES, is_amino_acid
+from ._select import remember_molecule
 
 _Doubles = npt.NDArray[np.float64]
 _Bools = npt.NDArray[np.bool_]
@@ -384,32 +385,6 @@ class Measurement:
         return f"<table>{rows}</table>{tables}"
 
 
-def _mask_of(report: Any, count: int, select: Any) -> Optional[_Bools]:
-    """Returns the mask of the atoms that are reported."""
-    if report is None:
-        return None
-    if isinstance(report, str) or hasattr(report, "ix"):  # an AtomGroup of MDAnalysis
-        if select is None:
-            raise ValueError("report: this object has no language for selections; give a mask or indices")
-        mask = np.asarray(select(report), bool)
-    else:
-        given = np.asarray(report)
-        if given.dtype == bool:
-            if given.shape != (count,):
-                raise ValueError(f"report: a mask must have shape ({count},), one value for each atom, not {given.shape}")
-            mask = given.copy()
-        else:
-            mask = np.zeros(count, bool)
-            try:
-                mask[given.astype(np.int64, casting="same_kind") if given.size else []] = True
-            except IndexError as error:
-                raise ValueError(f"report: {error}") from None
-    if not mask.any():
-        raise ValueError("report: the selection has no atoms")
-    mask.flags.writeable = False
-    return mask
-
-
 def _surfaces_in(surfaces: Union[str, Iterable[str]]) -> set[str]:
     """Returns the surfaces of a choice, without repetitions."""
     known = {"ses", "sas", "vdw"}
@@ -457,9 +432,10 @@ def measure(molecule: Any, radii: Any = None, *, probe_radius: float = 1.4, repo
     probe_radius : float, optional
         Radius of the probe, in angstrom.
     report : str or array_like, optional
-        The atoms whose areas are reported, while all others still block: a mask, indices, or a
-        selection. Its syntax is that of gemmi for files and that of the library for MDAnalysis, MDTraj
-        and ProDy.
+        The atoms whose areas are reported, while all others still block: a mask, indices, chains such as
+        ``A`` or ``A+B``, residues by their name (``ligand:STI``), ``ligand`` for all of several atoms
+        that are no amino acids, nucleotides and waters, or a selection. Its syntax is that of the library
+        for MDAnalysis, MDTraj and ProDy, and that of gemmi, such as ``//A/57``, for all others.
     waters, hydrogens, unknown_radius, frame : optional
         See ``read_molecule``.
     reference : {'tien', 'miller', 'sander', 'wilke'}, optional
@@ -503,9 +479,10 @@ def measure(molecule: Any, radii: Any = None, *, probe_radius: float = 1.4, repo
         return _measure_models(molecule, radii, models, {**shared, **options})
     chosen = _surfaces_in(surfaces)
     found, select = _molecule._read(molecule, radii, waters, hydrogens, unknown_radius, frame, options)
-    reported = _mask_of(report, len(found), select)
+    reported = None if report is None else select.mask(report, "report")
     surface = _core.Surface(found.centers, found.radii, probe_radius, fill_cavities=fill_cavities, threads=threads)
     _molecule.remember_files(surface, *found.files)
+    remember_molecule(surface, found.kept, select)
     measures = surface.measure(ses="ses" in chosen, van_der_waals=van_der_waals or "vdw" in chosen, by_atom=True,
                                derivatives=derivatives, threads=threads)
     return Measurement(found, surface, measures, reported, reference)

@@ -16,6 +16,7 @@ import numpy.typing as npt
 from . import _core, _foreign, adaptors
 from ._files import values_in_lines
 from ._references import is_polymer
+from ._select import Selector
 
 _Texts = npt.NDArray[np.str_]
 _Bools = npt.NDArray[np.bool_]
@@ -26,6 +27,8 @@ SOURCES = {
     "bondi": "Bondi 1964, doi:10.1021/j100785a001; Mantina et al. 2009, doi:10.1021/jp8111556; "
              "Alvarez 2013, doi:10.1039/c3dt50599e",
     "msms": "pdb_to_xyzr of MSMS, Sanner et al. 1996, doi:10.1002/(SICI)1097-0282(199603)38:3<305::AID-BIP4>3.0.CO;2-Y",
+    "naccess": "Chothia 1976, doi:10.1016/0022-2836(76)90191-1, as in NACCESS, Hubbard and Thornton 1993",
+    "oons": "Ooi et al. 1987, doi:10.1073/pnas.84.10.3086, extended as in FreeSASA",
     "protor+ccd": "Tsai et al. 1999, doi:10.1006/jmbi.1999.2829, for ligands by their bonds in the Chemical Component "
                   "Dictionary, doi:10.1093/bioinformatics/btu789, of Biotite",
     "file": "the input file",
@@ -38,7 +41,7 @@ class Radii:
     """The set of radii of a molecule, and the atoms whose radius or element was guessed."""
 
     name: str
-    """``protor``, ``bondi``, ``msms``, the name in a configuration file, ``file`` or ``given``."""
+    """``protor``, ``bondi``, ``msms``, ``naccess``, ``oons``, the name in a configuration file, ``file`` or ``given``."""
     source: str
     """The publication with its DOI, or where the radii come from."""
     guessed: npt.NDArray[np.int64]
@@ -68,8 +71,8 @@ class Molecule:
     kept: npt.NDArray[np.int64]
     """(M,) indices of the kept atoms in the object."""
     left_out: dict[str, int]
-    """Numbers of the atoms that are not kept, by their kind: ``water``, ``hydrogen``, ``altloc``, ``virtual``; for
-    files those of ``Atoms.left_out``, which are no rows of the columns."""
+    """Numbers of the atoms that are not kept, by their kind: ``selection``, ``water``, ``hydrogen``, ``altloc``,
+    ``virtual``; for files those of ``Atoms.left_out``, which are no rows of the columns."""
     positions: npt.NDArray[np.float64]
     """(N, 3) centres of all atoms."""
     chain: _Texts
@@ -99,13 +102,14 @@ class Molecule:
 
 @dataclasses.dataclass
 class _Source:
-    """Columns with their origin. `select` returns the mask of a selection."""
+    """Columns with their origin. `select` returns the mask of a selection in the language of their library."""
 
     columns: adaptors.Columns
     are_read: bool = False  # by the library, which has left out atoms and assigned radii
     set_name: str = ""
     left_out: dict[str, int] = dataclasses.field(default_factory=dict)  # by the library
     select: Any = None
+    chosen: Any = None  # the selection of the atoms that are read
     files: tuple[str, ...] = ()  # paths of those that were read
 
 
@@ -215,7 +219,8 @@ def _read_file(found: Any, radii: str, unknown: Optional[float], waters: bool, h
     def choose(text: str) -> _Bools:
         return np.isin(atoms.lines, read(text).lines)
 
-    source.select = choose
+    if layout not in ("xyzr", "pqr"):
+        source.select = choose
     return source
 
 
@@ -257,17 +262,24 @@ def _source_of(found: Any, radii: Any, unknown: Optional[float], waters: bool, h
         if _foreign.is_foreign(found):
             files = (os.path.abspath(found),)
             found, frame = _foreign.read(found, frame), 0
-    if not is_file(found) and options:
-        raise TypeError(f"{', '.join(sorted(options))}: only files have these arguments")
-    if is_file(found):
-        if frame:
-            raise TypeError("frame: use model= for a file")
-        if radii is not None and not isinstance(radii, (str, os.PathLike)):
-            raise TypeError("a file needs the name of a set of radii, not an array")
-        source = _read_file(found, os.fspath(radii or "protor"), unknown, waters, hydrogens, options)
-        if _radii_are_assigned(source, found) and radii != "occupancy":
-            source.set_name = os.fspath(radii or "protor")
+    if not is_file(found):
+        if others := sorted(set(options) - {"select"}):
+            raise TypeError(f"{', '.join(others)}: only files have these arguments")
+        source = _object_source(found, radii, frame)
+        source.files, source.chosen = source.files or files, options.get("select")
         return source
+    if frame:
+        raise TypeError("frame: use model= for a file")
+    if radii is not None and not isinstance(radii, (str, os.PathLike)):
+        raise TypeError("a file needs the name of a set of radii, not an array")
+    source = _read_file(found, os.fspath(radii or "protor"), unknown, waters, hydrogens, options)
+    if _radii_are_assigned(source, found) and radii != "occupancy":
+        source.set_name = os.fspath(radii or "protor")
+    return source
+
+
+def _object_source(found: Any, radii: Any, frame: int) -> _Source:
+    """Returns the columns of an object."""
     if isinstance(found, _core.Atoms):
         source = _of_atoms(found)
         source.files = files_of(found)
@@ -277,7 +289,7 @@ def _source_of(found: Any, radii: Any, unknown: Optional[float], waters: bool, h
                        files=files_of(found))
     if adaptors.find_adaptor(found):
         columns = adaptors.columns_of(found, frame)
-        return _Source(columns, select=columns.select, files=files)
+        return _Source(columns, select=columns.select)
     if isinstance(found, tuple) and len(found) == 2:
         return _Source(adaptors.Columns(centers=found[0], radii=found[1]), are_read=True, set_name="given")
     if radii is not None and not isinstance(radii, (str, os.PathLike)):
@@ -399,8 +411,8 @@ def read_molecule(molecule: Any, radii: Any = None, *, waters: bool = False, hyd
         Mol; ASE Atoms; ParmEd Structure; ProDy AtomGroup, Selection; an object of OpenMM with topology
         and positions, or the pair.
     radii : str, os.PathLike or array_like, optional
-        ``protor``, ``bondi``, ``msms``, the path of a file in FreeSASA's configuration format, or N
-        radii in angstrom; ``occupancy`` for a PDB or mmCIF file that has radii as its occupancies.
+        ``protor``, ``bondi``, ``msms``, ``naccess``, ``oons``, the path of a file in FreeSASA's
+        configuration format, or N radii in angstrom; ``occupancy`` for a PDB or mmCIF file that has radii as its occupancies.
         ``protor+ccd`` is ``protor`` with radii of ligands that follow from their bonds in the Chemical
         Component Dictionary, which needs Biotite. By default ``protor`` for molecules with names of
         residues, whose hydrogens then belong to the united atoms, and ``bondi`` for others. PQR and
@@ -414,8 +426,9 @@ def read_molecule(molecule: Any, radii: Any = None, *, waters: bool = False, hyd
     frame : int, optional
         Frame, model or conformer of an object that has several.
     **options
-        Further arguments of ``read_atoms``, for files: ``format``, ``model``, ``altloc``, ``hetatm``,
-        ``chains``, ``select``, ``assembly``, ``chain_names``.
+        ``select``, the atoms that make up the surface, as ``report`` of ``measure`` for objects and as in
+        ``read_atoms`` for files; and further arguments of ``read_atoms``, for files: ``format``,
+        ``model``, ``altloc``, ``hetatm``, ``chains``, ``assembly``, ``chain_names``.
 
     Returns
     -------
@@ -497,11 +510,12 @@ def _take_radii(named: _Named, radii: Any, set_name: str) -> _Choice:
 
 
 def _choose_atoms(named: _Named, columns: adaptors.Columns, which: str, waters: bool, hydrogens: str,
-                  unknown: Optional[float]) -> _Choice:
+                  unknown: Optional[float], selected: _Bools) -> _Choice:
     """Assigns radii of a set and chooses the atoms that have them. Sets the elements that were derived from names."""
     set_name, are_united, values, named.element, by_element, by_name = _find_radii(
         named.residue, named.name, named.element, which)
     choice = _Choice(np.ones(len(values), bool), set_name, values, None, None, by_element)
+    choice.drop(~selected, "selection")
     if columns.virtual is not None:
         choice.drop(columns.virtual, "virtual")
     choice.drop(_other_locations(columns, named.chain, named.residue_number, named.icode, named.name), "altloc")
@@ -531,32 +545,43 @@ def _use_bonds(named: _Named, choice: _Choice) -> None:
 
 
 def _read(found: Any, radii: Any, waters: bool, hydrogens: str, unknown: Optional[float], frame: int,
-          options: dict[str, Any]) -> tuple[Molecule, Any]:
-    """Returns the molecule and the function for selections."""
-    by_bonds = isinstance(radii, str) and radii == "protor+ccd"
+          options: dict[str, Any]) -> tuple[Molecule, Selector]:
+    """Returns the molecule and its selector."""
+    by_bonds = isinstance(radii, str) and radii.lower() == "protor+ccd"
     radii = "protor" if by_bonds else radii
     source = _source_of(found, radii, unknown, waters, hydrogens, frame, options)
     named = _arrays_of(source.columns)
+    selector = Selector(named, source.select, not source.are_read)
+    selects_all = source.chosen is None or (isinstance(source.chosen, str) and not source.chosen)
+    selected = np.ones(len(named.name), bool) if selects_all else selector.mask(source.chosen, "select")
     are_named = bool((named.residue != "").any())
     which = os.fspath(radii) if isinstance(radii, (str, os.PathLike)) else "protor" if are_named else "bondi"
     if radii is not None and not isinstance(radii, (str, os.PathLike)):
         choice = _take_radii(named, radii, "given")
+        choice.drop(~selected, "selection")
     elif source.are_read:
         choice = _take_radii(named, source.columns.radii, source.set_name)
         choice.left_out = dict(source.left_out)
+        choice.drop(~selected, "selection")
     else:
-        choice = _choose_atoms(named, source.columns, which, waters, hydrogens, unknown)
+        choice = _choose_atoms(named, source.columns, which, waters, hydrogens, unknown, selected)
     if by_bonds and choice.set_name == "protor":
         _use_bonds(named, choice)
     if not choice.keep.any():
         raise ValueError("no atoms are left" +
                          "".join(f"; {number} {what}" for what, number in choice.left_out.items()))
-    return _molecule_of(named, choice, which, are_named, source.files), source.select
+    return _molecule_of(named, choice, which, are_named, source.files), selector
+
+
+def read_with_selector(found: Any) -> tuple[Molecule, Selector]:
+    """Returns what `read_molecule` returns, and the selector."""
+    return _read(found, None, False, "auto", None, 0, {})
 
 
 def _molecule_of(named: _Named, choice: _Choice, which: str, are_named: bool, files: tuple[str, ...]) -> Molecule:
     kept = np.flatnonzero(choice.keep)
-    source_text = SOURCES.get(choice.set_name.lower(), f"the configuration file {which}")
+    is_named = choice.set_name in ("file", "given", "protor+ccd")
+    source_text = SOURCES.get(choice.set_name if is_named else which.lower(), f"the configuration file {which}")
     columns = {field.name: getattr(named, field.name) for field in dataclasses.fields(named)}
     molecule = Molecule(
         centers=named.positions[kept], radii=choice.radii[kept], kept=kept, left_out=choice.left_out,

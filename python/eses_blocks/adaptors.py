@@ -175,7 +175,7 @@ def _from_rdkit(found: Any, frame: int) -> Columns:
     atoms = list(found.GetAtoms())
     if any(atom.GetTotalNumHs() > 0 for atom in atoms):  # hydrogens that are no atoms
         warnings.warn("the molecule lacks hydrogens; add them with Chem.AddHs(molecule, addCoords=True), or "
-                      "choose radii of united atoms", stacklevel=5)
+                      "choose radii of united atoms", stacklevel=7)
     labels = [atom.GetPDBResidueInfo() for atom in atoms]
     columns = Columns(centers=conformer.GetPositions(), elements=[atom.GetSymbol() for atom in atoms],
                       names=[f"{atom.GetSymbol()}{atom.GetIdx() + 1}" for atom in atoms],
@@ -193,7 +193,7 @@ def _from_ase(found: Any, frame: int) -> Columns:
     if frame != 0:
         raise ValueError("ase.Atoms is a single frame; give the frame itself")
     if any(found.pbc):
-        warnings.warn("the molecule is measured without its periodic images", stacklevel=5)
+        warnings.warn("the molecule is measured without its periodic images", stacklevel=7)
     arrays = found.arrays
     symbols = found.get_chemical_symbols()
 

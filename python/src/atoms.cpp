@@ -42,8 +42,8 @@ format : {'auto', 'xyzr', 'pqr', 'pdb', 'mmcif'}, optional
     whose name has no such suffix, the first lines decide. Everything else is xyzr, which has one atom a line as ``x y z radius``. The arguments below are for PDB and mmCIF
     files.
 radii : str or os.PathLike, optional
-    Set of radii: ``protor``, ``bondi``, ``msms``; ``occupancy`` if the file has radii as its
-    occupancies; or the path of a file in FreeSASA's configuration format.
+    Set of radii: ``protor``, ``bondi``, ``msms``, ``naccess``, ``oons``; ``occupancy`` if the file has
+    radii as its occupancies; or the path of a file in FreeSASA's configuration format.
 unknown_radius : float, optional
     Radius of atoms for which the set has none, in angstrom. Without it such atoms are an error.
 model : int, optional
@@ -209,6 +209,18 @@ py::tuple radii_of(const std::vector<std::string>& residues, const std::vector<s
     by_name.append(atom.is_element_by_name);
   }
   return py::make_tuple(found.set, found.are_united, radii, symbols, by_element, by_name);
+}
+
+// Returns whether each atom is in a selection in gemmi's syntax; without one, whether it belongs to
+// a ligand.
+std::vector<bool> selected(const std::vector<std::array<std::string, 5>>& atoms,
+                           const std::optional<std::string>& selection) {
+  std::vector<AtomLabel> labels;
+  labels.reserve(atoms.size());
+  for (const auto& [chain, residue, number, name, element] : atoms)
+    labels.push_back({chain, residue, number, name, element});
+  return read_file_as_value(
+      [&] { return selection ? select_atoms(labels, *selection) : find_ligand_atoms(labels); });
 }
 
 AreaReference reference_of(const std::string& name) {
@@ -442,6 +454,7 @@ void bind_atoms(py::module_& module) {
   module.def("_warn_about",
              [](const AtomFile& file, const py::str& name) { warn_about(file, name); });
   module.def("_find_radii", &radii_of);
+  module.def("_select_atoms", &selected);
   module.def("_maximum_area", &maximum_area);
   module.def("_source_of_reference", &source_of_reference);
   module.attr("_reference_probe_radius") = reference_probe_radius;

@@ -31,9 +31,11 @@ Parameters
 ----------
 probe_radius : float, optional
     Radius of the probe, in angstrom: 0, or 0.01 to 1000. The default is that of the surface.
-at : array_like, optional
-    A place: a point (3,), or the lowest and highest corner of a box (2, 3). Only what has a point
-    within a probe radius of the point, or in the box, is returned.
+at : str or array_like, optional
+    A place: a selection as ``report`` of ``measure``, of a surface of a file or molecule; a point (3,);
+    or the lowest and highest corner of a box (2, 3). Only what has a point within a probe radius of
+    the point, in the box, or in a ball of a ligand (``ligand:STI``), which is left out of the
+    surface, is returned, or what the atoms of another selection bound.
 atoms : sequence of int, optional
     A place: atoms. What they bound is at the place.
 balls : tuple of array_like, optional
@@ -81,9 +83,11 @@ min_volume : float, optional
     the probe.
 probe_radius : float, optional
     Radius of the probe, in angstrom, 0.01 to 1000. The default is that of the surface.
-at : array_like, optional
-    A place: a point (3,), or the lowest and highest corner of a box (2, 3). Only what has a point
-    within a probe radius of the point, or in the box, is returned.
+at : str or array_like, optional
+    A place: a selection as ``report`` of ``measure``, of a surface of a file or molecule; a point (3,);
+    or the lowest and highest corner of a box (2, 3). Only what has a point within a probe radius of
+    the point, in the box, or in a ball of a ligand (``ligand:STI``), which is left out of the
+    surface, is returned, or what the atoms of another selection bound.
 atoms : sequence of int, optional
     A place: atoms. What they bound is at the place.
 balls : tuple of array_like, optional
@@ -177,10 +181,24 @@ std::optional<Place> place_of(const py::object& at, const py::object& atoms,
   return place;
 }
 
+/// Finds what `method` finds at a selection of atoms.
+py::list find_at_selection(const ChosenSurface& surface, const char* method, const py::object& at,
+                           const py::object& atoms, const py::object& balls,
+                           const py::dict& options) {
+  if (!atoms.is_none() || !balls.is_none())
+    throw py::value_error("a selection at= cannot be combined with atoms= and balls=");
+  const py::object find = py::module_::import("eses_blocks._select").attr("find_at");
+  return find(py::cast(&surface, py::return_value_policy::reference), method, at, options);
+}
+
 py::list find_cavities(const ChosenSurface& surface, std::optional<double> probe_radius,
                        const py::object& at, const py::object& atoms, const py::object& balls,
                        int threads) {
   require_excluded(surface, "cavities");
+  if (py::isinstance<py::str>(at))
+    return find_at_selection(
+        surface, "cavities", at, atoms, balls,
+        py::dict(py::arg("probe_radius") = probe_radius, py::arg("threads") = threads));
   const std::optional<Place> place =
       place_of(at, atoms, balls, probe_radius.value_or(surface.probe_radius()));
   MeasureOptions options{
@@ -232,6 +250,12 @@ py::list find_all_pockets(const ChosenSurface& surface, double large_probe, doub
                           const py::object& at, const py::object& atoms, const py::object& balls,
                           int threads, bool allow_far_atoms) {
   require_excluded(surface, "pockets");
+  if (py::isinstance<py::str>(at))
+    return find_at_selection(
+        surface, "pockets", at, atoms, balls,
+        py::dict(py::arg("large_probe") = large_probe, py::arg("spacing") = spacing,
+                 py::arg("min_volume") = min_volume, py::arg("probe_radius") = probe_radius,
+                 py::arg("threads") = threads, py::arg("allow_far_atoms") = allow_far_atoms));
   const std::optional<Place> place =
       place_of(at, atoms, balls, probe_radius.value_or(surface.probe_radius()));
   check_far_atoms(surface, {.spacing = spacing, .margin = 2 * spacing}, allow_far_atoms);

@@ -2,23 +2,21 @@
 /// The surface of the Python class.
 
 #include <eses/eses.hpp>
+#include <memory>
+#include <span>
 #include <string>
-#include <utility>
+#include <vector>
 
 namespace eses::python {
 
 /// A surface with the choices of its caller. The solvent accessible surface is computed as the van
 /// der Waals surface of atoms whose radii are larger by that of the probe.
 struct ChosenSurface : Surface {
-  ChosenSurface(const Surface& computed, Surface its_given, std::string its_kind,
-                double its_probe_radius)
-      : Surface(computed),
-        given(std::move(its_given)),
-        kind(std::move(its_kind)),
-        chosen_probe_radius(its_probe_radius) {}
+  /// The atoms as given, with their radii.
+  std::span<const eses::Atom> given_atoms() const { return given ? *given : atoms(); }
 
-  Surface given;               ///< with the radii and diagnostics of the atoms as given
-  std::string kind;            ///< `ses`, `sas` or `vdw`
+  std::shared_ptr<const std::vector<eses::Atom>> given;  ///< if the radii of the atoms differ
+  std::string kind;                                      ///< `ses`, `sas` or `vdw`
   double chosen_probe_radius;  ///< angstrom; 0 without a probe
 };
 

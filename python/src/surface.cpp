@@ -214,14 +214,6 @@ double checked_probe_radius(const std::string& kind, const std::optional<double>
   return probe;
 }
 
-// Indexes atoms whose radii are larger by that of the probe.
-Surface make_grown_surface(const Surface& given, double probe_radius,
-                           const SurfaceOptions& options) {
-  std::vector<Atom> atoms(given.atoms().begin(), given.atoms().end());
-  for (Atom& atom : atoms) atom.radius += probe_radius;
-  return Surface(std::move(atoms), options);
-}
-
 ChosenSurface make_surface(const py::object& centers, const py::object& radii,
                            const std::optional<double>& probe_radius, const std::string& kind,
                            const py::object& fill_cavities, int threads) {
@@ -233,9 +225,11 @@ ChosenSurface make_surface(const py::object& centers, const py::object& radii,
   const SurfaceOptions options{.probe_radius = kind == "ses" ? probe : 0,
                                .max_filled_void = max_void,
                                .threads = usable_threads(threads),
-                               .check = [&interrupts] { interrupts.check(); }};
-  const Surface given(std::move(atoms), options);
-  return {kind == "sas" ? make_grown_surface(given, probe, options) : given, given, kind, probe};
+                               .check = [&interrupts] { interrupts.check(); },
+                               .added_radius = kind == "sas" ? probe : 0};
+  std::shared_ptr<const std::vector<Atom>> given;
+  if (kind == "sas") given = std::make_shared<const std::vector<Atom>>(atoms);
+  return {Surface(std::move(atoms), options), std::move(given), kind, probe};
 }
 
 // Makes a surface, and warns of suspicious atoms.
@@ -243,16 +237,24 @@ void construct_surface(py::detail::value_and_holder& self, const py::object& cen
                        const py::object& radii, const std::optional<double>& probe_radius,
                        const std::string& kind, const py::object& fill_cavities, int threads) {
   py::object its_centers = centers, its_radii = radii, files = py::tuple();
+  py::object molecule, selector;
   if (radii.is_none()) {  // a molecule of another library, or a file
-    const py::object molecule = py::module_::import("eses_blocks").attr("read_molecule")(centers);
+    const py::tuple found =
+        py::module_::import("eses_blocks._molecule").attr("read_with_selector")(centers);
+    molecule = found[0];
+    selector = found[1];
     its_centers = molecule.attr("centers");
     its_radii = molecule.attr("radii");
     files = molecule.attr("files");
   }
   ChosenSurface surface =
       make_surface(its_centers, its_radii, probe_radius, kind, fill_cavities, threads);
-  warn_about(surface.given.diagnostics());
+  warn_about(surface.diagnostics());
   construct(self, std::move(surface), files);
+  if (selector)
+    py::module_::import("eses_blocks._select")
+        .attr("remember_molecule")(py::handle(reinterpret_cast<PyObject*>(self.inst)),
+                                   molecule.attr("kept"), selector);
 }
 
 py::tuple surface_state(const py::object& surface) {
@@ -453,19 +455,19 @@ void bind_surface(py::module_& module) {
       .def_property_readonly(
           "centers",
           [](const py::object& self) {
-            return centers_view(self.cast<const ChosenSurface&>().given.atoms(), self);
+            return centers_view(self.cast<const ChosenSurface&>().given_atoms(), self);
           },
           "(N, 3) float64: centres of the atoms, in angstrom; read-only.")
       .def_property_readonly(
           "radii",
           [](const py::object& self) {
-            return radii_view(self.cast<const ChosenSurface&>().given.atoms(), self);
+            return radii_view(self.cast<const ChosenSurface&>().given_atoms(), self);
           },
           "(N,) float64: van der Waals radii of the atoms, in angstrom; read-only.")
       .def_property_readonly(
           "diagnostics",
           [](const ChosenSurface& self) {
-            const std::span<const Diagnostic> found = self.given.diagnostics();
+            const std::span<const Diagnostic> found = self.diagnostics();
             return std::vector<Diagnostic>(found.begin(), found.end());
           },
           "list of Diagnostic: suspicious properties of the atoms.")

@@ -76,9 +76,9 @@ def test_saved_areas(path, tmp_path):
 def test_errors_name_the_part(path):
     with pytest.raises(ValueError, match="1 atoms belong to both parts"):
         eses.interface(path, "A+B", "B")
-    with pytest.raises(ValueError, match="selection has no atoms"):
+    with pytest.raises(ValueError, match="first: no atoms are selected"):
         eses.interface(path, [])
-    with pytest.raises(ValueError, match="no chain 'X'"):
+    with pytest.raises(ValueError, match="no names of chains and residues"):
         eses.interface(([[0, 0, 0]], [1]), "X")
 
 
@@ -86,5 +86,5 @@ def test_a_ligand_is_a_side(path):
     found = eses.interface(path, "ligand:HEM", "A")
     assert found.sas_lost == pytest.approx((LOST, LOST)) and found.first == "ligand:HEM"
     assert found.residues["residue"].tolist() == ["ALA", "HEM"]
-    with pytest.raises(ValueError, match="no residue 'STI'; the residues are ALA, HEM, GLY"):
+    with pytest.raises(ValueError, match="no residue 'STI'; the residues are HEM, ALA, GLY"):
         eses.interface(path, "A", "ligand:STI")

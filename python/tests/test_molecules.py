@@ -322,6 +322,20 @@ def test_names_of_force_fields_are_those_of_standard_residues(tmp_path):
     assert np.isnan(eses.measure(serine.replace(" SER ", " HSE ")).residues["relative_sas"]).all()
 
 
+def test_radii_by_name(pdb, tmp_path):
+    for name, radius, source in (("naccess", 1.87, "10.1016/0022-2836(76)90191-1"), ("OONS", 2.0, "10.1073/pnas.84.10.3086")):
+        for found in (pdb, pytest.importorskip("gemmi").read_structure(str(pdb))):
+            result = eses.measure(found, radii=name)
+            assert result.radii.name == name.lower() and source in result.radii.source
+            assert result.atoms["radius"][1] == radius  # CA
+    for wrong, meant in (("protr", "protor"), ("nacess", "naccess"), ("oosn", "oons")):
+        with pytest.raises(ValueError, match=f"expected protor, bondi, .*; did you mean {meant}\\?$"):
+            eses.measure(pdb, radii=wrong)
+    path = tmp_path / "my.config"
+    path.write_text("name: NACCESS\ntypes:\nT 2.0 apolar\natoms:\nANY CA T\n")
+    assert eses.measure(pdb, path).radii.source == f"the configuration file {path}"
+
+
 def test_radii_from_a_file(pdb, tmp_path):
     path = tmp_path / "my.config"
     path.write_text("name: mine\ntypes:\nT 2.0 apolar\natoms:\nANY CA T\n")
@@ -386,7 +400,7 @@ def test_report_keeps_what_blocks(pdb, expected):
     for report, message in (([], "no atoms"), ([99], "out of bounds"), ([True], r"shape \(12,\)")):
         with pytest.raises(ValueError, match=message):
             eses.measure(pdb, report=report)
-    with pytest.raises(ValueError, match="no language for selections"):
+    with pytest.raises(ValueError, match="no names of chains and residues"):
         eses.measure(([[0, 0, 0]], [1.5]), report="protein")
 
 

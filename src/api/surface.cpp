@@ -17,12 +17,13 @@ constexpr std::size_t max_atoms = std::numeric_limits<AtomIndex>::max() - std::s
 
 // Throws std::invalid_argument for coordinates and radii beyond the limit. Molecule refuses numbers
 // that are not finite.
-void require_near(std::span<const Atom> atoms) {
+void require_near(std::span<const Atom> atoms, double added_radius) {
+  const double max_radius = max_coordinate - added_radius;
   for (std::size_t i = 0; i < atoms.size(); ++i) {
-    if (const double radius = atoms[i].radius; std::isfinite(radius) && radius > max_coordinate)
+    if (const double radius = atoms[i].radius; std::isfinite(radius) && radius > max_radius)
       throw std::invalid_argument(
-          detail::formatted("atom {} (counted from 0) has radius {}; the limit is {:.0f} angstrom",
-                            i, radius, max_coordinate));
+          detail::formatted("atom {} (counted from 0) has radius {}; the limit is {} angstrom", i,
+                            radius, max_radius));
     for (std::size_t axis = 0; axis < 3; ++axis)
       if (const double value = atoms[i].center[axis];
           std::isfinite(value) && std::fabs(value) > max_coordinate)
@@ -39,11 +40,15 @@ std::shared_ptr<const detail::Molecule> make_molecule(std::vector<Atom> atoms,
   if (atoms.size() > max_atoms)
     throw std::invalid_argument(
         detail::formatted("{} atoms are too many; the limit is {}", atoms.size(), max_atoms));
-  require_near(atoms);
+  if (!(options.added_radius >= 0 && options.added_radius <= max_probe_radius))
+    throw std::invalid_argument(
+        detail::formatted("the added radius is {}; it must be 0 to {} angstrom",
+                          options.added_radius, max_probe_radius));
+  require_near(atoms, options.added_radius);
   detail::require_valid(detail::Parameters{.probe_radius = options.probe_radius,
                                            .max_filled_void = options.max_filled_void});
-  return std::make_shared<const detail::Molecule>(std::move(atoms), std::move(labels),
-                                                  options.threads, options.check);
+  return std::make_shared<const detail::Molecule>(
+      std::move(atoms), std::move(labels), options.threads, options.check, options.added_radius);
 }
 
 }  // namespace

@@ -4,11 +4,11 @@
 #include <array>
 #include <filesystem>
 #include <memory>
-#include <numeric>
 #include <system_error>
 #include <utility>
 
 #include "eses/version.hpp"
+#include "input/closest_name.hpp"
 #include "input/read_structure.hpp"
 #include "system/dispatch.hpp"
 #include "system/formatted.hpp"
@@ -103,22 +103,6 @@ void refuse_missing_values(CLI::App& app, const Arguments& arguments) {
     throw UsageError(
         formatted("{0} needs a value before {1}; for the text '{1}', write {0}={1}", name, value));
   }
-}
-
-/// Returns the number of letters to insert, delete or replace (Levenshtein).
-std::size_t distance_of(std::string_view a, std::string_view b) {
-  std::vector<std::size_t> row(b.size() + 1);
-  std::iota(row.begin(), row.end(), std::size_t{0});
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    std::size_t diagonal = row[0];
-    row[0] = i + 1;
-    for (std::size_t j = 0; j < b.size(); ++j) {
-      const std::size_t replaced = diagonal + (a[i] == b[j] ? 0 : 1);
-      diagonal = row[j + 1];
-      row[j + 1] = std::min({replaced, row[j] + 1, diagonal + 1});
-    }
-  }
-  return row.back();
 }
 
 /// An option of another command or program, and what has its place here.
@@ -256,21 +240,6 @@ std::vector<std::string> split(std::string_view list, char separator) {
 std::optional<std::vector<std::string>> names_in(const std::string& list) {
   std::vector<std::string> names = split(list, ',');
   return std::ranges::count(names, "") > 0 ? std::nullopt : std::optional(std::move(names));
-}
-
-std::string_view closest_name(std::string_view word, std::span<const std::string> names) {
-  constexpr std::size_t min_length = 4, max_distance = 2;
-  if (word.size() < min_length) return {};
-  std::string_view best;
-  std::size_t least = max_distance + 1;
-  for (const std::string& name : names) {
-    if (name.starts_with(word)) return name;
-    if (const std::size_t distance = distance_of(word, name); distance < least) {
-      least = distance;
-      best = name;
-    }
-  }
-  return best;
 }
 
 void refuse(std::string_view name, std::string_view value, std::string_view expected) {

@@ -80,10 +80,6 @@ std::optional<Choice> choice_in(
   return choice;
 }
 
-/// Returns the name that was probably meant: one that begins with the word, or one that differs
-/// from it by at most two letters; empty if there is none.
-std::string_view closest_name(std::string_view word, std::span<const std::string> names);
-
 /// Throws UsageError for an unaccepted value of an option or environment variable.
 [[noreturn]] void refuse(std::string_view name, std::string_view value, std::string_view expected);
 

@@ -11,6 +11,7 @@
 #include "cli/arguments.hpp"
 #include "cli/messages.hpp"
 #include "eses/error.hpp"
+#include "eses/select_atoms.hpp"
 #include "input/other_formats.hpp"
 #include "input/pdb_elements.hpp"
 #include "input/residue_runs.hpp"
@@ -21,7 +22,7 @@
 namespace eses::detail::cli {
 namespace {
 
-constexpr std::string_view ligand_prefix = "ligand:";
+constexpr std::string_view all_ligands = "ligand", ligand_prefix = "ligand:";
 
 /// Returns the different texts in the order of first occurrence.
 std::vector<std::string> different(std::span<const AtomLabel> labels,
@@ -103,6 +104,7 @@ ComplexParts divide_by_chain(std::span<const AtomLabel> labels) {
 }  // namespace
 
 std::string name_of(const PartSelector& part) {
+  if (part.all_ligands) return std::string(all_ligands);
   if (!part.ligand.empty()) return part.ligand;
   return part.chains.empty() ? part.selection : formatted("{}", fmt::join(part.chains, ","));
 }
@@ -120,6 +122,7 @@ std::vector<bool> atoms_in(const PartSelector& part, const DividedFile& file,
   if (!part.ligand.empty()) add("residue", part.ligand, &AtomLabel::residue);
   for (const std::string& chain : part.chains) add("chain", chain, &AtomLabel::chain);
   if (!part.selection.empty()) is_in = selected(part.selection, file, option);
+  if (part.all_ligands) is_in = find_ligand_atoms(file.labels);
   if (std::ranges::find(is_in, true) == is_in.end())
     throw Error(formatted("{}: no atoms of {}, which {} names", input_name(file.path),
                           printable(name_of(part)), option));
@@ -131,6 +134,10 @@ std::optional<PartSelector> part_selector_in(std::string_view text) {
   if (text.starts_with(ligand_prefix)) {
     part.ligand = text.substr(ligand_prefix.size());
     return part.ligand.empty() ? std::nullopt : std::optional(part);
+  }
+  if (text == all_ligands) {
+    part.all_ligands = true;
+    return part;
   }
   if (text.find_first_of("/([;") != std::string_view::npos) {
     part.selection = text;

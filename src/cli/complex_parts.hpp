@@ -15,11 +15,14 @@
 
 namespace eses::detail::cli {
 
-/// The atoms of a part, as the command line names them. One of the members is not empty.
+/// The atoms of a part, as the command line names them. One of the members is chosen.
 struct PartSelector {
   std::vector<std::string> chains;
-  std::string ligand;     ///< name of a residue, such as HEM
-  std::string selection;  ///< in gemmi's syntax, such as //A/10-20
+  std::string ligand;        ///< name of a residue, such as HEM
+  std::string selection;     ///< in gemmi's syntax, such as //A/10-20
+  bool all_ligands = false;  ///< all residues of find_ligand_atoms
+
+  bool is_ligand() const { return all_ligands || !ligand.empty(); }
 };
 
 /// The parts of a complex.
@@ -32,10 +35,11 @@ struct PartChoice {
 
 /// Description of the texts that part_selector_in accepts, for messages.
 inline constexpr std::string_view part_texts =
-    "chains such as A or A+B, ligand:NAME, or a selection such as //A/10-20";
+    "chains such as A or A+B, ligand:NAME, ligand, or a selection such as //A/10-20";
 
-/// Returns the part of a text: `A,B` or `A+B` for chains, `ligand:HEM`, or a selection, which has a
-/// slash, a bracket or a semicolon. Nothing if the text is none of these.
+/// Returns the part of a text: `A,B` or `A+B` for chains, `ligand:HEM`, `ligand` for all ligands,
+/// or a selection, which has a slash, a bracket or a semicolon. Nothing if the text is none of
+/// these.
 std::optional<PartSelector> part_selector_in(std::string_view text);
 
 /// Returns the name of a part for reports.

@@ -32,6 +32,7 @@ file. Nothing is sampled. Units are square angstrom.
 Groups and their atoms:
   A+B            chains A and B
   ligand:STI     all residues named STI
+  ligand         all residues of several atoms that are no amino acids, nucleotides or waters
   //A/10-50      a selection in gemmi's syntax, for PDB and mmCIF files
 
 Tables (--write), in the output directory, named after the input file NAME:

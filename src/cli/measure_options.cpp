@@ -134,10 +134,10 @@ void add_pocket_options(CLI::App& app, MeasureCommandOptions& options) {
            options.pockets);
   const auto length = length_between(0, max_probe_radius);
   add_value(app, "--at", "PLACE",
-            "only pockets and cavities at a place: ligand:STI (which is\n"
-            "left out of the surface), A+B or a selection such as\n"
-            "//A/57 (whose atoms bound them), a point X,Y,Z or a box\n"
-            "X0,Y0,Z0,X1,Y1,Z1",
+            "only pockets and cavities at a place: ligand:STI or ligand\n"
+            "(which are left out of the surface), A+B or a selection\n"
+            "such as //A/57 (whose atoms bound them), a point X,Y,Z or\n"
+            "a box X0,Y0,Z0,X1,Y1,Z1",
             options.at,
             Format<PlaceChoice>{
                 place_in, formatted("three numbers X,Y,Z, six X0,Y0,Z0,X1,Y1,Z1 of the lowest "
@@ -205,8 +205,8 @@ void add_measure_options(CLI::App& app, MeasureCommandOptions& options, InputCho
                 formatted("chains, or two parts and more, such as 'A,B|C': each {}", part_texts)});
   add_parts(app, "--report", "ATOMS",
             "report also the areas of these atoms, while all atoms block:\n"
-            "A+B, ligand:STI, or a selection such as //A/57; tables have\n"
-            "these atoms only; can be repeated",
+            "A+B, ligand:STI, ligand (all ligands), or a selection such\n"
+            "as //A/57; tables have these atoms only; can be repeated",
             options.reports)
       ->expected(1, -1)
       ->allow_extra_args(false)

@@ -77,7 +77,7 @@ void take_place(const PlaceChoice& choice, double probe_radius, const DividedFil
     if (!is_in[i]) {
       others.indices.push_back(i);
       others.atoms.push_back(atom);
-    } else if (choice.part.ligand.empty()) {
+    } else if (!choice.part.is_ligand()) {
       found.place.atoms.push_back(i);
     } else {
       found.place.balls.push_back(atom);

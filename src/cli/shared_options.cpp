@@ -125,9 +125,9 @@ void add_structure_options(CLI::App& app, StructureOptions& structure, bool* all
   begin_group(app, structure_group);
   add_like(app, structure);
   add_value(app, "--radii", "NAME",
-            "atomic radii: protor (Tsai et al. 1999), bondi, msms,\n"
+            "atomic radii: protor, naccess, oons, bondi, msms,\n"
             "occupancy, or a file in FreeSASA's format [protor]",
-            structure.radii, any_text("protor, bondi, msms, occupancy, or a file"));
+            structure.radii, any_text("protor, bondi, msms, naccess, oons, occupancy, or a file"));
   add_value(app, "--unknown-radius", "R",
             "radius of atoms that are not in the set of radii, in\n"
             "angstrom [such atoms are an error]",
@@ -140,8 +140,8 @@ void add_structure_options(CLI::App& app, StructureOptions& structure, bool* all
            structure.with_hetatm, false);
   add_value(
       app, "--hydrogens", "NAME",
-      "keep or drop hydrogens [drop with protor and msms,\n"
-      "whose radii include them; keep with bondi]",
+      "keep or drop hydrogens [keep with bondi; drop with the\n"
+      "other sets, whose radii include them]",
       structure.hydrogens,
       one_of<HydrogenChoice>({{"keep", HydrogenChoice::keep}, {"drop", HydrogenChoice::drop}}));
   add_value(app, "--chains", "LIST", "include only these chains, such as A,B", structure.chains,

@@ -5,8 +5,10 @@
 #include <system_error>
 #include <unordered_map>
 #include <utility>
+#include <vector>
 
 #include "eses/error.hpp"
+#include "input/closest_name.hpp"
 #include "input/text_fields.hpp"
 #include "input/text_source.hpp"
 #include "system/formatted.hpp"
@@ -35,14 +37,32 @@ std::optional<double> find_by_names(const AtomIdentity& atom, Find&& find) {
   return name == atom.atom ? std::nullopt : find(atom.standard, name);
 }
 
-std::optional<double> find_named(const NamedRadii& radii, const AtomIdentity& atom) {
-  const auto find = [&](std::string_view residue, std::string_view name) {
-    const auto found = radii.find(formatted("{} {}", residue, name));
-    return found == radii.end() ? std::nullopt : std::optional(found->second);
-  };
+/// Returns what find_by_names returns, else the radius of the residue ANY.
+template <class Find>
+std::optional<double> find_with_any(const AtomIdentity& atom, Find&& find) {
   if (const std::optional<double> radius = find_by_names(atom, find)) return radius;
   return find_by_names(atom,
                        [&](std::string_view, std::string_view name) { return find("ANY", name); });
+}
+
+std::optional<double> find_named(const NamedRadii& radii, const AtomIdentity& atom) {
+  return find_with_any(atom, [&](std::string_view residue, std::string_view name) {
+    const auto found = radii.find(formatted("{} {}", residue, name));
+    return found == radii.end() ? std::nullopt : std::optional(found->second);
+  });
+}
+
+using FindRadius = std::optional<double> (*)(std::string_view residue, std::string_view atom);
+
+/// Returns a set of united atoms whose names in the residue ANY begin with their element, so that
+/// CA is not calcium.
+RadiiSet set_with_any(std::string name, FindRadius find) {
+  return {std::move(name), true,
+          [find](const AtomIdentity& atom) {
+            const bool is_of_any = !atom.atom.empty() && atom.element == atom.atom.substr(0, 1);
+            return is_of_any ? find_with_any(atom, find) : find_by_names(atom, find);
+          },
+          freesasa_element_radius};
 }
 
 /// Reads a configuration file line by line.
@@ -168,6 +188,8 @@ std::optional<RadiiSet> named_radii_set(std::string_view name) {
                                               : msms_radius(atom.residue, atom.atom);
                     },
                     bondi_radius};
+  if (word == "naccess") return set_with_any(word, naccess_radius);
+  if (word == "oons") return set_with_any(word, oons_radius);
   if (word == "occupancy")
     return RadiiSet{.name = word,
                     .find_named = [](const AtomIdentity&) { return std::optional(0.0); },
@@ -186,8 +208,11 @@ RadiiSet find_radii_set(const std::string& name_or_file) {
   } catch (const Error& error) {
     std::error_code ignored;  // such as a name that is too long
     if (std::filesystem::exists(name_or_file, ignored)) throw;
-    throw Error(formatted("radii: expected {}, or a file in FreeSASA's configuration format: {}",
-                          named_radii, error.what()));
+    const std::vector<std::string> names{"protor", "bondi", "msms", "naccess", "oons", "occupancy"};
+    const std::string_view meant = closest_name(lower_case(name_or_file), names);
+    throw Error(formatted("radii: expected {}, or a file in FreeSASA's configuration format: {}{}",
+                          named_radii, error.what(),
+                          meant.empty() ? "" : formatted("; did you mean {}?", meant)));
   }
 }
 

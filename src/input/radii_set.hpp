@@ -47,7 +47,7 @@ struct RadiiSet {
 inline constexpr double max_set_radius = 1000;  // angstrom
 
 /// Names of the built-in sets, for messages.
-inline constexpr std::string_view named_radii = "protor, bondi, msms or occupancy";
+inline constexpr std::string_view named_radii = "protor, bondi, msms, naccess, oons or occupancy";
 
 /// Returns a built-in set, or nothing for other names.
 std::optional<RadiiSet> named_radii_set(std::string_view name);
@@ -67,6 +67,11 @@ RadiiSet parse_radii_set(std::string_view text, std::string_view file);
 
 /// Returns the radius of a united atom by Tsai et al. (1999), as FreeSASA extends them.
 std::optional<double> protor_radius(std::string_view residue, std::string_view atom);
+
+/// Returns the radius of a united atom in the set of NACCESS or of Ooi et al. (1987), as FreeSASA
+/// has them. The residue ANY stands for all residues.
+std::optional<double> naccess_radius(std::string_view residue, std::string_view atom);
+std::optional<double> oons_radius(std::string_view residue, std::string_view atom);
 
 /// Returns the radius of a united atom other than hydrogen, as pdb_to_xyzr of MSMS assigns it.
 std::optional<double> msms_radius(std::string_view residue, std::string_view atom);

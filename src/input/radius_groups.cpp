@@ -107,6 +107,117 @@ constexpr RadiusGroup protor[] = {
     {1.90, "SEC MSE", "SE"},
 };
 
+// Radii of united atoms by C. Chothia, J. Mol. Biol. 105 (1976) 1-12,
+// doi:10.1016/0022-2836(76)90191-1, as the program NACCESS of S. J. Hubbard and J. M. Thornton
+// (1993) uses them, with its radii of nucleotides. Carbon with three neighbours is 1.76 and with
+// four 1.87, nitrogen of amides 1.65 and of amines 1.50, oxygen 1.40, sulfur 1.85; in nucleotides
+// carbon is 1.80, nitrogen 1.60 and phosphorus 1.90. The names, selenium, and the residue ANY,
+// which stands for all, are those of FreeSASA 2.1.2; selenomethionine has the carbons of
+// methionine.
+constexpr RadiusGroup naccess[] = {
+    {1.87, "ARG GLN GLU LEU LYS MET PRO MSE", "CG"},
+    {1.87, "ARG LYS PRO", "CD"},
+    {1.87, "LYS MET MSE", "CE"},
+    {1.87, "ILE VAL", "CG1"},
+    {1.87, "ILE THR VAL", "CG2"},
+    {1.87, "ILE LEU", "CD1"},
+    {1.87, "LEU", "CD2"},
+    {1.76, "ASN ASP HIS PHE TRP TYR", "CG"},
+    {1.76, "GLN GLU", "CD"},
+    {1.76, "ARG PHE TYR", "CZ"},
+    {1.76, "PHE TRP TYR", "CD1"},
+    {1.76, "HIS PHE TRP TYR", "CD2"},
+    {1.76, "HIS PHE TYR", "CE1"},
+    {1.76, "PHE TRP TYR", "CE2"},
+    {1.76, "TRP", "CE3 CZ2 CZ3 CH2"},
+    {1.65, "ARG", "NE NH1 NH2"},
+    {1.65, "ASN", "ND2"},
+    {1.65, "GLN HIS", "NE2"},
+    {1.65, "HIS", "ND1"},
+    {1.65, "TRP", "NE1"},
+    {1.50, "LYS", "NZ"},
+    {1.40, "ASN ASP", "OD1"},
+    {1.40, "ASP", "OD2"},
+    {1.40, "GLN GLU", "OE1"},
+    {1.40, "GLU", "OE2"},
+    {1.40, "SER", "OG"},
+    {1.40, "THR", "OG1"},
+    {1.40, "TYR", "OH"},
+    {1.85, "CYS", "SG"},
+    {1.85, "MET", "SD"},
+    {1.80, "SEC MSE", "SE"},
+    {1.80, nucleotides, "C2 C4 C5 C6"},
+    {1.80, "T DT", "C7"},
+    {1.80, "A G I DA DG DI", "C8"},
+    {1.60, nucleotides, "N1 N3"},
+    {1.60, "G DG", "N2"},
+    {1.60, "C DC", "N4"},
+    {1.60, "A DA", "N6"},
+    {1.60, "A G I DA DG DI", "N7 N9"},
+    {1.40, "C T U DC DT DU", "O2"},
+    {1.40, "T U DT DU", "O4"},
+    {1.40, "G I DG DI", "O6"},
+    {1.87, "ANY", "CA CB"},
+    {1.76, "ANY", "C"},
+    {1.65, "ANY", "N"},
+    {1.40, "ANY", "O OXT OP1 OP2 OP3 O2' O3' O4' O5'"},
+    {1.80, "ANY", "C1' C2' C3' C4' C5'"},
+    {1.90, "ANY", "P"},
+};
+
+// Radii of united atoms by T. Ooi, M. Oobatake, G. Nemethy, H. A. Scheraga, Proc. Natl. Acad. Sci.
+// USA 84 (1987) 3086-3090, doi:10.1073/pnas.84.10.3086: aliphatic carbon 2.00, aromatic 1.75, of
+// carbonyl and carboxyl 1.55, nitrogen 1.55, oxygen 1.40, sulfur 2.00. The names, the radii of
+// other elements, and the residue ANY, which stands for all, are those of FreeSASA 2.1.2.
+constexpr RadiusGroup oons[] = {
+    {2.00, "ARG GLN GLU LEU LYS MET GLX MSE PYL", "CG"},
+    {2.00, "ARG LYS PYL", "CD"},
+    {2.00, "LYS MET MSE PYL", "CE"},
+    {2.00, "ARG", "CZ"},
+    {2.00, "ILE VAL", "CG1"},
+    {2.00, "ILE THR VAL", "CG2"},
+    {2.00, "ILE LEU", "CD1"},
+    {2.00, "LEU", "CD2"},
+    {2.00, "PYL", "CB2"},
+    {2.00, "ACE", "CH3"},
+    {1.75, "HIS PHE PRO TRP TYR", "CG"},
+    {1.75, "PRO", "CB CD"},
+    {1.75, "PHE TRP TYR", "CD1"},
+    {1.75, "HIS PHE TRP TYR PYL", "CD2"},
+    {1.75, "HIS PHE TYR", "CE1"},
+    {1.75, "PHE TRP TYR PYL", "CE2"},
+    {1.75, "PHE TYR", "CZ"},
+    {1.75, "TRP", "CE3 CZ2 CZ3 CH2"},
+    {1.75, "PYL", "CA2 CG2"},
+    {1.55, "ASN ASP ASX", "CG"},
+    {1.55, "GLN GLU GLX", "CD"},
+    {1.55, "PYL", "C2"},
+    {1.55, "ARG", "NE NH1 NH2"},
+    {1.55, "ASN", "ND2"},
+    {1.55, "GLN HIS", "NE2"},
+    {1.55, "HIS", "ND1"},
+    {1.55, "LYS PYL", "NZ"},
+    {1.55, "TRP", "NE1"},
+    {1.55, "NH2", "NH2"},
+    {1.40, "ASN ASP", "OD1"},
+    {1.40, "ASP", "OD2"},
+    {1.40, "GLN GLU", "OE1"},
+    {1.40, "GLU", "OE2"},
+    {1.40, "SER", "OG"},
+    {1.40, "THR", "OG1"},
+    {1.40, "TYR", "OH"},
+    {2.00, "CYS", "SG"},
+    {2.00, "MET", "SD"},
+    {1.50, "ASX", "XD1 XD2 AD1 AD2"},
+    {1.50, "GLX", "XE1 XE2 AE1 AE2"},
+    {1.90, "SEC CSE MSE", "SE"},
+    {2.00, "ANY", "CA CB CM2 C5'"},
+    {1.75, "ANY", "C1' C2' C3' C4' C2 C4 C5 C6 C7 C8"},
+    {1.55, "ANY", "C N N1 N2 N3 N4 N6 N7 N9"},
+    {1.40, "ANY", "O OXT OP1 OP2 OP3 O2 O4 O6 O2' O3' O4' O5'"},
+    {1.80, "ANY", "P"},
+};
+
 // Radii of united atoms by M. L. Connolly, J. Appl. Crystallogr. 16 (1983) 548-558,
 // doi:10.1107/S0021889883010985, as the program pdb_to_xyzr and its table `atmtypenumbers`
 // (revision 1.13) of MSMS assign them to names of residues and atoms: M. F. Sanner, A. J. Olson,
@@ -208,6 +319,14 @@ std::optional<double> find_radius(std::span<const RadiusGroup> groups, std::stri
 
 std::optional<double> protor_radius(std::string_view residue, std::string_view atom) {
   return find_radius(protor, residue, atom);
+}
+
+std::optional<double> naccess_radius(std::string_view residue, std::string_view atom) {
+  return find_radius(naccess, residue, atom);
+}
+
+std::optional<double> oons_radius(std::string_view residue, std::string_view atom) {
+  return find_radius(oons, residue, atom);
 }
 
 std::optional<double> msms_radius(std::string_view residue, std::string_view atom) {

@@ -1,10 +1,22 @@
 /// Replaces the sources of structure/ in a build without gemmi.
 
 #include "eses/error.hpp"
+#include "eses/select_atoms.hpp"
 #include "input/read_structure.hpp"
 #include "system/formatted.hpp"
 
-namespace eses::detail {
+namespace eses {
+
+std::vector<bool> select_atoms(std::span<const AtomLabel> /*atoms*/,
+                               const std::string& /*selection*/) {
+  throw Error("this build has no selections; install gemmi-dev and build eses-blocks again");
+}
+
+std::vector<bool> find_ligand_atoms(std::span<const AtomLabel> atoms) {
+  return select_atoms(atoms, {});
+}
+
+namespace detail {
 
 std::string_view gemmi_version() { return {}; }
 
@@ -27,4 +39,5 @@ AtomFile read_structure(StructureText text,
 
 std::vector<std::string> read_model_names(StructureText text) { refuse(text); }
 
-}  // namespace eses::detail
+}  // namespace detail
+}  // namespace eses

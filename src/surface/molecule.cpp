@@ -223,7 +223,7 @@ int useful_threads(std::size_t atoms, int wanted) {
 
 struct Molecule::Parts {
   Parts(std::vector<Atom> all_atoms, std::vector<AtomLabel> all_labels, int wanted_threads,
-        const CheckCallback& check_callback)
+        const CheckCallback& check_callback, double added_radius)
       : atoms(std::move(all_atoms)),
         labels(std::move(all_labels)),
         is_contained(atoms.size()),
@@ -235,16 +235,20 @@ struct Molecule::Parts {
     SerialCheck serial_check(check_callback);
     const CheckCallback check = [&serial_check] { serial_check(); };
     check();
+    std::vector<Atom> given;  // if the radii differ
+    if (added_radius > 0) given = atoms;
+    for (Atom& atom : atoms) atom.radius += added_radius;
     cells.emplace(atoms);
     const std::vector<AtomIndex> first_equal = find_first_equal(atoms, *cells, threads, check);
     for (AtomIndex i = 0; i < atoms.size(); ++i) is_contained[i] = first_equal[i] != i;
-    inspect_atoms(first_equal, threads, check);
+    inspect_atoms(given.empty() ? atoms : given, first_equal, threads, check);
   }
 
-  // Marks contained atoms and finds the diagnostics.
-  void inspect_atoms(std::span<const AtomIndex> first_equal, int threads,
-                     const CheckCallback& check) {
-    DiagnosticFinder finder(atoms);
+  // Marks contained atoms, and finds the diagnostics of the atoms as they were given: an added
+  // radius changes no difference of radii, so that the same atoms are near each other.
+  void inspect_atoms(std::span<const Atom> given, std::span<const AtomIndex> first_equal,
+                     int threads, const CheckCallback& check) {
+    DiagnosticFinder finder(given);
     std::vector<DiagnosticTally> tallies(loop_range_count(cells->cell_count()));
     Containers containers(atoms.size(), no_container);
     const double min_radius = min_radius_of(atoms);
@@ -300,9 +304,9 @@ struct Molecule::Parts {
 Molecule::Molecule(std::vector<Atom> atoms) : Molecule(std::move(atoms), {}) {}
 
 Molecule::Molecule(std::vector<Atom> atoms, std::vector<AtomLabel> labels, int threads,
-                   const CheckCallback& check)
-    : Molecule(std::make_shared<const Parts>(std::move(atoms), std::move(labels), threads, check)) {
-}
+                   const CheckCallback& check, double added_radius)
+    : Molecule(std::make_shared<const Parts>(std::move(atoms), std::move(labels), threads, check,
+                                             added_radius)) {}
 
 Molecule::Molecule(std::shared_ptr<const Parts> parts)
     : parts_(std::move(parts)),

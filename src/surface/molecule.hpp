@@ -28,11 +28,12 @@ class Molecule {
   Molecule(std::vector<Atom> atoms);  // NOLINT(google-explicit-constructor)
 
   /// `labels` must be empty or have one element for each atom; otherwise throws Error. `check`, if
-  /// it is not empty, is called from time to time, and at least once.
+  /// it is not empty, is called from time to time, and at least once. `added_radius` is added to
+  /// the radii; the diagnostics are those of the atoms without it.
   Molecule(std::vector<Atom> atoms, std::vector<AtomLabel> labels, int threads = 1,
-           const CheckCallback& check = {});
+           const CheckCallback& check = {}, double added_radius = 0);
 
-  /// The atoms in input order.
+  /// The atoms in input order, with the added radius.
   std::span<const Atom> atoms() const;
 
   /// The label of each atom; empty if there are no labels.

@@ -345,6 +345,28 @@ TEST_CASE("api: atoms and options of a surface are checked", "[api]") {
   CHECK(surface.diagnostics()[0].kind == DiagnosticKind::duplicate);
 }
 
+TEST_CASE("api: an added radius gives the solvent accessible surface", "[api]") {
+  const std::vector<Atom> given{{{0, 0, 0}, 0.1}, {{0.1, 0, 0}, 0.11}, {{0, 2, 0}, 0}};
+  std::vector<Atom> grown = given;
+  for (Atom& atom : grown) atom.radius += 1.4;
+  const eses::Surface surface(given, {.probe_radius = 0, .added_radius = 1.4});
+  for (std::size_t i = 0; i < grown.size(); ++i)
+    CHECK(surface.atoms()[i].radius == grown[i].radius);
+  const eses::Surface expected(grown, {.probe_radius = 0});
+  CHECK(measure(surface).ses_area == measure(expected).ses_area);
+  const auto kinds = [](const eses::Surface& of) {
+    std::vector<std::pair<DiagnosticKind, std::uint64_t>> found;
+    for (const Diagnostic& each : of.diagnostics()) found.emplace_back(each.kind, each.count);
+    return found;
+  };
+  CHECK(kinds(surface) == kinds(eses::Surface(given)));
+  CHECK(kinds(surface) != kinds(expected));
+  for (const double bad : {-1.0, 1001.0, nan})
+    CHECK(argument_error([&] {
+            eses::Surface(given, {.added_radius = bad});
+          }).starts_with("the added radius is"));
+}
+
 TEST_CASE("api: the surface of a file has its labels", "[api]") {
   AtomFile file = read_atoms(ESES_DATA "/fas2.pqr");
   const std::vector<AtomLabel> labels = file.labels;

@@ -33,12 +33,12 @@ namespace {
 
 bool has_freesasa() { return std::system("freesasa --version >/dev/null 2>&1") == 0; }
 
-/// Returns the radii that FreeSASA assigns, by the columns of the coordinates.
-std::map<std::string, double> freesasa_radii(const fs::path& pdb) {
+/// Returns the radii that FreeSASA assigns with options, by the columns of the coordinates.
+std::map<std::string, double> freesasa_radii(const fs::path& pdb, const std::string& options) {
   const std::unique_ptr<FILE, int (*)(FILE*)> pipe(
-      popen(fmt::format(
-                "freesasa --shrake-rupley --resolution=1 --hetatm --format=pdb '{}' 2>/dev/null",
-                pdb.string())
+      popen(fmt::format("freesasa --shrake-rupley --resolution=1 --hetatm --format=pdb {} '{}' "
+                        "2>/dev/null",
+                        options, pdb.string())
                 .c_str(),
             "r"),
       pclose);
@@ -52,16 +52,15 @@ std::map<std::string, double> freesasa_radii(const fs::path& pdb) {
   return radii;
 }
 
-}  // namespace
-
-TEST_CASE("protor: the radii are those of FreeSASA's table, atom by atom", "[structure][radii]") {
-  const fs::path path = freesasa_data + "protor.config";
-  if (!fs::exists(path)) SKIP("freesasa is not installed");
-  const std::string text = text_of(path);
-  const auto file = parse_radii_set(text, "protor.config");
-  CHECK(file.name == "ProtOr");
+/// Compares a set, atom by atom, with FreeSASA's table, which has a title and so many atoms.
+void compare_with_table(const std::string& set, const std::string& title, int count) {
+  const std::string text = text_of(freesasa_data + set + ".config");
+  const auto file = parse_radii_set(text, set);
+  CHECK(file.name == title);
   CHECK(file.is_united);
-  const auto named = named_radii_set("protor").value();
+  const auto named = named_radii_set(title).value();
+  CHECK(named.name == set);
+  CHECK(named.is_united);
   std::istringstream stream(text.substr(text.find("\natoms:") + 7));
   int atoms = 0;
   for (std::string line; std::getline(stream, line);) {
@@ -69,15 +68,93 @@ TEST_CASE("protor: the radii are those of FreeSASA's table, atom by atom", "[str
     std::string residue, atom, type;
     if (!(fields >> residue >> atom >> type)) continue;
     ++atoms;
-    const AtomIdentity identity{residue, atom, "X"};
+    const std::string element = atom == "SE" ? "Se" : atom.substr(0, 1);
+    const AtomIdentity identity{residue, atom, element};
     const auto expected = file.find(identity), found = named.find(identity);
-    INFO(line);
+    INFO(set << ": " << line);
     REQUIRE(expected);
     REQUIRE(found);
     CHECK(found->radius == expected->radius);
     CHECK_FALSE(found->by_element);
   }
-  CHECK(atoms == 506);
+  CHECK(atoms == count);
+}
+
+/// Compares the radii of a set with those that FreeSASA assigns with options, on structures of
+/// Debian packages.
+void compare_with_freesasa(const std::string& set, const std::string& freesasa_options) {
+  std::vector<fs::path> files;
+  for (const std::string& folder :
+       {freesasa_data + "test-data/", biopython_data, std::string("/usr/share/pymol/data/demo/")})
+    if (fs::is_directory(folder))
+      for (const auto& entry : fs::directory_iterator(folder)) files.push_back(entry.path());
+  const TemporaryDirectory directory;
+  int compared = 0;
+  for (const fs::path& path : files) {
+    if (!path.filename().string().ends_with(".pdb") &&
+        !path.filename().string().ends_with(".pdb.gz"))
+      continue;
+    const fs::path plain = directory.path() / "plain.pdb";
+    std::ofstream(plain) << text_of(path);
+    const std::map<std::string, double> expected = freesasa_radii(plain, freesasa_options);
+    if (expected.empty()) continue;  // the file has only a header
+    StructureOptions options;
+    options.radii = set;
+    options.with_waters = true;
+    const AtomFile ours = read_structure(path, options);
+    const Names names = names_of(ours);
+    std::size_t found = 0;
+    for (std::size_t i = 0; i < ours.atoms.size(); ++i) {
+      const auto one = expected.find(columns_of(ours.atoms[i].center));
+      // FreeSASA takes the first alternate location, not the one of the highest occupancy.
+      if (one == expected.end()) continue;
+      ++found;
+      // A carbon atom of a_structure.pdb has no element, and its name CA begins in the column of
+      // calcium, for which FreeSASA takes it.
+      if (one->first == "  -0.189   5.321  14.250") continue;
+      INFO(set << ": " << path << ": " << names[i]);
+      CHECK(ours.atoms[i].radius == one->second);
+    }
+    INFO(path);
+    if (ours.structure->dropped_altlocs == 0) CHECK(found == expected.size());
+    ++compared;
+  }
+  CHECK(compared >= 4);
+}
+
+}  // namespace
+
+TEST_CASE("radii: those of three sets are those of FreeSASA's tables, atom by atom",
+          "[structure][radii]") {
+  if (!fs::exists(freesasa_data + "protor.config")) SKIP("freesasa is not installed");
+  compare_with_table("protor", "ProtOr", 506);
+  compare_with_table("naccess", "NACCESS", 203);
+  compare_with_table("oons", "OONS", 136);
+}
+
+TEST_CASE("naccess and oons: the radii are those of the articles", "[structure][radii]") {
+  using Case = std::tuple<std::string, std::string, double, double>;
+  const std::vector<Case> cases{
+      {"ALA", "C", 1.76, 1.55},   {"ALA", "CB", 1.87, 2.00},  {"PHE", "CZ", 1.76, 1.75},
+      {"LYS", "NZ", 1.50, 1.55},  {"ASN", "ND2", 1.65, 1.55}, {"SER", "OG", 1.40, 1.40},
+      {"CYS", "SG", 1.85, 2.00},  {"DG", "C8", 1.80, 1.75},   {"DG", "N7", 1.60, 1.55},
+      {"DG", "P", 1.90, 1.80},    {"MSE", "CE", 1.87, 2.00},  {"PRO", "CB", 1.87, 1.75},
+      {"HIE", "CD2", 1.76, 1.75}, {"DG", "O1P", 1.40, 1.40},  {"LIG", "CA", 1.87, 2.00}};
+  const auto naccess = *named_radii_set("naccess"), oons = *named_radii_set("oons");
+  for (const auto& [residue, atom, of_naccess, of_oons] : cases) {
+    INFO(residue << " " << atom);
+    const AtomIdentity identity{residue, atom, atom.substr(0, 1)};
+    CHECK(naccess.find(identity).value().radius == of_naccess);
+    CHECK(oons.find(identity).value().radius == of_oons);
+    CHECK_FALSE(oons.find(identity).value().by_element);
+  }
+  for (const RadiiSet& set : {naccess, oons}) {
+    const auto calcium = set.find({"CA", "CA", "Ca"});
+    REQUIRE(calcium);
+    CHECK(calcium->by_element);
+    CHECK(calcium->radius == 2.31);
+    CHECK(set.find({"LIG", "CX", "C"}).value().by_element);
+  }
 }
 
 TEST_CASE("protor: the radii of atom types are those of the article", "[structure][radii]") {
@@ -160,44 +237,11 @@ TEST_CASE("msms: the atoms of 1A8O are those of MSMS", "[structure][radii]") {
   }
 }
 
-TEST_CASE("protor: FreeSASA assigns the same radii", "[structure][radii][freesasa]") {
+TEST_CASE("radii: FreeSASA assigns the same radii", "[structure][radii][freesasa]") {
   if (!has_freesasa()) SKIP("freesasa is not installed");
-  std::vector<fs::path> files;
-  for (const std::string& folder :
-       {freesasa_data + "test-data/", biopython_data, std::string("/usr/share/pymol/data/demo/")})
-    if (fs::is_directory(folder))
-      for (const auto& entry : fs::directory_iterator(folder)) files.push_back(entry.path());
-  const TemporaryDirectory directory;
-  int compared = 0;
-  for (const fs::path& path : files) {
-    if (!path.filename().string().ends_with(".pdb") &&
-        !path.filename().string().ends_with(".pdb.gz"))
-      continue;
-    const fs::path plain = directory.path() / "plain.pdb";
-    std::ofstream(plain) << text_of(path);
-    const std::map<std::string, double> expected = freesasa_radii(plain);
-    if (expected.empty()) continue;  // the file has only a header
-    StructureOptions options;
-    options.with_waters = true;
-    const AtomFile ours = read_structure(path, options);
-    const Names names = names_of(ours);
-    std::size_t found = 0;
-    for (std::size_t i = 0; i < ours.atoms.size(); ++i) {
-      const auto one = expected.find(columns_of(ours.atoms[i].center));
-      // FreeSASA takes the first alternate location, not the one of the highest occupancy.
-      if (one == expected.end()) continue;
-      ++found;
-      // A carbon atom of a_structure.pdb has no element, and its name CA begins in the column of
-      // calcium, for which FreeSASA takes it.
-      if (one->first == "  -0.189   5.321  14.250") continue;
-      INFO(path << ": " << names[i]);
-      CHECK(ours.atoms[i].radius == one->second);
-    }
-    INFO(path);
-    if (ours.structure->dropped_altlocs == 0) CHECK(found == expected.size());
-    ++compared;
-  }
-  CHECK(compared >= 4);
+  compare_with_freesasa("protor", "--radii=protor");
+  compare_with_freesasa("naccess", "--radii=naccess");
+  compare_with_freesasa("oons", "--config-file=" + freesasa_data + "oons.config");
 }
 
 TEST_CASE("a file of radii in FreeSASA's format is read", "[structure][radii]") {
@@ -244,10 +288,15 @@ TEST_CASE("radii: a name or a file is accepted, and other text refused", "[struc
   StructureOptions options;
   options.radii = "bondy";
   CHECK(contains(pdb_error(text, options),
-                 "radii: expected protor, bondi, msms or occupancy, or a file"));
+                 "radii: expected protor, bondi, msms, naccess, oons or occupancy, or a file"));
+  CHECK(pdb_error(text, options).ends_with("; did you mean bondi?"));
+  options.radii = "OOSN";
+  CHECK(pdb_error(text, options).ends_with("; did you mean oons?"));
+  options.radii = "far/from/all.config";
+  CHECK_FALSE(contains(pdb_error(text, options), "did you mean"));
   options.radii = std::string(300, 'A');  // longer than the name of a file can be
   CHECK(contains(pdb_error(text, options),
-                 "radii: expected protor, bondi, msms or occupancy, or a file"));
+                 "radii: expected protor, bondi, msms, naccess, oons or occupancy, or a file"));
   const TemporaryDirectory directory;
   const fs::path file = directory.path() / "my.config";
   std::ofstream(file) << "types:\nT 3.5 apolar\natoms:\nANY CA T\n";

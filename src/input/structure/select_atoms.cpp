@@ -1,12 +1,8 @@
 #include "input/structure/select_atoms.hpp"
 
-#include <fmt/ranges.h>
-
 #include <algorithm>
 #include <cstddef>
-#include <exception>
 #include <gemmi/modify.hpp>
-#include <gemmi/polyheur.hpp>
 #include <gemmi/select.hpp>
 #include <limits>
 #include <map>
@@ -17,6 +13,7 @@
 #include <vector>
 
 #include "eses/error.hpp"
+#include "input/structure/selection.hpp"
 #include "input/structure/structure_atoms.hpp"
 #include "input/text_fields.hpp"
 #include "system/formatted.hpp"
@@ -35,23 +32,6 @@ void remove_residues(gemmi::Model& model, const auto& is_removed) {
   for (gemmi::Chain& chain : model.chains) gemmi::vector_remove_if(chain.residues, is_removed);
 }
 
-/// Returns a sentence with the names of chains, one of which may be empty.
-std::string chains_text(const std::set<std::string>& chains) {
-  std::vector<std::string> names;
-  for (const std::string& name : chains)
-    if (!name.empty()) names.push_back(printable(name));
-  const bool has_nameless = names.size() < chains.size();
-  if (names.empty()) return "its atoms have no chain names";
-  return formatted("its chains are {}{}", fmt::join(names, ", "),
-                   has_nameless ? "; other atoms have no chain name" : "");
-}
-
-std::set<std::string> chain_names(const gemmi::Model& model) {
-  std::set<std::string> names;
-  for (const gemmi::Chain& chain : model.chains) names.insert(chain.name);
-  return names;
-}
-
 void keep_chains(gemmi::Model& model, const std::vector<std::string>& names,
                  const std::set<std::string>& known, std::string_view file) {
   if (names.empty()) return;
@@ -64,78 +44,15 @@ void keep_chains(gemmi::Model& model, const std::vector<std::string>& names,
   });
 }
 
-/// Returns gemmi's message in the style of this program: one line that starts in lower case.
-std::string reworded(std::string_view text) {
-  while (text.ends_with('.') || text.ends_with(':') || text.ends_with(' ') || text.ends_with('\n'))
-    text.remove_suffix(1);
-  std::string message(text);
-  std::replace(message.begin(), message.end(), '\n', ' ');
-  if (!message.empty()) message[0] = lower_case(message[0]);
-  return printable(message);
-}
-
-/// Returns the part of a selection that names residues: the field after that of the chain.
-std::string_view residue_field(std::string_view text) {
-  const int fields_before = text.starts_with('/') ? 3 : 1;
-  for (int k = 0; k < fields_before; ++k) {
-    const std::size_t slash = text.find('/');
-    if (slash == std::string_view::npos) return {};
-    text.remove_prefix(slash + 1);
-  }
-  return text.substr(0, text.find_first_of("/;"));
-}
-
-gemmi::Selection parse_selection(const std::string& text) {
-  try {
-    gemmi::Selection selection{text};
-    // Old versions of gemmi take a single residue, as in A/57, for the begin of a range.
-    const bool is_range = residue_field(text).find('-') != std::string_view::npos;
-    if (!selection.from_seqid.empty() && !is_range) selection.to_seqid = selection.from_seqid;
-    return selection;
-  } catch (const std::exception& error) {
-    throw Error(formatted("--select: {}", reworded(error.what())));
-  }
-}
-
-/// Derives the kind of each residue from its name where the file does not tell it. A TER record
-/// does not tell it: a polymer may go on after it, where gemmi takes all residues for ligands.
-void complete_entity_types(gemmi::Model& model, gemmi::CoorFormat format) {
-  using gemmi::EntityType;
-  for (gemmi::Chain& chain : model.chains) {
-    for (gemmi::Residue& residue : chain.residues) {
-      const bool is_unknown =
-          residue.entity_type == EntityType::Unknown ||
-          (format == gemmi::CoorFormat::Pdb && residue.entity_type == EntityType::NonPolymer);
-      if (is_unknown && !is_hetatm(residue) && is_polymer_residue(residue.name))
-        residue.entity_type = EntityType::Polymer;
-    }
-    gemmi::add_entity_types(chain, false);
-  }
-}
-
-/// Throws Error if a selection is a word and not the name of a chain. gemmi takes words, such as
-/// the keywords of other programs, for names of chains.
-void refuse_words(const gemmi::Selection& selection, const std::string& text,
-                  const std::set<std::string>& known, std::string_view file) {
-  if (text != selection.chain_ids.list ||
-      std::any_of(known.begin(), known.end(),
-                  [&](const std::string& chain) { return selection.chain_ids.has(chain); }))
-    return;
-  throw Error(
-      formatted("{}: --select: invalid selection syntax, expected the name of a chain or a "
-                "selection such as //A/10-20, found {}; {}",
-                file, detail::quoted(text), chains_text(known)));
-}
-
 void keep_selected(gemmi::Model& model, const ParsedStructure& parsed, const std::string& text,
                    const std::set<std::string>& chains, std::string_view file) {
   if (text.empty()) return;
-  const gemmi::Selection selection = parse_selection(text);
+  const gemmi::Selection selection = parse_selection(text, "--select");
   const std::string& name = parsed.models.chosen;
   if (selection.mdl != 0 && std::to_string(selection.mdl) != name)
     throw Error(formatted("{}: --select names model {}, but model {} is read; use --model {}", file,
                           selection.mdl, printable(name), selection.mdl));
-  refuse_words(selection, text, chains, file);
+  refuse_words(selection, text, chains, formatted("{}: --select", file));
   if (!selection.entity_types.all) complete_entity_types(model, parsed.structure.input_format);
   selection.remove_not_selected(model);
 }
@@ -266,10 +183,14 @@ void keep_altlocs(gemmi::Model& model, const std::string& wanted, std::string_vi
         formatted("{}: no atom has the alternate location {} (--altloc)", file, printable(wanted)));
 }
 
-// --------------------------------------------------------------------------------------- waters
+void count_kept(const gemmi::Model& model, StructureReport& report) {
+  for (const gemmi::Chain& chain : model.chains)
+    for (const gemmi::Residue& residue : chain.residues)
+      record_count(report, residue) += residue.atoms.size();
+}
 
-/// Returns whether a residue is a water molecule. Some of the names that programs of molecular
-/// dynamics use for water are names of other molecules in the PDB, so the elements count as well.
+}  // namespace
+
 bool is_water(const gemmi::Residue& residue) {
   constexpr std::string_view names =
       "SOL TIP TIP2 TIP3 TIP4 TIP5 TP3 TP4 TP5 T3P T4P T5P SPC SPCE SPE OPC OP3";
@@ -285,14 +206,6 @@ bool is_water(const gemmi::Residue& residue) {
   }
   return oxygens.size() == 1;
 }
-
-void count_kept(const gemmi::Model& model, StructureReport& report) {
-  for (const gemmi::Chain& chain : model.chains)
-    for (const gemmi::Residue& residue : chain.residues)
-      record_count(report, residue) += residue.atoms.size();
-}
-
-}  // namespace
 
 std::uint64_t& record_count(StructureReport& report, const gemmi::Residue& residue) {
   if (is_water(residue)) return report.waters;

@@ -10,6 +10,10 @@
 
 namespace eses::detail {
 
+/// Returns whether a residue is a water molecule. Some of the names that programs of molecular
+/// dynamics use for water are names of other molecules in the PDB, so the elements count as well.
+bool is_water(const gemmi::Residue& residue);
+
 /// Returns the number of atoms read from records of the kind of `residue`: water, other HETATM
 /// records, or ATOM records.
 std::uint64_t& record_count(StructureReport& report, const gemmi::Residue& residue);

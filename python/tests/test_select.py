@@ -1,0 +1,201 @@
+"""Selections of atoms: the same texts choose the same atoms of files and of objects of other libraries."""
+
+import pickle
+import warnings
+
+import numpy as np
+import pytest
+
+import eses_blocks as eses
+from conftest import DATA, PDB
+
+pytestmark = pytest.mark.usefixtures("needs_gemmi")
+
+LIGAND = """\
+HETATM   17  C1  STI C   1      30.000   2.134  -3.504  1.00  0.00           C
+HETATM   18  O1  STI C   1      31.400   2.134  -3.504  1.00  0.00           O
+HETATM   19  C1  GOL C   2      30.000   8.134  -3.504  1.00  0.00           C
+HETATM   20  O1  GOL C   2      31.400   8.134  -3.504  1.00  0.00           O
+"""
+TEXT = "".join(line + "\n" for line in PDB.splitlines() if line[16:17] != "A" and line != "END") + LIGAND + "END\n"
+
+
+@pytest.fixture(name="path")
+def fixture_path(tmp_path):
+    path = tmp_path / "ligands.pdb"
+    path.write_text(TEXT)
+    return path
+
+
+def opened(library, path):
+    """Returns the molecule as an object of a library."""
+    if library == "path":
+        return path
+    if library == "Atoms":
+        return eses.read_atoms(path)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        if library == "gemmi":
+            return pytest.importorskip("gemmi").read_structure(str(path))
+        if library == "Bio":
+            return pytest.importorskip("Bio.PDB").PDBParser(QUIET=True).get_structure("x", str(path))
+        if library == "biotite":
+            return pytest.importorskip("biotite.structure.io.pdb").PDBFile.read(str(path)).get_structure(
+                altloc="occupancy", model=1)
+        if library == "parmed":
+            return pytest.importorskip("parmed").load_file(str(path))
+        if library == "openmm":
+            return pytest.importorskip("openmm.app").PDBFile(str(path))
+        if library == "rdkit":
+            return pytest.importorskip("rdkit.Chem").MolFromPDBFile(str(path), sanitize=False)
+        if library == "MDAnalysis":
+            return pytest.importorskip("MDAnalysis").Universe(str(path))
+        if library == "mdtraj":
+            return pytest.importorskip("mdtraj").load(str(path), no_boxchk=True)
+        prody = pytest.importorskip("prody")
+        prody.confProDy(verbosity="none")
+        return prody.parsePDB(str(path), altloc="B")
+
+
+def reported(result):
+    """Returns the names of the reported residues."""
+    return result.residues["residue"].tolist()
+
+
+SYNTAX_OF_GEMMI = ["path", "Atoms", "gemmi", "Bio", "biotite", "parmed", "openmm"]
+OWN_SYNTAX = ["MDAnalysis", "mdtraj", "prody"]
+
+
+@pytest.mark.parametrize("library", SYNTAX_OF_GEMMI)
+@pytest.mark.parametrize(("text", "residues"), [
+    ("//A/10", ["ALA"]), ("//A/10.A", ["SER"]), ("//C", ["STI", "GOL"]), ("(STI,ZN)", ["ZN", "STI"]),
+    ("//*//[O]", ["ALA", "SER", "STI", "GOL"]), ("//A/10-11/CA", ["ALA", "SER"]), (";polymer", ["ALA", "SER"]),
+    ("A", ["ALA", "SER"]), ("A+B", ["ALA", "SER", "ZN"]), ("B, C", ["ZN", "STI", "GOL"]),
+    ("ligand:STI", ["STI"]), ("ligand", ["STI", "GOL"])])
+def test_texts_choose_the_same_atoms(path, library, text, residues):
+    assert reported(eses.measure(opened(library, path), report=text)) == residues
+
+
+@pytest.mark.parametrize("library", OWN_SYNTAX)
+def test_other_libraries_keep_their_syntax(path, library):
+    molecule = opened(library, path)
+    assert reported(eses.measure(molecule, report="name CA")) == ["ALA", "SER"]
+    assert reported(eses.measure(molecule, report="ligand:STI")) == ["STI"]
+    assert reported(eses.measure(molecule, report="ligand")) == ["STI", "GOL"]
+    with pytest.raises(ValueError, match="^report: "):
+        eses.measure(molecule, report="//A/10")
+
+
+def test_a_whole_structure_gives_the_areas_of_the_file(path):
+    whole = eses.measure(path)
+    for library in SYNTAX_OF_GEMMI[1:]:
+        part = eses.measure(opened(library, path), report="//A")
+        assert part.sas_area == pytest.approx(whole.chains["sas"][0], rel=1e-6), library
+        assert part.ses_volume == pytest.approx(whole.ses_volume, rel=1e-6), library
+
+
+@pytest.mark.parametrize("library", ["Atoms", "gemmi", "Bio", "biotite", "MDAnalysis", "prody"])
+def test_select_leaves_other_atoms_out(path, library):
+    text = {"MDAnalysis": "segid A or chainID A", "prody": "chain A"}.get(library, "//A")
+    found = eses.measure(opened(library, path), select=text)
+    expected = eses.measure(path, select="//A")
+    assert found.sas_area == pytest.approx(expected.sas_area, rel=1e-6)
+    assert found.left_out["selection"] >= 5 and np.isnan(found.atoms["sas"][-1])
+    assert eses.measure(opened(library, path), select="").left_out.get("selection") is None
+    with pytest.raises(ValueError, match="^select: no atoms in "):
+        eses.measure(opened(library, path), select="name XX" if library in OWN_SYNTAX else "//A//XX")
+    with pytest.raises(TypeError, match="chains: only files have these arguments"):
+        eses.measure(opened(library, path), select=text, chains=["A"])
+
+
+def test_select_leaves_out_atoms_without_a_radius():
+    columns = eses.adaptors.Columns(centers=[[0, 0, 0], [9, 0, 0]], elements=["C", "Xx"], names=["CA", "X"],
+                                    residues=["ALA", "DUM"], chains=["A", "A"], numbers=[1, 2])
+    kind = type("Molecule", (), {"__module__": "mylibrary"})
+    eses.adaptors.ADAPTORS["mylibrary"] = lambda found, frame: columns
+    try:
+        with pytest.raises(ValueError, match="without a radius"):
+            eses.measure(kind())
+        assert eses.measure(kind(), select="(ALA)").radii.name == "protor"
+    finally:
+        del eses.adaptors.ADAPTORS["mylibrary"]
+
+
+def test_interfaces_of_objects(path):
+    expected = eses.interface(path, "//A", "//B")
+    for library in ("gemmi", "Bio", "biotite", "Atoms"):
+        for first, second in (("//A", "//B"), ("A", "B"), ("A", "(ZN)"), (";polymer", "ligand:ZN")):
+            found = eses.interface(opened(library, path), first, second)
+            assert found.sas_lost == pytest.approx(expected.sas_lost, abs=1e-3)
+    assert eses.interface(path, "ligand").first == "ligand"
+
+
+@pytest.mark.parametrize(("text", "message"), [
+    ("//A/999", r"^report: no atoms in '//A/999'; the chains are A \(residues 10 to 10\), B \(residues 1 to 2\), C"),
+    ("D", r"^report: no chain 'D'; the chains are A \(residues 10 to 10\)"),
+    ("A+D", "^report: no chain 'D'; "),
+    ("STI", "no chain 'STI'; .*; residue STI is ligand:STI$"),
+    ("ligand:HEM", "^report: no residue 'HEM'; the residues are ZN, HOH, STI, GOL, ALA, SER"),
+    ("protein", "^report: no chain 'protein'; the chains are A"),
+    ("//A/x[", "^report: invalid selection syntax"),
+    ("/1/A", "^report: .*models cannot be selected here"),
+    ("//A//:B", "^report: .*alternate locations cannot be selected here"),
+    (";b<20", "^report: .*occupancies and B-factors cannot be selected here"),
+    ("", "^report: no chain ''"),
+])
+def test_errors_name_what_is_wrong_and_what_exists(path, text, message):
+    for library in ("gemmi", "biotite"):
+        with pytest.raises(ValueError, match=message):
+            eses.measure(opened(library, path), report=text)
+
+
+def test_errors_of_other_arguments(path):
+    for report, error, message in ((3.5, TypeError, "must be a selection, a mask or indices"),
+                                   ([0.5], TypeError, "must be a selection"), ({}, TypeError, "must be a selection"),
+                                   ([], ValueError, "report: no atoms are selected"),
+                                   ([-99], ValueError, "out of bounds")):
+        with pytest.raises(error, match=message):
+            eses.measure(path, report=report)
+    for report in ("//A", "ligand:STI"):
+        with pytest.raises(ValueError, match="report: "):
+            eses.measure(([[0, 0, 0]], [1.5]), report=report)
+
+
+def test_pockets_of_a_ligand(tmp_path):
+    """The pocket of a ligand in a box of atoms that is open above is that around its balls."""
+    spots = [(x, y, z) for x in range(0, 22, 3) for y in range(0, 22, 3) for z in range(0, 16, 3)
+             if not (6 < x < 15 and 6 < y < 15 and z > 3)]
+    lines = [f"ATOM  {k + 1:5}  CA  ALA A{k + 1:4}    {x:8.3f}{y:8.3f}{z:8.3f}  1.00  0.00           C"
+             for k, (x, y, z) in enumerate(spots)]
+    lines += [f"HETATM{len(spots) + 1 + k:5}  C{k + 1}  LIG B   1    {10.5 + k:8.3f}{10.5:8.3f}{9.0:8.3f}  1.00  0.00           C"
+              for k in range(2)]
+    path = tmp_path / "box.pdb"
+    path.write_text("\n".join(lines) + "\nEND\n")
+    atoms = eses.read_atoms(path)
+    count = len(spots)
+    expected = eses.Surface(atoms.centers[:count], atoms.radii[:count]).pockets(
+        4.0, balls=(atoms.centers[count:], atoms.radii[count:]))
+    assert len(expected) == 1
+    surfaces = [eses.Surface(path), eses.measure(path).surface, eses.Surface(atoms)]
+    for surface in surfaces:
+        for text in ("ligand:LIG", "ligand"):
+            found = surface.pockets(4.0, at=text)
+            assert len(found) == 1 and found[0]["volume"] == expected[0]["volume"]
+            assert found[0]["atoms"].tolist() == expected[0]["atoms"].tolist()
+    mask = np.flatnonzero(atoms.labels.residue_number == "40")
+    assert [each["volume"] for each in surfaces[0].pockets(4.0, at="//A/40")] == \
+        [each["volume"] for each in surfaces[0].pockets(4.0, atoms=mask)]
+    assert surfaces[0].cavities(at="ligand:LIG") == []
+    with pytest.raises(ValueError, match="at: no residue 'STI'; the residues are LIG, ALA"):
+        surfaces[0].pockets(at="ligand:STI")
+    with pytest.raises(ValueError, match="no atoms besides .ligand."):
+        eses.Surface(eses.read_atoms(path, select="//B")).pockets(at="ligand")
+    with pytest.raises(ValueError, match="cannot be combined"):
+        surfaces[0].pockets(at="ligand", atoms=[0])
+    with pytest.raises(ValueError, match="the surface has no names of atoms"):
+        eses.Surface(atoms.centers, atoms.radii).pockets(at="ligand:LIG")
+
+
+def test_names_of_pqr_files():
+    result = eses.measure(DATA / "fas2.pqr", report="(THR)")
+    assert set(reported(result)) == {"THR"} and pickle.loads(pickle.dumps(result)).sas_area == result.sas_area

@@ -1,0 +1,101 @@
+#include <algorithm>
+#include <cstddef>
+#include <gemmi/model.hpp>
+#include <gemmi/select.hpp>
+#include <set>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "eses/error.hpp"
+#include "eses/select_atoms.hpp"
+#include "input/pdb_elements.hpp"
+#include "input/residue_runs.hpp"
+#include "input/structure/select_atoms.hpp"
+#include "input/structure/selection.hpp"
+#include "input/structure/structure_atoms.hpp"
+#include "input/text_fields.hpp"
+#include "system/formatted.hpp"
+
+namespace eses {
+namespace detail {
+namespace {
+
+/// Throws Error if the selection names what labels do not have.
+void require_labels(const gemmi::Selection& selection, const std::string& text) {
+  const char* missing = selection.mdl != 0                     ? "models"
+                        : !selection.altlocs.all               ? "alternate locations"
+                        : !selection.atom_inequalities.empty() ? "occupancies and B-factors"
+                                                               : nullptr;
+  if (missing != nullptr)
+    throw Error(
+        formatted("selection {}: {} cannot be selected here", detail::quoted(text), missing));
+}
+
+/// Returns the residue number and insertion code of a text such as 52A; 0 for other texts.
+gemmi::SeqId sequence_id(const std::string& text) {
+  const std::size_t end = text.find_first_not_of("0123456789", text.starts_with('-') ? 1 : 0);
+  int number = 0;
+  if (!parse_integer(std::string_view(text).substr(0, end), number)) return {0, ' '};
+  return {number, end == std::string::npos ? ' ' : text[end]};
+}
+
+/// Returns a model whose atoms have their indices as serial numbers.
+gemmi::Model model_of(std::span<const AtomLabel> atoms) {
+  std::vector<AtomLabel> labels(atoms.begin(), atoms.end());
+  complete_elements(labels);
+  gemmi::Model model("1");
+  for (std::size_t i = 0; i < labels.size(); ++i) {
+    const AtomLabel& label = labels[i];
+    const bool is_new_chain = i == 0 || labels[i - 1].chain != label.chain;
+    if (is_new_chain) model.chains.emplace_back(label.chain);
+    if (is_new_chain || !detail::is_same_residue(labels[i - 1], label)) {
+      gemmi::Residue& residue = model.chains.back().residues.emplace_back();
+      residue.name = label.residue;
+      residue.seqid = sequence_id(label.residue_number);
+    }
+    gemmi::Atom& atom = model.chains.back().residues.back().atoms.emplace_back();
+    atom.name = label.atom_name;
+    atom.element = gemmi::Element(label.element);
+    atom.serial = static_cast<int>(i);
+  }
+  return model;
+}
+
+/// Returns whether each of so many atoms is in a residue of the model that `is_chosen` accepts.
+std::vector<bool> atoms_of(const gemmi::Model& model, std::size_t count, const auto& is_chosen) {
+  std::vector<bool> found(count);
+  for (const gemmi::Chain& chain : model.chains)
+    for (const gemmi::Residue& residue : chain.residues)
+      if (is_chosen(residue))
+        for (const gemmi::Atom& atom : residue.atoms)
+          found[static_cast<std::size_t>(atom.serial)] = true;
+  return found;
+}
+
+}  // namespace
+}  // namespace detail
+
+std::vector<bool> select_atoms(std::span<const AtomLabel> atoms, const std::string& selection) {
+  gemmi::Model model = detail::model_of(atoms);
+  const gemmi::Selection parsed = detail::parse_selection(selection, "selection");
+  detail::require_labels(parsed, selection);
+  detail::refuse_words(parsed, selection, detail::chain_names(model), "selection");
+  if (!parsed.entity_types.all) detail::complete_entity_types(model, gemmi::CoorFormat::Mmcif);
+  parsed.remove_not_selected(model);
+  return detail::atoms_of(model, atoms.size(), [](const gemmi::Residue&) { return true; });
+}
+
+std::vector<bool> find_ligand_atoms(std::span<const AtomLabel> atoms) {
+  gemmi::Model model = detail::model_of(atoms);
+  detail::complete_entity_types(model, gemmi::CoorFormat::Mmcif);
+  return detail::atoms_of(model, atoms.size(), [](const gemmi::Residue& residue) {
+    const auto heavy_atoms = std::ranges::count_if(
+        residue.atoms, [](const gemmi::Atom& atom) { return !atom.is_hydrogen(); });
+    return residue.entity_type == gemmi::EntityType::NonPolymer && heavy_atoms > 1 &&
+           !detail::is_water(residue);
+  });
+}
+
+}  // namespace eses

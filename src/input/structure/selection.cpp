@@ -1,0 +1,96 @@
+#include "input/structure/selection.hpp"
+
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cstddef>
+#include <exception>
+#include <gemmi/polyheur.hpp>
+#include <vector>
+
+#include "eses/error.hpp"
+#include "input/structure/structure_atoms.hpp"
+#include "input/text_fields.hpp"
+#include "system/formatted.hpp"
+
+namespace eses::detail {
+namespace {
+
+/// Returns gemmi's message in the style of this program: one line that starts in lower case.
+std::string reworded(std::string_view text) {
+  while (text.ends_with('.') || text.ends_with(':') || text.ends_with(' ') || text.ends_with('\n'))
+    text.remove_suffix(1);
+  std::string message(text);
+  std::replace(message.begin(), message.end(), '\n', ' ');
+  if (!message.empty()) message[0] = lower_case(message[0]);
+  return printable(message);
+}
+
+/// Returns the part of a selection that names residues: the field after that of the chain.
+std::string_view residue_field(std::string_view text) {
+  const int fields_before = text.starts_with('/') ? 3 : 1;
+  for (int k = 0; k < fields_before; ++k) {
+    const std::size_t slash = text.find('/');
+    if (slash == std::string_view::npos) return {};
+    text.remove_prefix(slash + 1);
+  }
+  return text.substr(0, text.find_first_of("/;"));
+}
+
+}  // namespace
+
+std::set<std::string> chain_names(const gemmi::Model& model) {
+  std::set<std::string> names;
+  for (const gemmi::Chain& chain : model.chains) names.insert(chain.name);
+  return names;
+}
+
+std::string chains_text(const std::set<std::string>& chains) {
+  std::vector<std::string> names;
+  for (const std::string& name : chains)
+    if (!name.empty()) names.push_back(printable(name));
+  const bool has_nameless = names.size() < chains.size();
+  if (names.empty()) return "its atoms have no chain names";
+  return formatted("its chains are {}{}", fmt::join(names, ", "),
+                   has_nameless ? "; other atoms have no chain name" : "");
+}
+
+gemmi::Selection parse_selection(const std::string& text, std::string_view option) {
+  try {
+    gemmi::Selection selection{text};
+    // Old versions of gemmi take a single residue, as in A/57, for the begin of a range.
+    const bool is_range = residue_field(text).find('-') != std::string_view::npos;
+    if (!selection.from_seqid.empty() && !is_range) selection.to_seqid = selection.from_seqid;
+    return selection;
+  } catch (const std::exception& error) {
+    throw Error(formatted("{}: {}", option, reworded(error.what())));
+  }
+}
+
+void refuse_words(const gemmi::Selection& selection, const std::string& text,
+                  const std::set<std::string>& known, std::string_view option) {
+  if (text != selection.chain_ids.list ||
+      std::any_of(known.begin(), known.end(),
+                  [&](const std::string& chain) { return selection.chain_ids.has(chain); }))
+    return;
+  throw Error(
+      formatted("{}: invalid selection syntax, expected the name of a chain or a "
+                "selection such as //A/10-20, found {}; {}",
+                option, detail::quoted(text), chains_text(known)));
+}
+
+void complete_entity_types(gemmi::Model& model, gemmi::CoorFormat format) {
+  using gemmi::EntityType;
+  for (gemmi::Chain& chain : model.chains) {
+    for (gemmi::Residue& residue : chain.residues) {
+      const bool is_unknown =
+          residue.entity_type == EntityType::Unknown ||
+          (format == gemmi::CoorFormat::Pdb && residue.entity_type == EntityType::NonPolymer);
+      if (is_unknown && !is_hetatm(residue) && is_polymer_residue(residue.name))
+        residue.entity_type = EntityType::Polymer;
+    }
+    gemmi::add_entity_types(chain, false);
+  }
+}
+
+}  // namespace eses::detail
