@@ -190,6 +190,8 @@ def interface(molecule: Any, first: Any, second: Any = None, radii: Any = None, 
     ValueError
         If a part has no atoms, if the parts share atoms, or as ``measure``.
     """
+    for name, value in (("probe_radius", probe_radius), ("frame", frame), ("threads", threads)):
+        _molecule.require_number(name, value)
     found, select = _molecule._read(molecule, radii, waters, hydrogens, unknown_radius, frame, options)
     masks = [select.mask(first, "first")]
     masks.append(~masks[0] if second is None else select.mask(second, "second"))

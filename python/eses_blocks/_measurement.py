@@ -402,7 +402,7 @@ def _measure_models(molecule: Any, radii: Any, models: Union[str, Iterable[int]]
     if not _molecule.is_file(molecule):
         raise TypeError("models: only files have models; give frame= for one frame of a trajectory")
     text, name, layout = _molecule.read_content(molecule, options.get("format", "auto"))
-    if isinstance(models, str) and models != "all":
+    if models != "all" and (isinstance(models, str) or not hasattr(models, "__iter__")):
         raise ValueError(f"models must be 'all' or numbers, not {models!r}")
     numbers = model_numbers(text, layout) if isinstance(models, str) else [int(number) for number in models]
     options = {**options, "format": layout}
@@ -478,6 +478,8 @@ def measure(molecule: Any, radii: Any = None, *, probe_radius: float = 1.4, repo
                   "threads": threads}
         return _measure_models(molecule, radii, models, {**shared, **options})
     chosen = _surfaces_in(surfaces)
+    for name, value in (("probe_radius", probe_radius), ("frame", frame), ("threads", threads)):
+        _molecule.require_number(name, value)
     found, select = _molecule._read(molecule, radii, waters, hydrogens, unknown_radius, frame, options)
     reported = None if report is None else select.mask(report, "report")
     surface = _core.Surface(found.centers, found.radii, probe_radius, fill_cavities=fill_cavities, threads=threads)

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import dataclasses
+import difflib
 import gzip
-import importlib
 import os
 import re
 import weakref
@@ -15,6 +15,7 @@ import numpy.typing as npt
 
 from . import _core, _foreign, adaptors
 from ._files import values_in_lines
+from ._radii import SOURCES, find_radii, radii_by_bonds, refuse_unknown
 from ._references import is_polymer
 from ._select import Selector
 
@@ -22,20 +23,6 @@ _Texts = npt.NDArray[np.str_]
 _Bools = npt.NDArray[np.bool_]
 
 WATERS = frozenset("HOH WAT H2O DOD SOL TIP TIP2 TIP3 TIP4 TIP5 TP3 TP4 TP5 T3P T4P T5P SPC SPCE SPE OPC OP3".split())
-SOURCES = {
-    "protor": "Tsai et al. 1999, doi:10.1006/jmbi.1999.2829, extended as in FreeSASA",
-    "bondi": "Bondi 1964, doi:10.1021/j100785a001; Mantina et al. 2009, doi:10.1021/jp8111556; "
-             "Alvarez 2013, doi:10.1039/c3dt50599e",
-    "msms": "pdb_to_xyzr of MSMS, Sanner et al. 1996, doi:10.1002/(SICI)1097-0282(199603)38:3<305::AID-BIP4>3.0.CO;2-Y",
-    "naccess": "Chothia 1976, doi:10.1016/0022-2836(76)90191-1, as in NACCESS, Hubbard and Thornton 1993",
-    "oons": "Ooi et al. 1987, doi:10.1073/pnas.84.10.3086, extended as in FreeSASA",
-    "protor+ccd": "Tsai et al. 1999, doi:10.1006/jmbi.1999.2829, for ligands by their bonds in the Chemical Component "
-                  "Dictionary, doi:10.1093/bioinformatics/btu789, of Biotite",
-    "file": "the input file",
-    "given": "the caller",
-}
-
-
 @dataclasses.dataclass(frozen=True)
 class Radii:
     """The set of radii of a molecule, and the atoms whose radius or element was guessed."""
@@ -131,8 +118,14 @@ def _format_of(text: bytes, name: str) -> str:
         return "pdb"
     if re.search(rb"(?m)^\s*(data_|_atom_site\.)", text[:100000]):
         return "mmcif"
-    record = re.search(rb"(?m)^(ATOM  |HETATM)", text)
+    record = re.search(rb"(?m)^(ATOM  |HETATM|HEADER|CRYST1|REMARK)", text)
     return "pdb" if record else "xyzr"
+
+
+def require_number(name: str, value: Any) -> None:
+    """Raises TypeError for an argument that is neither a number nor None."""
+    if value is not None and not (hasattr(value, "__float__") or hasattr(value, "__index__")):
+        raise TypeError(f"{name} must be a number, not {value!r:.80}")
 
 
 def is_file(found: Any) -> bool:
@@ -254,8 +247,11 @@ def _of_atoms(atoms: _core.Atoms) -> _Source:
 
 def _source_of(found: Any, radii: Any, unknown: Optional[float], waters: bool, hydrogens: str, frame: int,
                options: dict[str, Any]) -> _Source:
-    if wrong := set(options) - set(_FILE_OPTIONS):
-        raise TypeError(f"unknown arguments: {', '.join(sorted(wrong))}")
+    for name in sorted(set(options) - set(_FILE_OPTIONS)):
+        known = ["probe_radius", "radii", "report", "surfaces", "waters", "unknown_radius", "reference", "derivatives",
+                 *_FILE_OPTIONS]
+        meant = [each for each in known if each.startswith(name)] or difflib.get_close_matches(name, known, 1)
+        raise TypeError(f"unknown argument {name!r}" + (f"; did you mean {meant[0]}?" if meant else ""))
     files: tuple[str, ...] = ()
     if _is_path(found):
         found = os.fsdecode(found)
@@ -294,6 +290,8 @@ def _object_source(found: Any, radii: Any, frame: int) -> _Source:
         return _Source(adaptors.Columns(centers=found[0], radii=found[1]), are_read=True, set_name="given")
     if radii is not None and not isinstance(radii, (str, os.PathLike)):
         return _Source(adaptors.Columns(centers=found, radii=radii), are_read=True, set_name="given")
+    if isinstance(found, (list, tuple)) and found and is_file(found[0]):
+        raise TypeError("several files: measure each by itself")
     if isinstance(found, (np.ndarray, list, tuple)):
         raise TypeError("an array of centres needs radii: give (centers, radii)")
     return _Source(adaptors.columns_of(found, frame))  # an error that names the known libraries
@@ -345,40 +343,6 @@ def _other_locations(columns: adaptors.Columns, chain: _Texts, number: Any, icod
 # ------------------------------------------------------------------------------------------ radii
 
 
-def _find_radii(residue: _Texts, name: _Texts, element: _Texts, which: str) -> tuple[str, bool, Any, _Texts, Any, Any]:
-    """Returns what _core._find_radii returns, asking for each kind of atom once."""
-    kinds: dict[tuple[str, str, str], int] = {}
-    index = np.array([kinds.setdefault(kind, len(kinds))
-                      for kind in zip(residue.tolist(), name.tolist(), element.tolist())], int)
-    columns = [list(column) for column in zip(*kinds)] or [[], [], []]
-    set_name, are_united, radii, symbols, by_element, by_name = _core._find_radii(*columns, which)
-    return (set_name, are_united, np.array(radii, float)[index], np.array(symbols, str)[index],
-            np.array(by_element, bool)[index], np.array(by_name, bool)[index])
-
-
-def _radii_by_bonds(residue: _Texts, name: _Texts, element: _Texts, chosen: _Bools) -> Any:
-    """Returns ProtOr radii of the chosen atoms by element, number of bonds and number of hydrogens in the Chemical
-    Component Dictionary; not a number for other atoms, and for those that the dictionary or ProtOr does not have."""
-    try:
-        info: Any = importlib.import_module("biotite.structure.info")
-    except ImportError as error:
-        raise ImportError("radii='protor+ccd' needs Biotite; install it, for example with "
-                          "`pip install biotite`") from error
-    found: dict[tuple[str, str], float] = {}
-    radii = np.full(len(name), np.nan)
-    # Biotite takes the element from the first letter of the name.
-    for i in np.flatnonzero(chosen & np.isin(element, ["C", "N", "O", "S"])).tolist():
-        kind = str(residue[i]), str(name[i])
-        if kind not in found:
-            try:
-                radius = info.vdw_radius_protor(*kind)
-            except (KeyError, ValueError):
-                radius = None
-            found[kind] = np.nan if radius is None or kind[1][0] != element[i] else radius
-        radii[i] = found[kind]
-    return radii
-
-
 def _column(values: Any, count: int, what: str) -> _Texts:
     if values is None:
         return np.zeros(count, "U1")
@@ -386,14 +350,6 @@ def _column(values: Any, count: int, what: str) -> _Texts:
     if len(texts) != count:
         raise ValueError(f"{count} centres, but {len(texts)} {what}")
     return texts.astype("U1") if texts.dtype.itemsize == 0 else texts
-
-
-def _complain(bad: _Bools, residue: _Texts, name: _Texts, element: _Texts, set_name: str) -> None:
-    kinds = list(dict.fromkeys(f"{r} {n} ({e or 'element unknown'})".strip() for r, n, e in
-                               zip(residue[bad], name[bad], element[bad])))
-    more = f" and {len(kinds) - 10} more names" if len(kinds) > 10 else ""
-    raise ValueError(f"{int(bad.sum())} atoms without a radius in the set {set_name}: {', '.join(kinds[:10])}{more}; "
-                     "use unknown_radius=, radii='bondi', or an array of radii")
 
 
 def read_molecule(molecule: Any, radii: Any = None, *, waters: bool = False, hydrogens: str = "auto",
@@ -442,8 +398,6 @@ def read_molecule(molecule: Any, radii: Any = None, *, waters: bool = False, hyd
     ValueError
         If it has no coordinates, if an atom has no radius, or if the content of a file is not valid.
     """
-    if hydrogens not in ("auto", "keep", "drop"):
-        raise ValueError(f"hydrogens must be 'auto', 'keep' or 'drop', not {hydrogens!r}")
     return _read(molecule, radii, waters, hydrogens, unknown_radius, frame, options)[0]
 
 
@@ -483,6 +437,8 @@ class _Choice:
 
 def _arrays_of(columns: adaptors.Columns) -> _Named:
     positions = np.array(columns.centers, dtype=float)
+    if len(positions) == 0:
+        raise ValueError("the molecule has no atoms")
     if positions.ndim != 2 or positions.shape[1] != 3:
         raise ValueError(f"centers must have shape (N, 3), not {positions.shape}")
     count = len(positions)
@@ -503,7 +459,7 @@ def _take_radii(named: _Named, radii: Any, set_name: str) -> _Choice:
         raise ValueError(f"radii must have shape ({count},), one for each atom, not {values.shape}")
     choice = _Choice(np.ones(count, bool), set_name, values, nothing, nothing, np.zeros(count, bool))
     if set_name not in ("given", "file"):
-        choice.set_name, _, found, _, choice.by_element, _ = _find_radii(
+        choice.set_name, _, found, _, choice.by_element, _ = find_radii(
             named.residue, named.name, named.element, set_name)
         choice.guessed, choice.unknown = np.flatnonzero(choice.by_element), np.flatnonzero(np.isnan(found))
     return choice
@@ -512,7 +468,7 @@ def _take_radii(named: _Named, radii: Any, set_name: str) -> _Choice:
 def _choose_atoms(named: _Named, columns: adaptors.Columns, which: str, waters: bool, hydrogens: str,
                   unknown: Optional[float], selected: _Bools) -> _Choice:
     """Assigns radii of a set and chooses the atoms that have them. Sets the elements that were derived from names."""
-    set_name, are_united, values, named.element, by_element, by_name = _find_radii(
+    set_name, are_united, values, named.element, by_element, by_name = find_radii(
         named.residue, named.name, named.element, which)
     choice = _Choice(np.ones(len(values), bool), set_name, values, None, None, by_element)
     choice.drop(~selected, "selection")
@@ -526,7 +482,7 @@ def _choose_atoms(named: _Named, columns: adaptors.Columns, which: str, waters: 
     is_unknown = np.isnan(values) & choice.keep
     if is_unknown.any():
         if unknown is None:
-            _complain(is_unknown, named.residue, named.name, named.element, set_name)
+            refuse_unknown(is_unknown, named.residue, named.name, named.element, set_name)
         else:
             choice.radii = np.where(np.isnan(values), unknown, values)
     # The names of amino acids and nucleotides leave no doubt about the element.
@@ -539,7 +495,7 @@ def _choose_atoms(named: _Named, columns: adaptors.Columns, which: str, waters: 
 
 def _use_bonds(named: _Named, choice: _Choice) -> None:
     """Replaces radii by element alone by those of the bonds, where the dictionary has them."""
-    of_bonds = _radii_by_bonds(named.residue, named.name, named.element, choice.by_element & choice.keep)
+    of_bonds = radii_by_bonds(named.residue, named.name, named.element, choice.by_element & choice.keep)
     choice.radii = np.where(np.isnan(of_bonds), choice.radii, of_bonds)
     choice.set_name, choice.guessed = "protor+ccd", choice.guessed[np.isnan(of_bonds[choice.guessed])]
 
@@ -547,6 +503,9 @@ def _use_bonds(named: _Named, choice: _Choice) -> None:
 def _read(found: Any, radii: Any, waters: bool, hydrogens: str, unknown: Optional[float], frame: int,
           options: dict[str, Any]) -> tuple[Molecule, Selector]:
     """Returns the molecule and its selector."""
+    if hydrogens not in ("auto", "keep", "drop"):
+        raise ValueError(f"hydrogens must be 'auto', 'keep' or 'drop', not {hydrogens!r}")
+    require_number("unknown_radius", unknown)
     by_bonds = isinstance(radii, str) and radii.lower() == "protor+ccd"
     radii = "protor" if by_bonds else radii
     source = _source_of(found, radii, unknown, waters, hydrogens, frame, options)
@@ -570,12 +529,21 @@ def _read(found: Any, radii: Any, waters: bool, hydrogens: str, unknown: Optiona
     if not choice.keep.any():
         raise ValueError("no atoms are left" +
                          "".join(f"; {number} {what}" for what, number in choice.left_out.items()))
+    _require_finite(named, choice.keep)
     return _molecule_of(named, choice, which, are_named, source.files), selector
 
 
-def read_with_selector(found: Any) -> tuple[Molecule, Selector]:
+def _require_finite(named: _Named, keep: _Bools) -> None:
+    """Raises ValueError for coordinates that are no numbers, by the index of the atom in the object."""
+    for i in np.flatnonzero(keep & ~np.isfinite(named.positions).all(axis=1)).tolist():
+        names = [text for text in (named.chain[i], named.residue[i], named.name[i]) if text]
+        raise ValueError(f"atom {i} (counted from 0{'; ' * bool(names)}{' '.join(names)}) has coordinates "
+                         f"{named.positions[i].tolist()}; give finite numbers")
+
+
+def read_with_selector(found: Any, radii: Any) -> tuple[Molecule, Selector]:
     """Returns what `read_molecule` returns, and the selector."""
-    return _read(found, None, False, "auto", None, 0, {})
+    return _read(found, radii, False, "auto", None, 0, {})
 
 
 def _molecule_of(named: _Named, choice: _Choice, which: str, are_named: bool, files: tuple[str, ...]) -> Molecule:

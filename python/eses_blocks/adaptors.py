@@ -68,6 +68,8 @@ def _mask(count: int, indices: Any) -> np.ndarray[Any, np.dtype[np.bool_]]:
 
 
 def _one_frame(count: int, frame: int, what: str) -> None:
+    if count == 0:
+        raise ValueError(f"the {what} is empty")
     if not -count <= frame < count:
         raise ValueError(f"the {what} has {count} frames; there is no frame {frame}")
 
@@ -298,8 +300,12 @@ def find_adaptor(found: Any) -> Optional[Adaptor]:
 def columns_of(found: Any, frame: int = 0) -> Columns:
     """Returns the atoms of an object of a known library. Raises TypeError for other objects."""
     adaptor = find_adaptor(found)
+    kind = type(found)
+    name = kind.__qualname__ if kind.__module__ == "builtins" else f"{kind.__module__}.{kind.__qualname__}"
     if adaptor is None:
-        kind = type(found)
-        raise TypeError(f"{kind.__module__}.{kind.__qualname__} is not a known molecule; give a path, (centers, radii), "
-                        f"or an object of {', '.join(sorted(ADAPTORS))}")
-    return adaptor(found, frame)
+        raise TypeError(f"{name} is not a known molecule; give a path, (centers, radii), or an object of "
+                        f"{', '.join(sorted(ADAPTORS))}")
+    try:
+        return adaptor(found, frame)
+    except AttributeError as error:  # such as a single atom, or a topology without coordinates
+        raise TypeError(f"{name} is not a molecule with coordinates: {error}") from error

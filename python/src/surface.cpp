@@ -42,8 +42,8 @@ centers : array_like
     (N, 3) centres of the atoms, in angstrom. Any real type and memory layout is accepted. Without
     ``radii``, anything that ``read_molecule`` accepts, such as a path or a molecule of another
     library.
-radii : array_like, optional
-    (N,) van der Waals radii of the atoms, in angstrom.
+radii : array_like or str, optional
+    (N,) van der Waals radii of the atoms, in angstrom, or for a molecule the name of a set of radii.
 probe_radius : float, optional
     Radius of the probe, in angstrom, 0.01 to 1000; 1.4 by default. 0 is the van der Waals surface.
 surface : {'ses', 'sas', 'vdw'}, optional
@@ -238,9 +238,10 @@ void construct_surface(py::detail::value_and_holder& self, const py::object& cen
                        const std::string& kind, const py::object& fill_cavities, int threads) {
   py::object its_centers = centers, its_radii = radii, files = py::tuple();
   py::object molecule, selector;
-  if (radii.is_none()) {  // a molecule of another library, or a file
+  // A molecule of another library, or a file, perhaps with the name of a set of radii.
+  if (radii.is_none() || py::isinstance<py::str>(radii)) {
     const py::tuple found =
-        py::module_::import("eses_blocks._molecule").attr("read_with_selector")(centers);
+        py::module_::import("eses_blocks._molecule").attr("read_with_selector")(centers, radii);
     molecule = found[0];
     selector = found[1];
     its_centers = molecule.attr("centers");

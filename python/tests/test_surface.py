@@ -95,7 +95,7 @@ def test_columns_of_pandas_are_taken(chain, type):
 def test_other_kinds_are_refused(values):
     with pytest.raises(TypeError, match="centers must be an array of real numbers"):
         eses.Surface(values, np.ones(2))
-    message = "radii must be an array of real numbers" if values is not None else "an array of centres needs radii"
+    message = "radii must be an array of real numbers" if not (values is None or isinstance(values, str)) else "an array of centres needs radii"
     with pytest.raises(TypeError, match=message):
         eses.Surface(np.zeros((2, 3)), values)
 
