@@ -17,7 +17,7 @@ struct ChosenSurface : Surface {
 
   std::shared_ptr<const std::vector<eses::Atom>> given;  ///< if the radii of the atoms differ
   std::string kind;                                      ///< `ses`, `sas` or `vdw`
-  double chosen_probe_radius;  ///< angstrom; 0 without a probe
+  double chosen_probe_radius;                            ///< angstrom; 0 without a probe
 };
 
 /// Throws std::invalid_argument unless this is the solvent excluded surface, which `method` needs.

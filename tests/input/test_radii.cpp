@@ -113,6 +113,11 @@ void compare_with_freesasa(const std::string& set, const std::string& freesasa_o
       // calcium, for which FreeSASA takes it.
       if (one->first == "  -0.189   5.321  14.250") continue;
       INFO(set << ": " << path << ": " << names[i]);
+      // FreeSASA's table of NACCESS has only the selenium of selenomethionine.
+      if (set == "naccess" && one->second == 1.70 && contains(names[i], "MSE")) {
+        CHECK(ours.atoms[i].radius == 1.87);
+        continue;
+      }
       CHECK(ours.atoms[i].radius == one->second);
     }
     INFO(path);

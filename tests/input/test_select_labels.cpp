@@ -38,7 +38,7 @@ std::string selection_error(const std::string& selection) {
 TEST_CASE("select_atoms: selections have gemmi's syntax", "[structure][select]") {
   using Indices = std::vector<std::size_t>;
   const std::vector<std::pair<std::string, Indices>> cases{
-      {"//A/10", {0}},      {"//A/10.A", {1}},          {"A/-2", {2}},
+      {"//A/10", {0}},         {"//A/10.A", {1}},          {"A//OG", {2}},
       {"//*/*/CA", {0, 1}},    {"(STI,ZN)", {3, 4, 5, 6}}, {"B//[O]", {5, 7}},
       {";polymer", {0, 1, 2}}, {"//A/9-11/*[C]", {0, 1}}};
   for (const auto& [selection, expected] : cases) {
