@@ -17,7 +17,7 @@ True
 """
 
 
-def _load_core():
+def _load_core() -> None:
     """Loads the compiled module. The OpenMP of g++ reads the environment then. By default, its threads spin while
     they wait for each other: where other programs use the processors, two threads take twice the CPU time of one."""
     import importlib
