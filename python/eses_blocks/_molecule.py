@@ -201,16 +201,16 @@ def _read_file(found: Any, radii: str, unknown: Optional[float], waters: bool, h
     remember_files(atoms, name, radii)
     source.files = files_of(atoms)
     if layout == "mmcif" and atoms.labels is not None:
-        if data is None:
-            with open(found, "rb") as opened:
-                data = _unpacked(opened.read())
+        text = data if data is not None else read_content(found, layout)[0]
         lines = atoms.lines.tolist()
-        source.columns.label_chains = values_in_lines(data, b"label_asym_id", lines)
+        source.columns.label_chains = values_in_lines(text, b"label_asym_id", lines)
         if given["chain_names"] == "label":
-            source.columns.auth_chains = values_in_lines(data, b"auth_asym_id", lines)
+            source.columns.auth_chains = values_in_lines(text, b"auth_asym_id", lines)
+
+    lines_of_atoms = atoms.lines.copy()  # a view would keep all atoms
 
     def choose(text: str) -> _Bools:
-        return np.isin(atoms.lines, read(text).lines)
+        return np.isin(lines_of_atoms, read(text).lines)
 
     if layout not in ("xyzr", "pqr"):
         source.select = choose
@@ -507,6 +507,8 @@ def _read(found: Any, radii: Any, waters: bool, hydrogens: str, unknown: Optiona
         raise ValueError(f"hydrogens must be 'auto', 'keep' or 'drop', not {hydrogens!r}")
     require_number("unknown_radius", unknown)
     by_bonds = isinstance(radii, str) and radii.lower() == "protor+ccd"
+    if isinstance(radii, str) and radii.lower().startswith("protor+") and not by_bonds:
+        raise ValueError(f"radii: unknown set {radii!r}; did you mean protor+ccd?")
     radii = "protor" if by_bonds else radii
     source = _source_of(found, radii, unknown, waters, hydrogens, frame, options)
     named = _arrays_of(source.columns)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 import weakref
-from typing import Any, Callable, Iterable, Optional
+from typing import Any, Callable, Iterable, NamedTuple, Optional
 
 import numpy as np
 import numpy.typing as npt
@@ -22,12 +22,24 @@ def _listed(names: Iterable[str], limit: int = 10) -> str:
     return shown + (f" and {len(known) - limit} more" if len(known) > limit else "")
 
 
+class _Names(NamedTuple):
+    """The columns that selections need. A surface of a molecule keeps them."""
+
+    chain: npt.NDArray[np.str_]
+    residue: npt.NDArray[np.str_]
+    residue_number: npt.NDArray[np.int64]
+    icode: npt.NDArray[np.str_]
+    name: npt.NDArray[np.str_]
+    element: npt.NDArray[np.str_]
+
+
 class Selector:
     """Selections of the atoms of a molecule by its columns of names, a value for each atom. `own` returns the
     mask of a selection in gemmi's syntax or, with `has_own_syntax`, in the language of the molecule's library."""
 
     def __init__(self, names: Any, own: Optional[Callable[[Any], Any]] = None, has_own_syntax: bool = False) -> None:
-        self._names, self._own, self._has_own_syntax = names, own, has_own_syntax and own is not None
+        self._names = _Names(names.chain, names.residue, names.residue_number, names.icode, names.name, names.element)
+        self._own, self._has_own_syntax = own, has_own_syntax and own is not None
 
     def mask(self, chosen: Any, what: str) -> _Bools:
         """Returns the mask of a selection, an AtomGroup, a mask or indices. Raises ValueError, which begins with

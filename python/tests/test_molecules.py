@@ -328,8 +328,8 @@ def test_radii_by_name(pdb, tmp_path):
             result = eses.measure(found, radii=name)
             assert result.radii.name == name.lower() and source in result.radii.source
             assert result.atoms["radius"][1] == radius  # CA
-    for wrong, meant in (("protr", "protor"), ("nacess", "naccess"), ("oosn", "oons")):
-        with pytest.raises(ValueError, match=f"expected protor, bondi, .*; did you mean {meant}\\?$"):
+    for wrong, meant in (("protr", "protor"), ("nacess", "naccess"), ("oosn", "oons"), ("protor+cdd", r"protor\+ccd")):
+        with pytest.raises(ValueError, match=f"^radii: .*; did you mean {meant}\\?$"):
             eses.measure(pdb, radii=wrong)
     path = tmp_path / "my.config"
     path.write_text("name: NACCESS\ntypes:\nT 2.0 apolar\natoms:\nANY CA T\n")
