@@ -107,7 +107,7 @@ class FaultTest(TestCase):
         streams = {"stdin": subprocess.DEVNULL, "stdout": subprocess.PIPE,
                    "stderr": subprocess.PIPE, **how}
         executable = PROGRAM if spoil is None else FAULTY_PROGRAM
-        writes = [] if arguments[0] == "interface" else ["-o", self.output]
+        writes = [] if arguments[0] == "interface" and "--write" not in arguments else ["-o", self.output]
         program = subprocess.Popen([executable, *map(str, arguments), *writes],
                                    env=environment, text=True, preexec_fn=prepare, **streams)
         self.addCleanup(self.end, program)
