@@ -40,6 +40,7 @@ DIVERGING = ((200, 20, 30), (245, 160, 140), (248, 248, 248), (140, 170, 245), (
 
 AMINO_ACIDS = frozenset("ALA ARG ASN ASP CYS GLN GLU GLY HIS ILE LEU LYS MET PHE PRO SER THR TRP TYR VAL".split())
 NUCLEOTIDES = frozenset("A C G U DA DC DG DT DU".split())
+CAPS = frozenset("CNO")  # elements of caps of one atom, such as NH2; other single atoms are metals and ions
 LONGEST_BOND = 1.9  # angstrom, of light elements; between carbon and sulfur 1.8, from a metal to its ligands 2.0
 BACKBONES = ({"N", "CA", "C"}, {"C3'", "C4'", "O3'"}, {"C3*", "C4*", "O3*"})
 
@@ -83,7 +84,8 @@ class Atoms:
             found[atoms] = not is_polymer(residue[0], {self.names[atom] for atom in atoms})
         others = self.centers[~found]
         for residue, atoms in atoms_of.items():
-            if found[atoms[0]] and len(atoms) > 1 and is_near(self.centers[atoms], others, LONGEST_BOND):
+            may_be_bonded = len(atoms) > 1 or self.elements[atoms[0]] in CAPS
+            if found[atoms[0]] and may_be_bonded and is_near(self.centers[atoms], others, LONGEST_BOND):
                 found[atoms] = False
         return found if found.any() and not found.all() else None
 

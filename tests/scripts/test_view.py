@@ -296,6 +296,15 @@ class Files(TestCase):
         self.assertNotIn("ligand", {one["name"] for one in molecule["arrays"]})
         self.assertGreater(molecule["step"] * 65535, far)
 
+    def test_caps_of_one_atom_are_no_ligands(self):
+        import numpy
+        from eses_tools import page
+        names = ["N", "CA", "C", "N", "ZN"]  # glycine, NH2, and a metal as near
+        atoms = page.Atoms(serial=numpy.arange(5), names=names, elements=["N", "C", "C", "N", "Zn"],
+                           residues=[("GLY", "1", "A")] * 3 + [("NH2", "2", "A"), ("ZN", "3", "A")],
+                           centers=numpy.array([[0, 0, 0], [1.5, 0, 0], [3, 0, 0], [3, 1.3, 0], [-1.8, 0, 0]]))
+        self.assertEqual(list(numpy.flatnonzero(atoms.ligands())), [4])
+
     def test_tables_are_kept_in_the_page(self):
         table = self.folder / "t.csv"
         table.write_text("serial,</script>\n1,2\n")

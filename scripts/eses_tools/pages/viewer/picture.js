@@ -1,5 +1,6 @@
 // Draws the picture that is saved.
 
+const MAX_OVER = 8; // entries of a legend that may cover a part of the molecule
 const MIN_PICTURE = 2000; // pixels; width of saved pictures
 
 // Returns length and pixels of a scale bar of about `pixels`.

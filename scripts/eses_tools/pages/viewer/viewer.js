@@ -564,6 +564,7 @@ class Viewer {
       line.prepend(square);
       return line;
     }));
+    canvas.classList.toggle("beside-legend", entries.length > MAX_OVER); // changes its width
     if (!gradient) return;
     const bar = element("div", "", "gradient"), ticks = element("div", "", "ticks");
     bar.style.background =
