@@ -148,7 +148,8 @@ TEST_CASE("naccess and oons: the radii are those of the articles", "[structure][
   const auto naccess = *named_radii_set("naccess"), oons = *named_radii_set("oons");
   for (const auto& [residue, atom, of_naccess, of_oons] : cases) {
     INFO(residue << " " << atom);
-    const AtomIdentity identity{residue, atom, atom.substr(0, 1)};
+    const std::string element = atom.substr(0, 1);
+    const AtomIdentity identity{residue, atom, element};
     CHECK(naccess.find(identity).value().radius == of_naccess);
     CHECK(oons.find(identity).value().radius == of_oons);
     CHECK_FALSE(oons.find(identity).value().by_element);
