@@ -26,7 +26,7 @@ def test_surface_shows_its_atoms(fasciculin, fasciculin_surface, tmp_path):
     page = fasciculin_surface.show(1.0, fasciculin, color="chain", style="sticks", title="fas2")
     data = data_of(page)
     molecule, = data["molecules"]
-    assert data["settings"] == {"color": "chain", "style": "sticks", "opacity": 45}
+    assert data["settings"] == {"color": "chain", "style": "sticks", "opacity": 45, "opacity_is_chosen": False}
     assert molecule["name"] == "fas2"
     assert molecule["residues"][1] == ["THR", "544", ""]
     assert {array["rows"] for array in molecule["arrays"] if array["name"] == "center"} == {

@@ -214,6 +214,8 @@ def main():
         rows = [{**row, "status": "done", "message": ""} for row in rows if not row.get("error")]
         for row in rows:
             row.pop("error", None)
+        if "model" in columns and len({row["file"] for row in rows}) < len(rows):
+            columns.insert(1, columns.pop(columns.index("model")))  # tells the rows of a file apart
     read = [options.table, *([options.messages] if options.messages else ()),
             *files_among(options.arguments),
             *(file_of(options.table, row) for row in rows if options.pictures and "file" in row)]

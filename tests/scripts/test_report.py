@@ -137,6 +137,14 @@ class MeasureReport(TestCase):
             self.assertEqual([name for name, _ in data["plots"]], ["ses_area", "sas_area", "ses_volume"])
             self.assertEqual(data["texts"], ["file", "status", "message"])
 
+    def test_rows_of_models_have_their_number_first(self):
+        table = self.folder / "m.csv"
+        for files, first in (("aa", ["file", "model"]), ("ab", ["file", "atoms"])):
+            table.write_text("file,atoms,ses_area,model,error\n" + "".join(
+                f"{name}.pdb,3,10,{number}," + "\n" for number, name in enumerate(files, 1)))
+            self.assertDone(run("report", table, "-o", self.page))
+            self.assertEqual(data_of(self.page)["columns"][:2], first)
+
     @unittest.skipUnless(has_browser(), "needs chromium, chromium-driver and python3-selenium")
     def test_many_files_at_a_glance(self):
         """Plots fit their values, outliers are named, and the table is downloaded as it is shown."""
