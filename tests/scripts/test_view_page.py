@@ -269,6 +269,8 @@ class Page(TestCase):
         self.assertGreater(found["red"], 500)
         self.assertGreater(found["blue"], 500)
         self.assertIn("gain, kT", self.browser.find_element("id", "legend").text)
+        self.ask("addTable(viewer, 'b.csv', 'serial,is_polar,sas_lost\\n1,1,5.5')")
+        self.assertEqual(self.ask("return viewer.look.color"), "table:sas_lost")
         self.assertEqual(self.ask("return addTable(viewer, 'a.csv', 'x,y\\n1,2')"),
                          "a.csv has no column serial or residue_number")
         self.assertEqual(self.ask("return addTable(viewer, 'a.csv', 'serial,v\\n77,2')"),

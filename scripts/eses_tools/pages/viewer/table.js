@@ -6,6 +6,7 @@ const KEYS = { // names of columns that say which atom or residue a row is about
   number: ["residue_number", "resi", "resid", "auth_seq_id", "number"],
 };
 const OTHER_KEYS = ["x", "y", "z", "residue", "resname", "name", "element", "atoms"]; // no results
+const LAST = ["radius", "is_polar"]; // columns that are shown at first only if there are no others
 
 // Returns the rows of a CSV file as lists of texts.
 function parseCsv(text) {
@@ -25,8 +26,8 @@ async function openTable(viewer, file) {
   if (problem) setTimeout(() => { $("message").textContent = ""; }, 6000);
 }
 
-// Adds a scheme of colours for each column of numbers, and shows the first of them. Returns what is
-// wrong with the table, or nothing.
+// Adds a scheme of colours for each column of numbers, and shows the first result among them. Returns what
+// is wrong with the table, or nothing.
 function addTable(viewer, name, text) {
   const [header = [], ...rows] = parseCsv(text);
   const find = (key) => header.findIndex((title) => KEYS[key].includes(title.toLowerCase()));
@@ -44,7 +45,7 @@ function addTable(viewer, name, text) {
   });
   if (added.length === 0) return `${name} has no column of numbers`;
   if (!SCHEMES[added[0]].isFound) return `${name} names no atom or residue of this page`;
-  viewer.set("color", added[0]);
+  viewer.set("color", added.find((one) => !LAST.includes(SCHEMES[one].label.toLowerCase())) ?? added[0]);
   return undefined;
 }
 
