@@ -230,4 +230,6 @@ def read_mesh(path):
         raise Failed(f"{path}: not a mesh of eses-blocks") from None
     if len(mesh.triangles) == 0:
         raise Failed(f"{path}: no triangles")
+    if not (numpy.isfinite(mesh.points).all() and numpy.isfinite(mesh.normals).all()):
+        raise Failed(f"{path}: a coordinate or normal is no finite number")
     return mesh

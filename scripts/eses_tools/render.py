@@ -15,12 +15,15 @@ from eses_tools import quiet_interrupt  # before the modules that take time to l
 
 import contextlib
 import math
+import multiprocessing
 import pathlib
 import secrets
 import shutil
+import signal
 import struct
 import subprocess
 import tempfile
+import traceback
 
 from eses_tools.common import (NAME, Failed, Parser, at_least, between, complete_file,
                                end_with, require_kind, require_output)
@@ -87,9 +90,10 @@ def display():
         os.environ.update(DISPLAY=f":{number}", XAUTHORITY=str(cookie))
         yield
     finally:
-        if process:
-            measuring.end_session(process)
-        folder.cleanup()
+        with measuring.delayed_signals():  # a second one does not end the cleaning
+            if process:
+                measuring.end_session(process)
+            folder.cleanup()
 
 
 def import_vtk():
@@ -510,9 +514,58 @@ def main():
             raise Failed(f"{path}: not a {', '.join(meshes.SUFFIXES[:-1])} or {meshes.SUFFIXES[-1]} file")
     require_output(options.output, [*options.meshes, *filter(None, [options.potential])])
     with display():
-        picture = draw(options)
+        picture = draw_apart(options)
     with complete_file(options.output, mode="wb") as target:
         target.write(picture)
+
+
+def draw_apart(options):
+    """Returns the bytes of a PNG file, which another process draws: VTK and Xlib end their process if the display
+    ends or the driver fails. That process has no files to remove."""
+    context = multiprocessing.get_context("fork")
+    receiving, sending = context.Pipe(duplex=False)
+    process = None
+    with tempfile.TemporaryFile() as log:
+        try:
+            with measuring.delayed_signals():
+                process = context.Process(target=send_picture, args=(options, sending, log.fileno()))
+                process.start()
+            sending.close()
+            found = receiving.recv()
+        except EOFError:
+            process.join()
+            log.seek(0)
+            raise Failed(message_of_end(process.exitcode, log.read())) from None
+        finally:
+            if process and process.pid:
+                process.kill()
+                process.join()
+    if isinstance(found, Exception):
+        raise found
+    return found
+
+
+def message_of_end(code, log):
+    """Returns the message for a process that has ended before its picture was complete."""
+    how = signal.Signals(-code).name if code < 0 else f"exit code {code}"
+    words = " ".join(log.decode("utf-8", "replace").split())[:300]
+    return (f"no picture: VTK ended with {how} on the display {os.environ.get('DISPLAY') or 'of EGL'}"
+            f"{words and f' ({words})'}; try again, or check the display")
+
+
+def send_picture(options, target, log):
+    """Sends the bytes of a PNG file, or the exception that prevents it. The texts of libraries go to the file
+    `log`."""
+    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT):
+        if signal.getsignal(number) != signal.SIG_IGN:
+            signal.signal(number, signal.SIG_DFL)  # this process leaves nothing
+    os.dup2(log, 2)
+    try:
+        target.send(draw(options))
+    except (Failed, OSError) as error:
+        target.send(error)
+    except Exception:
+        target.send(Failed(traceback.format_exc()))
 
 
 def draw(options):

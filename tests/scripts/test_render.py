@@ -227,7 +227,10 @@ class Render(TestCase):
     def test_wrong_files_are_refused(self):
         text = self.folder / "a.txt"
         text.write_text("none")
-        for path, message in ((text, "not a .ply, .vtp, .obj, .off, .stl, .glb, .vert or .face file"),
+        infinite = self.folder / "a.off"
+        infinite.write_text("OFF\n3 1 0\nnan 0 0\n1 0 0\n0 1 0\n3 0 1 2\n")
+        for path, message in ((infinite, "a coordinate or normal is no finite number"),
+                              (text, "not a .ply, .vtp, .obj, .off, .stl, .glb, .vert or .face file"),
                               (self.folder / "b.ply", "no such file")):
             done = self.render(path, "-o", self.folder / "c.png")
             self.assertEqual(done.returncode, 1)
