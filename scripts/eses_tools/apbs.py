@@ -299,8 +299,8 @@ def main():
         folder = options.keep or opened.enter_context(tempfile.TemporaryDirectory(prefix="apbs-"))
         if options.keep:
             require_writable(options.keep)
-            for index in range(len(options.molecules)):
-                require_output(pb.atoms_file(options.keep, index), options.molecules)
+            for path in pb.written_files(options.keep, len(options.molecules)):
+                require_output(path, options.molecules)
         run(options, pathlib.Path(folder))
 
 

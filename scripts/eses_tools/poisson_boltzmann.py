@@ -172,6 +172,11 @@ def atoms_file(folder, index):
     return folder / f"{molecule_name(index)}.pqr"
 
 
+def written_files(folder, molecules):
+    """Returns the files that are written in place, whatever they are, for this number of molecules."""
+    return [folder / name for name in (INPUT, LOG, ENERGIES)] + [atoms_file(folder, index) for index in range(molecules)]
+
+
 def plan(molecules, surfaces):
     """Returns the calculations: all molecules with all surfaces, and the reference of a single
     molecule."""

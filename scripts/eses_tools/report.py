@@ -12,6 +12,7 @@ how eses-blocks reads them, such as -- --radii bondi.
 
 from eses_tools import quiet_interrupt  # before the modules that take time to load
 
+import codecs
 import csv
 import gzip
 import html
@@ -86,7 +87,9 @@ def read_text(path):
     data = path.read_bytes()
     with gzip_errors(path):
         data = gzip.decompress(data) if path.suffix.lower() == ".gz" else data
-    return data.decode("utf-8", "replace")
+    # Spreadsheets and PowerShell begin a text with its byte order mark.
+    is_wide = data.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE))
+    return data.decode("utf-16" if is_wide else "utf-8-sig", "replace")
 
 
 def flat(record):
@@ -102,22 +105,36 @@ def parse_json(text):
     return rows, list(dict.fromkeys(name for row in rows for name in row))
 
 
-def parse_csv(text):
-    reader = csv.DictReader(io.StringIO(text))
-    rows = list(reader)
-    if any(None in row or None in row.values() for row in rows):
-        raise ValueError  # more or fewer fields than the header
-    return rows, list(reader.fieldnames or ())
+def are_columns(names):
+    return names[:1] in (["file"], ["id"]) and bool({"atoms", "error"} & set(names))
+
+
+def parse_csv(text, path):
+    csv.field_size_limit(max(len(text), csv.field_size_limit()))
+    reader = csv.reader(io.StringIO(text))
+    columns = next(reader, [])
+    if len(columns) == 1 and any(are_columns(text.split("\n")[0].split(mark)) for mark in ";\t"):
+        raise Failed(f"{path}: the columns must be separated by commas, and numbers have decimal points")
+    if not are_columns(columns):
+        return [], columns
+    rows = []
+    for fields in reader:
+        if fields and len(fields) != len(columns):
+            raise Failed(f"{path}:{reader.line_num}: expected {len(columns)} fields, found {len(fields)}; the table "
+                         "seems to be cut off or edited")
+        if fields:
+            rows.append(dict(zip(columns, fields)))
+    return rows, columns
 
 
 def read_table(path):
     """Returns rows and columns. The first column names the structures."""
     text = read_text(path)
     try:
-        rows, columns = parse_json(text) if text.lstrip().startswith("{") else parse_csv(text)
+        rows, columns = parse_json(text) if text.lstrip().startswith("{") else parse_csv(text, path)
     except (AttributeError, TypeError, ValueError, csv.Error):
         columns = []
-    if columns[:1] not in (["file"], ["id"]) or not {"atoms", "error"} & set(columns):
+    if not are_columns(columns):
         raise Failed(f"{path}: no table of eses-blocks measure --csv, no lines of its --json, and no "
                      "summary of pdbbind")
     return rows, columns

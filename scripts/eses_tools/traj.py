@@ -32,7 +32,7 @@ import time
 import warnings
 
 from eses_tools.common import (IS_INSTALLED, NAME, PROJECT, Failed, Parser, at_least, complete_file, end_with,
-                               positive, printable, require_output, say, show)
+                               positive, printable, require_kind, require_output, say, show)
 
 LEVELS = ("frame", "chain", "residue")
 MAX_VALUES = 2_000_000  # atoms by frames that are measured at a time
@@ -356,7 +356,9 @@ def parse_options():
     parser.add_argument("--reference", choices=("tien", "miller", "sander"), default="tien",
                         help="maximum areas for relative_sas (default: tien)")
     parser.add_argument("--threads", type=positive, default=0, metavar="N", help="number of threads (default: all)")
-    return parser.parse_args()
+    options = parser.parse_args()
+    require_kind(parser, pathlib.Path(options.output), "a table", ".csv", ".txt")
+    return options
 
 
 def show_warning(message, category, filename, *_):

@@ -14,7 +14,8 @@ import subprocess
 import time
 import unittest
 
-from support import DATA, PROGRAM, SCRIPTS, TestCase, can_draw, can_import, command, run, write_map
+from support import (DATA, PROGRAM, SCRIPTS, TestCase, can_draw, can_import, command, run, write_map,
+                     write_program)
 
 OVERWRITTEN = "and would be overwritten; choose another name"
 
@@ -133,12 +134,19 @@ class Outputs(TestCase):
             self.skipTest("apbs is not installed")
         source = self.folder / "molecule1.pqr"
         self.charged.rename(source)
-        done = run("apbs", source, "--program", PROGRAM, "--spacing", 1, "--keep", self.folder)
-        self.assertDone(done, 1)
-        self.assertIn(OVERWRITTEN, done.stderr)
+        kept = self.folder / "kept"
+        kept.mkdir()
+        os.link(source, kept / "apbs.in")
+        for folder in (self.folder, kept):
+            with self.subTest(folder=folder.name):
+                done = run("apbs", source, "--program", PROGRAM, "--spacing", 1, "--keep", folder)
+                self.assertDone(done, 1)
+                self.assertIn(OVERWRITTEN, done.stderr)
+        self.assertIn("ION", source.read_text())
 
     def test_pages_and_pictures_are_not_confused(self):
         for tool, source, name in (("report", self.table, "a.png"), ("render", self.mesh, "a.html"),
+                                   ("traj", self.atoms, "a.html"),
                                    ("render", self.mesh, "a.jpg"), ("render", self.mesh, "a.txt")):
             done = run(tool, source, "-o", self.folder / name)
             self.assertDone(done, 2)
@@ -377,6 +385,24 @@ class Signals(TestCase):
                 self.check(number, "Xvfb", "report", table, "-o", self.folder / "a.html", "--pictures", "*",
                            "--program", PROGRAM)
         self.assertEqual([path.name for path in self.folder.iterdir() if "part" in path.name], [])
+
+    def test_a_display_that_ends_is_a_message(self):
+        """VTK aborts its process if the server does not answer, as one that has just ended."""
+        mesh, scratch = self.folder / "m.off", self.folder / "scratch"
+        mesh.write_text("OFF\n4 4 0\n0 0 0\n3 0 0\n0 3 0\n0 0 3\n3 0 2 1\n3 0 1 3\n3 1 2 3\n3 2 0 3\n")
+        scratch.mkdir()
+        bin_folder = self.folder / "bin"
+        bin_folder.mkdir()
+        write_program(bin_folder / "Xvfb", 'eval "echo 9999 >&$2"\nexec sleep 100\n')
+        for more in ({"PATH": f"{bin_folder}:{os.environ['PATH']}"}, {"DISPLAY": ":9999"}):
+            with self.subTest(more=more):
+                done = run("render", mesh, "-o", self.folder / "a.png",
+                           env={**os.environ, "TMPDIR": str(scratch), **more})
+                self.assertEqual(done.returncode, 1, done.stderr)
+                self.assertRegex(done.stderr, r"^render: no picture: VTK ended with .* on the display :9999.*\n$")
+                self.assertFalse((self.folder / "a.png").exists())
+                self.assertEqual(list(scratch.iterdir()), [])
+                self.assertEqual(self.processes(scratch), [])
 
 
 if __name__ == "__main__":

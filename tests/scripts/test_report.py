@@ -208,15 +208,34 @@ class MeasureReport(TestCase):
 
     def test_other_files_are_refused(self):
         table = self.folder / "a.csv"
-        for text in ("", "a,b\n1,2\n", "file,atoms\n1\n", "{}\n", "{\n", "file,name\na,b\n"):
+        for text in ("", "a,b\n1,2\n", "{}\n", "{\n", "file,name\na,b\n"):
             table.write_text(text)
             done = run("report", table, "-o", self.page)
             self.assertEqual(done.returncode, 1)
             self.assertIn(f"{table}: no table of eses-blocks measure", done.stderr)
             self.assertFalse(self.page.exists())
+        for text, message in (("file,atoms\n1\n", ":2: expected 2 fields, found 1; the table seems to be cut off"),
+                              ("file,atoms\na,1\nb,2,3\n", ":3: expected 2 fields, found 3"),
+                              ("file;atoms\na;1\n", ": the columns must be separated by commas"),
+                              ("file\tatoms\na\t1\n", ": the columns must be separated by commas")):
+            table.write_text(text)
+            done = run("report", table, "-o", self.page)
+            self.assertEqual(done.returncode, 1)
+            self.assertIn(f"{table}{message}", done.stderr)
+        table.write_text("file,atoms\na,1\n")
         done = run("report", table, "-o", self.page, "--", "--radii", "bondi")
         self.assertEqual(done.returncode, 2)
         self.assertIn("need --pictures", done.stderr)
+
+    def test_texts_of_spreadsheets_are_read(self):
+        """They begin with the byte order mark, and may be UTF-16. Names of structures may be long."""
+        table, pages = self.folder / "a.csv", []
+        text = f"file,atoms\n{'ä' * 200000},1\n"
+        for encoding in ("utf-8", "utf-8-sig", "utf-16"):
+            table.write_bytes(text.encode(encoding))
+            self.assertDone(run("report", table, "-o", self.page))
+            pages.append(self.page.read_text(encoding="utf-8"))
+        self.assertEqual(pages[1:], pages[:1] * 2)
 
     @unittest.skipUnless(can_draw(), "needs python3-vtk9 and a display or xvfb")
     def test_chosen_files_have_pictures(self):
