@@ -61,6 +61,12 @@ Problem parse_xyzr(std::string_view line, Record& record) {
 /// Describes the fault of a line. `rest` is the text from this line on.
 std::string describe_xyzr(const Problem& problem, std::string_view line, std::string_view rest) {
   std::string text = describe(problem, line);
+  if (problem.text.find_first_of(",;") != problem.text.npos)
+    return text + "; separate the fields by blanks, and write numbers with a decimal point";
+  if (int atoms = 0; problem.text.empty() && parse_integer(trimmed(line), atoms))
+    return text +
+           "; is it the number of atoms of an XYZ file? These have no radii; convert it to a PDB "
+           "file";
   const bool is_first_field = problem.quantity == quantity_x.name;
   if (problem.pattern != not_a_number || !is_first_field) return text;
   const AtomFormat format = format_of_records(rest);

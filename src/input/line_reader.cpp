@@ -31,12 +31,30 @@ bool LineReader::next(std::string_view& line) {
   ++line_;
   const char* const begin = buffer_.data() + begin_;
   const std::size_t length = end == nullptr ? end_ - begin_ : static_cast<std::size_t>(end - begin);
+  if (length > max_line_length && *begin == '#') {
+    line = cut_comment();
+    return true;
+  }
   if (length > max_line_length) fail(formatted("more than {} characters", max_line_length));
   if (end == nullptr) fail("the line has no end; the file seems to be cut off");
   line = {begin, length};
   begin_ += length + 1;
   if (line.ends_with('\r')) line.remove_suffix(1);
   return true;
+}
+
+std::string_view LineReader::cut_comment() {
+  comment_.assign(buffer_.data() + begin_, max_line_length);
+  for (;;) {
+    const std::string_view rest(buffer_.data() + begin_, end_ - begin_);
+    const std::size_t end = rest.find('\n');
+    begin_ += std::min(end, rest.size());
+    if (end != rest.npos) break;
+    refill();
+    if (at_end_of_file_) fail("the line has no end; the file seems to be cut off");
+  }
+  ++begin_;
+  return comment_;
 }
 
 bool LineReader::next_part(std::string_view& part) {

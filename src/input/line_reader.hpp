@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -18,7 +19,8 @@ class LineReader {
 
   /// Reads the next line without its end, LF or CRLF. It is valid until the next call. Returns
   /// false at the end of the file. Throws Error for a last line without an end, as the file is
-  /// truncated.
+  /// truncated, and for a long line, unless it is a comment, which begins with #. Only the
+  /// beginning of a long comment is returned.
   bool next(std::string_view& line);
 
   /// Reads the next line or, if it is long, its next part, which ends at a blank. Returns false at
@@ -34,10 +36,13 @@ class LineReader {
 
  private:
   void refill();
+  /// Returns the beginning of a comment, and skips the rest of it.
+  std::string_view cut_comment();
   [[noreturn]] void fail_at(std::uint64_t line, std::string_view what) const;
 
   TextSource source_;
   std::vector<char> buffer_;
+  std::string comment_;              // the beginning of a long comment
   std::size_t begin_ = 0, end_ = 0;  // the unread part of the buffer
   bool at_end_of_file_ = false, is_in_line_ = false;
   std::uint64_t line_ = 0;  // number of the current line, from 1

@@ -1,6 +1,7 @@
 #include "input/pdb_elements.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <unordered_map>
 
@@ -19,10 +20,27 @@ constexpr std::string_view polymer_residues =
     "CYN CYH CYP CY2 ASH ASB GLH LYN LYP ARN TYM ACE NME NMA NHE NH2 FOR CT3 A3 A5 AN C3 C5 CN G3 "
     "G5 GN U3 U5 UN RA RC RG RU RA3 RA5 RC3 RC5 RG3 RG5 RU3 RU5 DA3 DA5 DC3 DC5 DG3 DG5 DT3 DT5";
 
-// Names of ions in the force fields of CHARMM, Amber (C0) and SIRAH, and their elements.
-constexpr std::string_view named_ions =
-    "SOD NA CLA CL POT K CAL CA CES CS LIT LI RUB RB BAR BA CAD CD C0 CA NAW NA CLW CL KW K MGX MG "
-    "CAX CA ZNX ZN";
+struct NamedIon {
+  std::string_view name, element;
+};
+
+// Names of ions in the force fields of CHARMM, Amber (C0) and SIRAH.
+constexpr std::array<NamedIon, 16> named_ions{{{"SOD", "NA"},
+                                               {"CLA", "CL"},
+                                               {"POT", "K"},
+                                               {"CAL", "CA"},
+                                               {"CES", "CS"},
+                                               {"LIT", "LI"},
+                                               {"RUB", "RB"},
+                                               {"BAR", "BA"},
+                                               {"CAD", "CD"},
+                                               {"C0", "CA"},
+                                               {"NAW", "NA"},
+                                               {"CLW", "CL"},
+                                               {"KW", "K"},
+                                               {"MGX", "MG"},
+                                               {"CAX", "CA"},
+                                               {"ZNX", "ZN"}}};
 
 // Elements of two letters that are usually meant by these names in ligands, although the first
 // letter is an element, too. Iron is one in all columns.
@@ -52,10 +70,8 @@ std::string_view stem_of(std::string_view name) {
 
 std::string ion_element(std::string_view name) {
   const std::string stem = upper_case(std::string(stem_of(name)));
-  for (std::string_view rest = named_ions; !rest.empty();) {
-    const std::string_view ion = take_first(rest), element = take_first(rest);
-    if (stem == ion || name == ion) return std::string(element);
-  }
+  for (const NamedIon& ion : named_ions)
+    if (stem == ion.name || name == ion.name) return std::string(ion.element);
   return stem.size() <= 2 && is_element(stem) ? stem : std::string();
 }
 

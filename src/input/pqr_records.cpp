@@ -251,15 +251,17 @@ std::string_view take_element(std::string_view& line) {
   return field;
 }
 
-/// Returns the text behind the radius of a record; empty if the record is not valid without it.
+/// Returns the text behind the radius of a record, which begins with a word; empty if the record is
+/// not valid without it.
 std::string_view text_after_radius(std::string_view line) {
   std::string_view rest = line;
   for (;;) {
     double value = 0;
     const std::string_view field = take_last(rest);
-    if (field.empty() || parse_number(field, value) == std::errc{}) return {};
+    if (field.empty()) return {};
     Record record;
-    if (!parse_pqr_fields(rest, record)) return trimmed(line.substr(rest.size()));
+    if (parse_number(field, value) != std::errc{} && !parse_pqr_fields(rest, record))
+      return trimmed(line.substr(rest.size()));
   }
 }
 

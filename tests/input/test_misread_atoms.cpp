@@ -158,6 +158,15 @@ TEST_CASE("elements beside their columns are read", "[structure]") {
   CHECK(element(" CL1", "          C") == "Cl");
   CHECK(element(" BR2", "          B") == "Br");
   CHECK(element(" C1 ", "          C") == "C");
+  // The name says nothing.
+  CHECK(element(" X1 ", "Cl ") == "Cl");
+  CHECK(element(" L1 ", "CL ") == "Cl");
+  CHECK(element(" C1 ", "Cl ") == "Cl");
+  CHECK(element(" X1 ", "BR   ") == "Br");
+  CHECK(element(" X1 ", "C ") == "C");
+  // Types of atoms, of AutoDock and Amber, are no elements.
+  CHECK(element(" N1 ", "NA ") == "N");
+  CHECK(element(" C1 ", "CA ") == "C");
   // Segments and line numbers are no elements.
   CHECK(element(" C1 ", "PROA    ") == "C");
   CHECK(element(" C1 ", "1HPV 168") == "C");
@@ -511,7 +520,8 @@ TEST_CASE("PQR: text behind the radius is called text", "[structure][pqr]") {
         "t.pqr:1: text \"PROA\" after the radius, expected x y z charge radius at the end; remove "
         "the text");
   const std::string record = "ATOM 1 N MET 1 27.340 24.430 2.614 -0.3000 1.8500  ";
-  for (const std::string text : {"N PROA", "N C", "N1+ water", "PROA N  "})
+  for (const std::string text :
+       {"N PROA", "N C", "N1+ water", "PROA N  ", "chain 2", "HB 1.5 to 27"})
     CHECK(contains(pqr_error(record + text + "\n"),
                    "t.pqr:1: text \"" + text.substr(0, text.find("  ")) + "\" after the radius"));
   CHECK(contains(pqr_error("ATOM 1 N MET 1 27.340 24.430 2.614 -0.3000 x PROA\n"), "a number"));

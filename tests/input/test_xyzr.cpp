@@ -121,7 +121,9 @@ TEST_CASE("xyzr: a field that is not a number is refused", "[read_atoms]") {
   CHECK(xyzr_error("1 2 3 4\n1 2 abc 4\n") ==
         "t.xyzr:2: field 3 (z): expected a number, found \"abc\"");
   CHECK(xyzr_error("  x 2 3 4") == "t.xyzr:1: field 1 (x): expected a number, found \"x\"");
-  CHECK(xyzr_error("1 2,5 3 4") == "t.xyzr:1: field 2 (y): expected a number, found \"2,5\"");
+  CHECK(xyzr_error("1 2,5 3 4") ==
+        "t.xyzr:1: field 2 (y): expected a number, found \"2,5\"; separate the fields by blanks, "
+        "and write numbers with a decimal point");
   CHECK(xyzr_error("1 2 3 # 4") == "t.xyzr:1: field 4 (radius): expected a number, found \"#\"");
   for (const char* junk : {"1.2.3",
                            "--1",
@@ -155,7 +157,7 @@ TEST_CASE("xyzr: a field that is not a number is refused", "[read_atoms]") {
 TEST_CASE("xyzr: a missing field is refused", "[read_atoms]") {
   CHECK(xyzr_error("1 2 3 4\n\n1 2 3\n") == "t.xyzr:3: field 4 (radius): missing");
   CHECK(xyzr_error("1 2 \t\r\n") == "t.xyzr:1: field 3 (z): missing");
-  CHECK(xyzr_error("327\n1 2 3 4\n") == "t.xyzr:1: field 2 (y): missing");
+  CHECK(contains(xyzr_error("327\n1 2 3 4\n"), "t.xyzr:1: field 2 (y): missing; is it"));
 }
 
 TEST_CASE("xyzr: numbers that are not finite are refused", "[read_atoms]") {
@@ -213,6 +215,16 @@ TEST_CASE("xyzr: PQR and PDB records are recognised", "[read_atoms]") {
             "\"ATOM\"; this looks like a PDB or PQR file; read it with --format pdb or "
             "--format pqr");
   CHECK(xyzr_error("some text\n") == start + "\"some\"");
+}
+
+TEST_CASE("xyzr: other separators and XYZ files are recognised", "[read_atoms]") {
+  for (const char* line : {"0,0,0,1.5\n", "0;0;0;1.5\n", "0.5 1,5 0 2\n", "0, 0, 0, 1.5\n"})
+    CHECK(contains(xyzr_error(line),
+                   "; separate the fields by blanks, and write numbers with a decimal point"));
+  CHECK(xyzr_error("2\na molecule\nC 0 0 0\n") ==
+        "t.xyzr:1: field 2 (y): missing; is it the number of atoms of an XYZ file? These have no "
+        "radii; convert it to a PDB file");
+  CHECK(xyzr_error("0 1\n") == "t.xyzr:1: field 3 (z): missing");
 }
 
 TEST_CASE("control characters are refused", "[read_atoms]") {

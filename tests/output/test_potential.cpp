@@ -283,6 +283,14 @@ TEST_CASE("potential: long lines and tabs are read, vectors and surplus values r
   std::string tabs = map;
   std::replace(tabs.begin(), tabs.end(), ' ', '\t');
   CHECK(identity(tabs) == expected);
+  // Comments may have any length, also more than the reader has in memory at a time.
+  for (const std::size_t length : {5000U, 100000U, 600000U}) {
+    const std::string comment = "# " + std::string(length, 'x') + "\n";
+    std::string commented = comment + map;
+    commented.insert(commented.find("object 3"), comment);
+    CHECK(identity(commented) == expected);
+    CHECK(contains(error(comment.substr(0, length)), "a.dx:1: the line has no end"));
+  }
   std::string vectors = map;
   vectors.replace(vectors.find("rank 0"), 6, "rank 1 shape 3");
   CHECK(

@@ -31,9 +31,10 @@ struct AtomKind {
 /// The kinds of atoms in the order of their first atoms.
 class AtomKinds {
  public:
-  /// `guessed` has the lines of the atoms whose elements follow from their names, ascending.
+  /// `guessed` has the serial numbers of the atoms whose elements follow from their names,
+  /// ascending.
   AtomKinds(const RadiiSet& radii, std::string_view file, double unknown_radius,
-            const std::vector<std::uint64_t>& guessed)
+            const std::vector<int>& guessed)
       : radii_(radii), file_(file), unknown_radius_(unknown_radius), guessed_(guessed) {}
 
   /// Counts an atom and returns its kind.
@@ -69,11 +70,11 @@ class AtomKinds {
                         found && found->by_element,
                         is_foreign,
                         is_named,
-                        atom.line()});
+                        atom.line});
     }
     AtomKind& kind = kinds_[at->second];
     ++kind.source.count;
-    if (std::binary_search(guessed_.begin(), guessed_.end(), atom.line())) ++kind.guessed;
+    if (std::binary_search(guessed_.begin(), guessed_.end(), atom.atom->serial)) ++kind.guessed;
     return kind;
   }
 
@@ -86,7 +87,7 @@ class AtomKinds {
     double radius = 0;
     parse_number(formatted("{}", atom.atom->occ), radius);
     if (!(radius >= 0 && radius <= max_set_radius))
-      fail_at_line(file_, atom.line(),
+      fail_at_line(file_, atom.line,
                    formatted("expected a radius from 0 to {:.0f} angstrom in place of the "
                              "occupancy, found {}",
                              max_set_radius, radius));
@@ -96,7 +97,7 @@ class AtomKinds {
   const RadiiSet& radii_;
   std::string_view file_;
   double unknown_radius_;
-  const std::vector<std::uint64_t>& guessed_;
+  const std::vector<int>& guessed_;
   const gemmi::Residue* residue_ = nullptr;  // of the last atom
   std::string_view standard_;                // the standard residue of this one
   std::string key_;
@@ -158,8 +159,8 @@ AtomLabel label_of(const StructureAtom& atom) {
 }  // namespace
 
 void assign_radii(const std::vector<StructureAtom>& atoms, const RadiiSet& radii,
-                  const std::vector<std::uint64_t>& guessed, const StructureText& text,
-                  AtomFile& result, const std::function<void(AtomFile& atoms)>& after_part) {
+                  const std::vector<int>& guessed, const StructureText& text, AtomFile& result,
+                  const std::function<void(AtomFile& atoms)>& after_part) {
   constexpr std::size_t part_atoms = std::size_t{1} << 14;
   const std::optional<double> unknown_radius = text.options.structure.unknown_radius;
   result.atoms.reserve(atoms.size());
@@ -181,7 +182,7 @@ void assign_radii(const std::vector<StructureAtom>& atoms, const RadiiSet& radii
       if (++foreign.count <= Diagnostic::max_examples) foreign.examples.push_back({index, index});
     }
     result.atoms.push_back({atom.center, kind.source.radius});
-    result.lines.push_back(atom.line());
+    result.lines.push_back(atom.line);
     if (text.options.with_labels) result.labels.push_back(label_of(atom));
     if (result.atoms.size() % part_atoms == 0) end_part();
   }

@@ -28,18 +28,14 @@ struct Row {
 /// A column of the table of atoms. All values of a missing column are unknown.
 class Column {
  public:
-  /// Finds the column `name`, or `other` if the table does not have it. If it has none of them,
-  /// throws MmcifError with the name `required`, unless this is empty.
-  Column(gemmi::cif::Block& block, const std::string& name, const std::string& other = "",
-         const std::string& required = "")
+  /// Finds the column `name`, or `other` if the table does not have it.
+  Column(gemmi::cif::Block& block, const std::string& name, const std::string& other = "")
       : values_(block.find_values(atom_category + name)), tag_(atom_category + name) {
     if (!other.empty()) others_ = block.find_values(atom_category + other);
     if (!values_ && others_) {
       std::swap(values_, others_);
       tag_ = atom_category + other;
     }
-    if (!values_ && !required.empty())
-      throw MmcifError{0, "the _atom_site table lacks the column " + required};
   }
 
   bool is_found() const { return static_cast<bool>(values_); }
@@ -90,6 +86,12 @@ class Column {
   std::string tag_;
 };
 
+/// Returns a column that the table must have. Throws MmcifError with its name otherwise.
+Column required(const std::string& name, Column column) {
+  if (!column.is_found()) throw MmcifError{0, "the _atom_site table lacks the column " + name};
+  return column;
+}
+
 /// Returns the charges of the first set in the table of charges, by the ids of the atoms.
 std::unordered_map<std::string, double> charges_by_id(gemmi::cif::Block& block) {
   std::unordered_map<std::string, double> charges;
@@ -125,6 +127,7 @@ class ChainBuilder {
 
   AtomTable build(const std::vector<std::uint64_t>& lines) {
     table_.has_label_chains = label_chain_.is_found();
+    add_charges(lines.size());
     for (std::size_t i = 0; i < lines.size(); ++i) {
       check_at(i, options_.check);
       const Row row{static_cast<int>(i), lines[i]};
@@ -132,8 +135,7 @@ class ChainBuilder {
       gemmi::Atom atom = atom_of(row, residue.id.name);
       if (!is_in_chosen_model(row)) continue;
       if (!residue.has_number()) number_residue(atom, lines, residue);
-      if (element_.text(row).empty()) table_.guessed_elements.push_back(row.line);
-      add_charge(row);
+      if (element_.text(row).empty()) table_.guessed_elements.push_back(row.index);
       place_of(residue, row).atoms.push_back(std::move(atom));
     }
     return std::move(table_);
@@ -152,12 +154,15 @@ class ChainBuilder {
     return is_chosen_;
   }
 
-  void add_charge(const Row& row) {
-    if (charge_.is_found()) {
-      table_.charges.emplace_back(row.line, gemmi::cif::as_number(charge_.text(row)));
-    } else if (!charges_.empty()) {
+  void add_charges(std::size_t rows) {
+    if (!charge_.is_found() && charges_.empty()) return;
+    for (Row row{0, 0}; table_.charges.size() < rows; ++row.index) {
+      if (charge_.is_found()) {
+        table_.charges.push_back(gemmi::cif::as_number(charge_.text(row)));
+        continue;
+      }
       const auto found = charges_.find(id_.text(row));
-      table_.charges.emplace_back(row.line, found == charges_.end() ? NAN : found->second);
+      table_.charges.push_back(found == charges_.end() ? NAN : found->second);
     }
   }
 
@@ -212,7 +217,7 @@ class ChainBuilder {
         occupancy_.number(row, options_.needs_occupancies ? "the radius" : "the occupancy",
                           options_.needs_occupancies ? "" : "1"));
     atom.b_iso = static_cast<float>(b_factor_.number(row, "the B-factor", "0"));
-    atom.serial = static_cast<int>(row.line);
+    atom.serial = row.index;
     return atom;
   }
 
@@ -245,17 +250,18 @@ class ChainBuilder {
   ModelList& models_;
   const ParseOptions& options_;
   // The required columns come first, in the order in which they are reported.
-  Column atom_name_{block_, "auth_atom_id", "label_atom_id", "label_atom_id"};
-  Column residue_name_{block_, "auth_comp_id", "label_comp_id", "label_comp_id"};
-  Column x_{block_, "Cartn_x", "", "Cartn_x"};
-  Column y_{block_, "Cartn_y", "", "Cartn_y"};
-  Column z_{block_, "Cartn_z", "", "Cartn_z"};
-  Column number_{block_, "auth_seq_id", "label_seq_id", "auth_seq_id"};
+  Column atom_name_ = required("label_atom_id", {block_, "auth_atom_id", "label_atom_id"});
+  Column residue_name_ = required("label_comp_id", {block_, "auth_comp_id", "label_comp_id"});
+  Column x_ = required("Cartn_x", {block_, "Cartn_x"});
+  Column y_ = required("Cartn_y", {block_, "Cartn_y"});
+  Column z_ = required("Cartn_z", {block_, "Cartn_z"});
+  Column number_ = required("auth_seq_id", {block_, "auth_seq_id", "label_seq_id"});
   Column element_{block_, "type_symbol"};
   Column group_{block_, "group_PDB"};
   Column altloc_{block_, "label_alt_id"};
   Column auth_chain_{block_, "auth_asym_id", "label_asym_id"};
-  Column label_chain_{block_, "label_asym_id", "", options_.label_chains ? "label_asym_id" : ""};
+  Column label_chain_ = options_.label_chains ? required("label_asym_id", {block_, "label_asym_id"})
+                                              : Column(block_, "label_asym_id");
   const Column& chain_name_ = options_.label_chains ? label_chain_ : auth_chain_;
   Column subchain_{block_, "label_asym_id", "auth_asym_id"};
   Column entity_{block_, "label_entity_id"};

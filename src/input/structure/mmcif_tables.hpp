@@ -31,15 +31,15 @@ void check_tables(const gemmi::cif::Block& block, bool (*is_used)(const std::str
 /// The atoms of the chosen model.
 struct AtomTable {
   std::vector<gemmi::Chain> chains;
-  std::vector<std::uint64_t> guessed_elements;  ///< lines of atoms with elements by name
-  ChargesByLine charges;                        ///< empty if the file has none
-  bool has_label_chains = false;                ///< whether the table has label_asym_id
+  std::vector<int> guessed_elements;  ///< rows of atoms with elements by name, ascending
+  std::vector<double> charges;        ///< of rows, NaN if unknown; empty if the file has none
+  bool has_label_chains = false;      ///< whether the table has label_asym_id
 };
 
-/// Checks the table of atoms and returns those of the chosen model. Their serial numbers are the
-/// line numbers from `lines`. With ParseOptions::label_chains, chains have the names of
-/// label_asym_id, and the segment of a residue is its chain in auth_asym_id. Throws MmcifError if
-/// the table lacks a column or has an invalid value.
+/// Checks the table of atoms, whose rows are in `lines`, and returns those of the chosen model.
+/// Their serial numbers are the rows, from 0. With ParseOptions::label_chains, chains have the
+/// names of label_asym_id, and the segment of a residue is its chain in auth_asym_id. Throws
+/// MmcifError if the table lacks a column or has an invalid value.
 AtomTable read_atom_table(gemmi::cif::Block& block, const std::vector<std::uint64_t>& lines,
                           ModelList& models, const ParseOptions& options);
 

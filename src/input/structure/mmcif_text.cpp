@@ -225,7 +225,8 @@ ParsedStructure convert(Block& block, const StructureDocument& document,
   ParsedStructure result;
   result.models.wanted = options.model;
   std::vector<gemmi::Assembly> assemblies = read_assemblies(block, options.assembly);
-  AtomTable atoms = read_atom_table(block, lines_of_atoms(block, document), result.models, options);
+  result.lines = lines_of_atoms(block, document);
+  AtomTable atoms = read_atom_table(block, result.lines, result.models, options);
   const bool lists_subchains = block.find("_struct_asym.", {"id", "entity_id"}).ok();
   // gemmi reads the entities. It would take quadratic time for chains of many residues.
   gemmi::vector_remove_if(block.items, [](const Item& item) {

@@ -45,20 +45,23 @@ struct ModelList {
   }
 };
 
-/// Lines of atoms, ascending, and their partial charges, which are NaN if unknown.
-using ChargesByLine = std::vector<std::pair<std::uint64_t, double>>;
-
-/// A parsed text. Its structure has one model or, without atoms, perhaps none. The atoms have their
-/// line numbers, from 1, as serial numbers. The types of entities are unknown unless the file tells
-/// them.
+/// A parsed text. Its structure has one model or, without atoms, perhaps none. The serial numbers
+/// of the atoms are the line numbers, from 1, of a PDB text, and the rows, from 0, of the table of
+/// atoms of an mmCIF text. The types of entities are unknown unless the file tells them.
 struct ParsedStructure {
   gemmi::Structure structure;
   ModelList models;
-  // All lines are ascending.
-  std::vector<std::uint64_t> guessed_elements = {};  ///< lines of atoms with elements by name
-  std::vector<std::uint64_t> unread_records = {};    ///< lines with coordinates but unknown names
-  ChargesByLine charges = {};                        ///< empty if the text has none
-  bool has_label_chains = false;  ///< whether the subchains are those of label_asym_id
+  std::vector<std::uint64_t> lines = {};   ///< lines of rows; empty if serial numbers are lines
+  std::vector<int> guessed_elements = {};  ///< ascending serial numbers, elements by name
+  std::vector<std::uint64_t> unread_records = {};  ///< lines with coordinates but unknown names
+  std::vector<double> charges = {};  ///< by rows, NaN if unknown; empty if the text has none
+  bool has_label_chains = false;     ///< whether the subchains are those of label_asym_id
+
+  /// Returns the line of an atom, from 1.
+  std::uint64_t line_of(const gemmi::Atom& atom) const {
+    const auto serial = static_cast<std::uint64_t>(atom.serial);
+    return lines.empty() ? serial : lines[serial];
+  }
 };
 
 /// What to read of a text.

@@ -17,6 +17,7 @@
 #include "input/pdb_elements.hpp"
 #include "input/pqr_records.hpp"
 #include "input/structure/parse_structure.hpp"
+#include "input/structure/pdb_columns.hpp"
 #include "input/structure/structure_atoms.hpp"
 #include "input/text_fields.hpp"
 #include "system/formatted.hpp"
@@ -26,28 +27,9 @@ namespace {
 
 // ------------------------------------------------------------------------------ fields of records
 
-/// Columns of a record, from 0.
-struct Columns {
-  std::size_t first, width;
-};
-
-// https://www.wwpdb.org/documentation/file-format-content/format33/sect9.html
-constexpr Columns serial_columns{6, 5}, name_columns{12, 4}, residue_columns{17, 3},
-    chain_columns{20, 2};
-constexpr std::array<Columns, 3> coordinate_columns{{{30, 8}, {38, 8}, {46, 8}}};
-constexpr Columns occupancy_columns{54, 6}, segment_columns{72, 4};
-constexpr Columns element_columns{76, 2};
-// The charges in the last two columns are not used: old files have line numbers there.
-constexpr std::size_t end_of_fields = 78, record_width = 80;
-
 // REMARK 350: https://www.wwpdb.org/documentation/file-format-content/format33/remarks1.html
 constexpr std::size_t remark_column = 11;
 constexpr std::string_view operator_type = "  BIOMT";
-
-/// Returns the text of a field without blanks around it. The record may be too short.
-std::string_view field_of(std::string_view record, const Columns& columns) {
-  return column_text(record, columns.first, columns.width);
-}
 
 /// Returns the type of a record in lower case.
 std::string type_of(std::string_view record) {
@@ -88,70 +70,6 @@ bool is_long(std::string_view name) {
          !(is_polymer_residue(start) || gemmi::find_tabulated_residue(start).found());
 }
 
-/// Returns whether the element, which has no columns of its own, agrees with the name of the atom.
-bool agrees_with_name(std::string_view symbol, std::string_view record) {
-  std::string_view name = field_of(record, name_columns);
-  while (!name.empty() && !is_letter(name.front())) name.remove_prefix(1);
-  return name.size() >= symbol.size() &&
-         starts_with_ignoring_case(name, lower_case(std::string(symbol)));
-}
-
-/// Returns whether a text beside the columns of the element is the element of the atom.
-bool is_shifted_element(std::string_view symbol, std::string_view record) {
-  return !usual_spelling(symbol).empty() && agrees_with_name(symbol, record);
-}
-
-/// Returns the symbol in the columns of the segment, if it may be the element of the atom.
-std::string_view element_in_segment(std::string_view record) {
-  const std::string_view field = field_of(record, segment_columns);
-  const bool is_alone = column_text(record, 66, 6).empty() && column_text(record, 76, 4).empty();
-  return is_alone && field.size() <= 2 && is_shifted_element(field, record) ? field
-                                                                            : std::string_view();
-}
-
-bool is_letter_at(std::string_view record, std::size_t i) {
-  return i < record.size() && is_letter(record[i]);
-}
-
-/// Returns the symbol that begins one column before those of the element; empty if there is none.
-std::string_view element_on_the_left(std::string_view record) {
-  constexpr std::size_t first = element_columns.first;
-  if (!is_letter_at(record, first - 1) || !is_letter_at(record, first) ||
-      is_letter_at(record, first + 1))
-    return {};
-  const std::string_view symbol = record.substr(first - 1, 2);
-  const bool is_segment = !trimmed(record.substr(segment_columns.first, 3)).empty();
-  return !is_segment && is_shifted_element(symbol, record) ? symbol : std::string_view();
-}
-
-/// Returns the symbol in the columns of the element or, if these have none, one or two columns
-/// beside them, as some programs write it. Empty if the record has none.
-std::string_view element_of_columns(std::string_view record) {
-  if (is_pdbqt_record(record)) return {};
-  const auto text = [&](std::size_t first, std::size_t width) {
-    return first < record.size() ? record.substr(first, width) : std::string_view();
-  };
-  constexpr std::size_t first = element_columns.first;
-  const std::string_view right = text(first + 1, 2);
-  if (const std::string_view left = element_on_the_left(record); !left.empty()) return left;
-  if (is_letter_at(record, first + 1) && is_letter_at(record, first + 2) &&
-      is_shifted_element(right, record))
-    return right;
-  const std::string_view field = field_of(record, element_columns);
-  if (record.size() > first + 1 && std::any_of(field.begin(), field.end(), is_letter)) return field;
-  const std::string_view last = trimmed(text(first + 2, 2)).substr(0, 2);
-  const bool is_one = last.size() == 1 || (last.size() == 2 && !is_letter(last[1]));
-  const std::string_view symbol = last.substr(0, is_one ? 1 : 2);
-  if (!field.empty() || !is_shifted_element(symbol, record)) return {};
-  // Names such as CL1 say more than the first letter of the element.
-  const std::string_view residue = field_of(record, residue_columns);
-  if (is_one && element_by_name({column_text(record, name_columns.first, name_columns.width),
-                                 residue, is_polymer_residue(residue)})
-                        .size() > 1)
-    return {};
-  return symbol;
-}
-
 /// Returns whether a text is digits around a decimal point, as nearly all numbers are. Such a
 /// number is valid and need not be converted to be checked.
 bool is_decimal_fraction(std::string_view text) {
@@ -160,19 +78,6 @@ bool is_decimal_fraction(std::string_view text) {
   if (point == text.npos || text.size() == 1) return false;
   return std::all_of(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(point), is_digit) &&
          std::all_of(text.begin() + static_cast<std::ptrdiff_t>(point) + 1, text.end(), is_digit);
-}
-
-/// Returns the identifier of the segment; empty if there is none. Old files have the entry and the
-/// number of the line in the last eight columns.
-std::string_view segment_of(std::string_view record) {
-  const std::string_view segment = field_of(record, segment_columns);
-  if (segment.empty()) return segment;
-  const std::string_view last = column_text(record, segment_columns.first + 4, 4);
-  const bool has_line_number = !last.empty() && std::all_of(last.begin(), last.end(), is_digit);
-  const bool follows_blanks = column_text(record, 66, segment_columns.first - 66).empty();
-  const bool is_segment = !has_line_number && follows_blanks && !is_pdbqt_record(record) &&
-                          element_on_the_left(record).empty();
-  return is_segment ? segment : std::string_view();
 }
 
 /// Returns why the fields of an atom's record may not be in their columns; empty if it is unknown
@@ -471,7 +376,7 @@ class PdbRecords {
       atom.is_left_aligned = given.empty() && layout().is_left_aligned;
       if (given.empty() || !atom.is_polymer) element = element_by_name(atom);
       if (lower_case(element) != lower_case(std::string(given)) || given.empty())
-        guessed_.push_back(lines_.number());
+        guessed_.push_back(static_cast<int>(lines_.number()));
     }
     if (element != field_of(record_, element_columns))
       record_.replace(element_columns.first, element_columns.width, formatted("{:>2}", element));
@@ -578,7 +483,8 @@ class PdbRecords {
   std::string record_;         // the current line with all columns
   std::string records_;        // the text for gemmi
   std::string_view previous_;  // the last record of an atom
-  std::vector<std::uint64_t> guessed_, unread_;
+  std::vector<int> guessed_;   // lines
+  std::vector<std::uint64_t> unread_;
   std::optional<std::string> chain_;  // name of the chain of the last atom that was written
   std::set<std::string> ended_chains_;
   std::map<std::pair<std::string, std::string>, std::size_t> segment_indices_;

@@ -172,13 +172,18 @@ ParsedStructure parse(const StructureText& text, bool needs_occupancies) {
   return parsed;
 }
 
-std::vector<StructureAtom> atoms_of(const gemmi::Model& model) {
+std::vector<StructureAtom> atoms_of(const ParsedStructure& parsed) {
+  const gemmi::Model& model = parsed.structure.models.front();
   std::vector<StructureAtom> atoms;
   atoms.reserve(count_atoms(model));
   for (const gemmi::Chain& chain : model.chains)
     for (const gemmi::Residue& residue : chain.residues)
       for (const gemmi::Atom& atom : residue.atoms)
-        atoms.push_back({&atom, &residue, &chain.name, {atom.pos.x, atom.pos.y, atom.pos.z}});
+        atoms.push_back({&atom,
+                         &residue,
+                         &chain.name,
+                         {atom.pos.x, atom.pos.y, atom.pos.z},
+                         parsed.line_of(atom)});
   return atoms;
 }
 
@@ -186,13 +191,13 @@ void check_coordinates(const std::vector<StructureAtom>& atoms, std::string_view
   for (const StructureAtom& atom : atoms)
     for (const double value : {atom.center.x, atom.center.y, atom.center.z})
       if (!(std::fabs(value) <= max_coordinate))
-        fail_at_line(file, atom.line(),
+        fail_at_line(file, atom.line,
                      formatted("expected coordinates of at most {:.0f} angstrom", max_coordinate));
 }
 
-void sort_by_line(std::vector<StructureAtom>& atoms) {
+void sort_as_in_file(std::vector<StructureAtom>& atoms) {
   const auto is_before = [](const StructureAtom& a, const StructureAtom& b) {
-    return a.line() < b.line();
+    return a.atom->serial < b.atom->serial;
   };
   if (!std::is_sorted(atoms.begin(), atoms.end(), is_before))
     std::stable_sort(atoms.begin(), atoms.end(), is_before);
@@ -257,22 +262,6 @@ std::vector<ChainName> names_of_chains(const gemmi::Model& model, ChainNames kin
   return names;
 }
 
-/// Returns the charges of atoms by their lines; none if the text has none. Atoms that share a line
-/// have unknown charges.
-std::vector<double> charges_of(const std::vector<std::uint64_t>& lines,
-                               const ChargesByLine& charges) {
-  std::vector<double> result;
-  if (charges.empty()) return result;
-  result.reserve(lines.size());
-  for (const std::uint64_t line : lines) {
-    const auto found =
-        std::ranges::lower_bound(charges, line, {}, &ChargesByLine::value_type::first);
-    const bool is_alone = found + 1 == charges.end() || (found + 1)->first != line;
-    result.push_back(is_alone ? found->second : NAN);
-  }
-  return result;
-}
-
 }  // namespace
 
 std::string_view gemmi_version() { return GEMMI_VERSION; }
@@ -306,12 +295,12 @@ AtomFile read_structure(StructureText text,
   std::vector<StructureAtom> atoms;
   if (options.assembly.empty()) {
     if (!text.is_assembly_file) report.other_assemblies = find_other_assemblies(structure);
-    atoms = atoms_of(structure.models.front());
+    atoms = atoms_of(parsed);
   } else {
-    atoms = build_assembly(structure, text, copies, report);
+    atoms = build_assembly(parsed, text, copies, report);
   }
   check_coordinates(atoms, text.name);
-  if (options.assembly.empty()) sort_by_line(atoms);
+  if (options.assembly.empty()) sort_as_in_file(atoms);
   text.check();
   // Returns the memory that gemmi has freed to the system, so that the limit does not include it.
   release_free_memory();
@@ -324,7 +313,9 @@ AtomFile read_structure(StructureText text,
   if (parsed.has_label_chains)
     report.chains = names_of_chains(structure.models.front(), options.chain_names);
   assign_radii(atoms, radii, parsed.guessed_elements, text, result, after_part);
-  if (keeps_labels) result.charges = charges_of(result.lines, parsed.charges);
+  if (keeps_labels && !parsed.charges.empty())
+    for (const StructureAtom& atom : atoms)
+      result.charges.push_back(parsed.charges[static_cast<std::size_t>(atom.atom->serial)]);
   for (const std::uint64_t line : parsed.unread_records) add_unread_record(line, result);
   return result;
 }
