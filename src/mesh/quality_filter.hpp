@@ -26,10 +26,10 @@ class QualityFilter {
 
   MeshQuality quality() const { return mesh_.quality(); }
 
-  /// Returns the estimated memory in bytes. `plane_crossings` is the expected number of crossings
-  /// of a plane.
-  static double memory_bytes(const GridRegion& region, double plane_crossings) {
-    return QualityMesh::memory_bytes(region, plane_crossings, sizeof(VertexLabels));
+  /// Returns the estimated memory in bytes. `window_crossings` is the expected number of crossings
+  /// between the planes of the window.
+  static double memory_bytes(const GridRegion& region, double window_crossings) {
+    return QualityMesh::memory_bytes(region, window_crossings, sizeof(VertexLabels));
   }
 
  private:

@@ -15,12 +15,13 @@ namespace eses::detail::mesh {
 QualityMesh::QualityMesh(const Grid& grid, const GridRegion& region, Sink sink)
     : grid_(grid), region_(region), sink_(std::move(sink)), cells_(grid, region) {}
 
-double QualityMesh::memory_bytes(const GridRegion& region, double plane_crossings,
+int QualityMesh::window_planes() { return freeze_planes + kept_planes + max_drift; }
+
+double QualityMesh::memory_bytes(const GridRegion& region, double window_crossings,
                                  double more_bytes) {
   constexpr double delivered = 1.15;  // part of the lists
-  constexpr double window = delivered * (freeze_planes + kept_planes + max_drift);
   return FacingCells::memory_bytes(region) +
-         window * plane_crossings *
+         delivered * window_crossings *
              (sizeof(Vertex) + sizeof(std::uint64_t) + 2 * sizeof(Face) + more_bytes);
 }
 

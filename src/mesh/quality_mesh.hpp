@@ -80,9 +80,11 @@ class QualityMesh {
   MeshQuality quality() const;
   std::uint64_t vertex_count() const { return next_number_; }
 
-  /// Returns the estimated memory in bytes for this number of crossings of a plane, with
-  /// `more_bytes` for each vertex of the window.
-  static double memory_bytes(const GridRegion& region, double plane_crossings, double more_bytes);
+  /// Number of planes whose vertices and triangles are in the window.
+  static int window_planes();
+  /// Returns the estimated memory in bytes for this number of crossings between the planes of the
+  /// window, with `more_bytes` for each vertex.
+  static double memory_bytes(const GridRegion& region, double window_crossings, double more_bytes);
 
  private:
   // Numbers of vertices and triangles modulo 2^32, see SlidingList. A corner is 4 * triangle + 0, 1

@@ -319,9 +319,11 @@ void MeshText::append_columns(std::span<const FileVertex> vertices,
 }
 
 void MeshText::append_triangles(const MeshPiece& piece, TextBuffer& text) const {
-  char* out = text.reserve(max_triangle_bytes * piece.triangles.size());
+  // Most formats need far less than the maximum, so room is reserved for one triangle at a time.
+  const auto room = [&text] { return text.reserve(max_triangle_bytes); };
   const auto put_all = [&](auto&& put_triangle) {
-    for (const Triangle& triangle : piece.triangles) out = put_triangle(out, triangle);
+    for (const Triangle& triangle : piece.triangles)
+      text.advance_to(put_triangle(room(), triangle));
   };
   switch (format_) {
     case MeshFormat::ply:
@@ -342,13 +344,13 @@ void MeshText::append_triangles(const MeshPiece& piece, TextBuffer& text) const 
       break;
     case MeshFormat::msms:
       for (std::size_t i = 0; i < piece.triangles.size(); ++i)
-        out = put_msms_triangle(out, piece.triangles[i], piece.triangle_patches[i]);
+        text.advance_to(put_msms_triangle(room(), piece.triangles[i], piece.triangle_patches[i]));
       break;
     case MeshFormat::stl:
-      for (const TrianglePoints& corners : piece.corners) out = put_stl_triangle(out, corners);
+      for (const TrianglePoints& corners : piece.corners)
+        text.advance_to(put_stl_triangle(room(), corners));
       break;
   }
-  text.advance_to(out);
 }
 
 void MeshText::append(const MeshPiece& piece, std::span<TextBuffer> sections) const {

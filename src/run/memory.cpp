@@ -1,6 +1,7 @@
 #include "run/memory.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <string>
 #include <utility>
 
@@ -47,11 +48,25 @@ double blocks_in_layer(const BlockTiling& tiling) {
   return as_double(tiling.blocks[0]) * as_double(tiling.blocks[1]);
 }
 
-double text_bytes(const GridRegion& region, const Outputs& outputs) {
-  // The estimate of 24 bytes for each point includes dense crossings.
+// Returns the expected number of crossings of the rows that a thread formats at a time.
+double crossings_of_batch(const SurfaceSurvey& survey, const Grid& grid, const GridRegion& region) {
+  constexpr double min_height = 4;  // angstrom; the area of a thinner slab is uncertain
+  constexpr double densest = 1.5;   // part of a plane, relative to the mean
+  const double planes = as_double(rows_per_batch(region.size()[0])) / as_double(region.size()[1]);
+  const double height = grid.spacing * (planes < 1 ? densest * planes : std::ceil(planes));
+  const double slab = std::max(height, min_height);
+  return height / slab * expected_crossings(survey.max_slab_area(slab), grid.spacing);
+}
+
+double text_bytes(const SurfaceSurvey& survey, const Grid& grid, const GridRegion& region,
+                  const Outputs& outputs) {
+  // The estimate of 24 bytes for each point includes dense crossings on fine grids.
   const std::int64_t row = region.size()[0];
   const double points = as_double(rows_per_batch(row) * row), batch = points * 24;
-  double bytes = (outputs.grid ? batch : 0) + (outputs.edges ? batch / 2 : 0);
+  double bytes = outputs.grid ? batch : 0;
+  if (outputs.edges)
+    bytes += std::max(batch / 2, list_growth * static_cast<double>(typical_crossing_bytes) *
+                                     crossings_of_batch(survey, grid, region));
   if (outputs.gzip) bytes += Gzip::state_bytes + (outputs.grid || outputs.edges ? batch : 0);
   double map = 0;  // maps are made one after the other
   for (const MapChoice& choice : chosen_maps(outputs)) {
@@ -74,11 +89,12 @@ std::uint64_t heap_bytes_of(const std::string& text) {
   return text.capacity() > room_within ? text.capacity() + allocator : 0;
 }
 
-double bytes_of_thread(const SurfaceSurvey& survey, const Grid& grid, const Schedule& schedule,
-                       const Outputs& outputs) {
-  return bytes_per_thread + text_bytes(schedule.tiling.region, outputs) +
-         BlockWorkspace::memory_bytes(survey, points_of_block(schedule.tiling), grid.spacing) +
-         kept_per_block * blocks_in_layer(schedule.tiling);
+double bytes_of_threads(const SurfaceSurvey& survey, const Grid& grid, const Schedule& schedule,
+                        const Outputs& outputs) {
+  return schedule.threads *
+             (bytes_per_thread + text_bytes(survey, grid, schedule.tiling.region, outputs) +
+              kept_per_block * blocks_in_layer(schedule.tiling)) +
+         BlockWorkspace::memory_bytes(survey, grid, schedule.tiling, schedule.threads);
 }
 
 // Returns the memory of the results of a layer and of a fraction of the next one.
@@ -96,9 +112,19 @@ double bytes_of_layers(const SurfaceSurvey& survey, const Grid& grid, const Bloc
              (outputs.mesh ? halo_growth(tiling) : 1) * expected_crossings(area, grid.spacing);
 }
 
+// Returns the memory that improves a mesh. The area between many planes is known better from a
+// sample than that between two.
+double bytes_of_improving(const SurfaceSurvey& survey, const Grid& grid,
+                          const BlockTiling& tiling) {
+  const double height = mesh::QualityMesh::window_planes() * grid.spacing;
+  return mesh::QualityFilter::memory_bytes(
+      tiling.region_with_halo,
+      halo_growth(tiling) * expected_crossings(survey.max_slab_area(height), grid.spacing));
+}
+
 // Returns the maximum fraction of the next layer that is solved before the current one is written.
 double fraction_ahead(const Schedule& schedule) {
-  constexpr double fullest = 2;  // maximum memory of a block, relative to the mean
+  constexpr double fullest = 1.5;  // maximum memory of a block, relative to the mean
   if (schedule.tiling.blocks[2] < 2) return 0;
   return std::min(1.0,
                   fullest * as_double(schedule.blocks_ahead) / blocks_in_layer(schedule.tiling));
@@ -157,7 +183,6 @@ double expected_memory(const SurfaceSurvey& survey, const MemoryBudget& budget, 
   const LabelTotals& labels = budget.labels;
   const auto atoms = static_cast<double>(survey.atom_count());
   const BlockTiling& tiling = schedule.tiling;
-  const double threads = schedule.threads;
   // If blocks of the next layer are solved ahead, the patches of two layers are in memory.
   const double layers = schedule.blocks_ahead > 0 && tiling.blocks[2] > 1 ? 2 : 1;
   const double height = layers * grid.spacing * as_double(points_of_block(tiling)[2] - 1);
@@ -173,9 +198,7 @@ double expected_memory(const SurfaceSurvey& survey, const MemoryBudget& budget, 
   // In place, the mesh is improved during the sweep. Otherwise it is improved afterwards, when
   // blocks and patches are freed.
   double improving =
-      outputs.mesh && outputs.mesh->quality
-          ? mesh::QualityFilter::memory_bytes(tiling.region_with_halo, crossings_of_plane)
-          : 0;
+      outputs.mesh && outputs.mesh->quality ? bytes_of_improving(survey, grid, tiling) : 0;
   if (budget.is_in_place) held += std::exchange(improving, 0);
   constexpr double bytes_per_area = 2 * sizeof(double) + list_growth * sizeof(AtomSum);
   double names = 0;
@@ -187,7 +210,7 @@ double expected_memory(const SurfaceSurvey& survey, const MemoryBudget& budget, 
                                 static_cast<double>(labels.chain_text_bytes));
   const double solving = survey.patch_bytes(height, schedule.threads) +
                          GridText::memory_bytes(grid) + (outputs.mesh ? token_bytes(grid) : 0) +
-                         threads * bytes_of_thread(survey, grid, schedule, outputs) +
+                         bytes_of_threads(survey, grid, schedule, outputs) +
                          std::max({held, bytes_per_area * atoms, improving});
   return min_expected_memory(survey.atom_count()) + names + solving;
 }

@@ -118,6 +118,26 @@ void merge_irregular_placements(std::vector<const ProbePlacement*>& placements) 
   std::erase(placements, nullptr);
 }
 
+// Returns the box of the block that has the grid point at or below a position, or of the nearest
+// one.
+Box box_of_block(const Grid& grid, const BlockTiling& tiling, const Vec3& position) {
+  GridIndex index{};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const double last = static_cast<double>(tiling.blocks[axis] - 1);
+    const double points = (position[axis] - grid.origin[axis]) / grid.spacing -
+                          static_cast<double>(tiling.region.begin[axis]);
+    const double block = std::floor(points / static_cast<double>(tiling.block_size[axis] - 1));
+    index[axis] = static_cast<std::int64_t>(std::clamp(block, 0.0, last));
+  }
+  const BlockBounds bounds = tiling.block_with_halo(index[0], index[1], index[2]);
+  Box box;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    box.low[axis] = grid.coordinate(axis, bounds.first[axis]);
+    box.high[axis] = grid.coordinate(axis, bounds.first[axis] + bounds.points[axis] - 1);
+  }
+  return box;
+}
+
 }  // namespace
 
 void BlockGrid::reset(const Grid& new_grid, const BlockBounds& new_block) {
@@ -135,23 +155,31 @@ void BlockGrid::reset(const Grid& new_grid, const BlockBounds& new_block) {
   }
 }
 
-double BlockFeatures::memory_bytes(const SurfaceSurvey& survey, Vec3 half_sides) {
+double BlockFeatures::memory_bytes(const SurfaceSurvey& survey, const Grid& grid,
+                                   const BlockTiling& tiling, int threads) {
   const auto atoms = static_cast<double>(survey.patched_count());
   const PatchTotals& totals = survey.totals();
-  const auto [reaching_box, found] = survey.max_atoms_near(half_sides);
-  constexpr double denser = 1.1;  // ratio to the maximum of the sample
-  const auto bound = [&](std::size_t count) {
-    return std::min(atoms, denser * static_cast<double>(count));
-  };
   constexpr double indices = 32;  // bytes of a patch in the cells of PatchIndex
   const double per_atom =
       sizeof(BallFeature) + sizeof(FaceFeature) + indices +
       (sizeof(CapCone) * totals.face_neighbours + (sizeof(ArcFeature) + indices) * totals.arcs +
        (sizeof(PlacementFeature) + indices) * totals.placements) /
           atoms;
-  // Lists keep their maximum capacity, which can be twice the maximum size.
-  constexpr double doubled = 2;
-  return doubled * (sizeof(AtomIndex) * bound(found) + per_atom * bound(reaching_box));
+  constexpr double denser = 1.1;  // ratio to the maximum of the sample
+  const auto bound = [&](std::size_t count) {
+    return std::min(atoms, denser * static_cast<double>(count));
+  };
+  const std::vector<SurfaceSurvey::AtomsNear> near = survey.atoms_near_blocks(
+      [&](const Vec3& point) { return box_of_block(grid, tiling, point); });
+  double bytes = 0;
+  for (std::int64_t k = 0; k < std::min<std::int64_t>(threads, tiling.block_count()); ++k) {
+    const auto& [reaching_box, found] =
+        near[std::min(static_cast<std::size_t>(k), near.size() - 1)];
+    bytes += sizeof(AtomIndex) * bound(found) + per_atom * bound(reaching_box);
+  }
+  // Growing lists leave unused capacity.
+  constexpr double growth = 1.5;
+  return growth * bytes;
 }
 
 void collect_features(const Patches& patches, const Box& box, BlockFeatures& features) {

@@ -101,8 +101,10 @@ struct BlockFeatures {
   std::vector<ListedPatches> listed;                   ///< for clusters with crowded atoms
   std::vector<const ProbePlacement*> near_placements;  ///< placements near the block
 
-  /// Returns the estimated memory in bytes for any box with these half sides (angstrom).
-  static double memory_bytes(const SurfaceSurvey& survey, Vec3 half_sides);
+  /// Returns the estimated memory in bytes of all threads, each of which keeps the memory of its
+  /// largest block.
+  static double memory_bytes(const SurfaceSurvey& survey, const Grid& grid,
+                             const BlockTiling& tiling, int threads);
 
   /// The cones of a face.
   std::span<const CapCone> cones_of(const FaceFeature& face) const {

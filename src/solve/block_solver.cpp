@@ -146,20 +146,18 @@ double BlockResult::memory_bytes(const GridIndex& points, const BlockExtras& ext
 }
 
 double BlockResult::crossing_bytes(const BlockExtras& extras) {
-  // With the unused capacity of a growing list, a BlockCrossing takes as much memory as a Crossing.
-  return sizeof(Crossing) +
+  return sizeof(BlockCrossing) +
          (extras.inside_fractions ? list_growth * sizeof(InsideFractions::Edge) : 0);
 }
 
-double BlockWorkspace::memory_bytes(const SurfaceSurvey& survey, const GridIndex& points,
-                                    double spacing) {
+double BlockWorkspace::memory_bytes(const SurfaceSurvey& survey, const Grid& grid,
+                                    const BlockTiling& tiling, int threads) {
   // Undecided points, edges along three axes, and their ranks.
   constexpr double bytes_per_word = 4 * sizeof(std::uint64_t) + sizeof(std::uint32_t);
-  Vec3 half;
-  for (std::size_t axis = 0; axis < 3; ++axis)
-    half[axis] = 0.5 * spacing * static_cast<double>(points[axis] - 1);
-  return bytes_per_word * static_cast<double>(PointBits::word_count(points)) +
-         BlockFeatures::memory_bytes(survey, half);
+  const auto words =
+      static_cast<double>(PointBits::word_count(tiling.block_with_halo(0, 0, 0).points));
+  return threads * bytes_per_word * words +
+         BlockFeatures::memory_bytes(survey, grid, tiling, threads);
 }
 
 BlockResult solve_block(const Patches& patches, const Grid& grid, const BlockBounds& block,

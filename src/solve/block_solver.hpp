@@ -49,8 +49,9 @@ struct BlockResult {
 
 /// Scratch memory and sums of one thread.
 struct BlockWorkspace {
-  /// Returns the estimated memory in bytes for blocks with this number of points.
-  static double memory_bytes(const SurfaceSurvey& survey, const GridIndex& points, double spacing);
+  /// Returns the estimated memory in bytes of all threads.
+  static double memory_bytes(const SurfaceSurvey& survey, const Grid& grid,
+                             const BlockTiling& tiling, int threads);
 
   BlockExtras extras;
   BlockGrid grid;

@@ -14,7 +14,7 @@ namespace {
 using std::numbers::pi;
 // The sample is small, so that the survey takes little time compared with the patches of all atoms.
 constexpr std::size_t min_samples = 128, max_samples = 1024, atoms_per_sample = 16;
-constexpr std::size_t sampled_boxes = 12;
+constexpr std::size_t sampled_boxes = 24;
 constexpr double max_ratio_to_mean = 16;  // of the area of a sampled SAS sphere
 constexpr double sampling_slack = 1.15;   // of the area of a slab
 constexpr std::size_t bins = 4096;        // number of bins along z
@@ -238,23 +238,28 @@ double SurfaceSurvey::patch_bytes(double height, int threads) const {
          per_neighbour * std::min(totals_.crowded_neighbours, threads * totals_.max_neighbours);
 }
 
-SurfaceSurvey::AtomsNear SurfaceSurvey::max_atoms_near(Vec3 half_sides) const {
+std::vector<SurfaceSurvey::AtomsNear> SurfaceSurvey::atoms_near_blocks(
+    const std::function<Box(const Vec3&)>& box_of) const {
   const double probe = surface_.probe_radius;
-  const std::size_t count = patched_count(), box_count = std::min(count, sampled_boxes);
+  const std::size_t count = patched_count(), samples = std::min(count, sampled_boxes);
+  std::vector<Box> boxes;
   std::vector<AtomIndex> found;
-  AtomsNear maxima;
-  for (std::size_t s = 0; s < box_count; ++s) {
-    const Vec3 center = surface_.atoms[patched_[(2 * s + 1) * count / (2 * box_count)]].center;
-    const Box box{center - half_sides, center + half_sides};
+  std::vector<AtomsNear> near;
+  for (std::size_t s = 0; s < samples; ++s) {
+    const Box box = box_of(surface_.atoms[patched_[(2 * s + 1) * count / (2 * samples)]].center);
+    const auto is_same = [&](const Box& other) { return other.low == box.low; };
+    if (std::any_of(boxes.begin(), boxes.end(), is_same)) continue;
+    boxes.push_back(box);
     surface_.tree().find_reaching(box, 2 * probe, found);
     const auto reaching = std::count_if(found.begin(), found.end(), [&](AtomIndex i) {
       const Atom& atom = surface_.atoms[i];
       return overlap(box, ball_box(atom.center, atom.radius + probe));
     });
-    maxima.reaching_box = std::max(maxima.reaching_box, static_cast<std::size_t>(reaching));
-    maxima.found = std::max(maxima.found, found.size());
+    near.push_back({static_cast<std::size_t>(reaching), found.size()});
   }
-  return maxima;
+  std::sort(near.begin(), near.end(),
+            [](const AtomsNear& a, const AtomsNear& b) { return a.reaching_box > b.reaching_box; });
+  return near;
 }
 
 }  // namespace eses::detail

@@ -7,6 +7,7 @@
 /// sizes of files, are proportional to the area.
 
 #include <cstddef>
+#include <functional>
 #include <optional>
 #include <vector>
 
@@ -48,13 +49,14 @@ class SurfaceSurvey {
   /// threads. Includes the keys of placements in incomplete clusters, and scratch memory.
   double patch_bytes(double height, int threads) const;
 
-  /// Numbers of atoms near a box.
+  /// Numbers of atoms near the box of a block.
   struct AtomsNear {
     std::size_t reaching_box = 0;  ///< atoms whose SAS ball may meet the box
     std::size_t found = 0;         ///< atoms that a search for patches near the box finds
   };
-  /// Returns the maxima for boxes with these half sides around some of the atoms.
-  AtomsNear max_atoms_near(Vec3 half_sides) const;
+  /// Returns the numbers for the blocks that have some of the atoms, most atoms first. `box_of`
+  /// returns the box of the block at a point.
+  std::vector<AtomsNear> atoms_near_blocks(const std::function<Box(const Vec3&)>& box_of) const;
 
  private:
   void take_samples();
