@@ -10,6 +10,7 @@
 #include "eses/version.hpp"
 #include "input/closest_name.hpp"
 #include "input/read_structure.hpp"
+#include "input/text_fields.hpp"
 #include "system/dispatch.hpp"
 #include "system/formatted.hpp"
 
@@ -83,6 +84,11 @@ class HelpFormatter : public CLI::Formatter {
   HelpText text_;
 };
 
+/// Returns whether a text looks like an option, which may be mistyped. Negative numbers do not.
+bool has_form_of_option(const std::string& text) {
+  return text.size() > 1 && text[0] == '-' && (text[1] == '-' || is_letter(text[1]));
+}
+
 /// Throws UsageError where CLI11 would take the next argument for a missing value: after `--name=`,
 /// and before another option, as in `--surface --write none`.
 void refuse_missing_values(CLI::App& app, const Arguments& arguments) {
@@ -97,11 +103,12 @@ void refuse_missing_values(CLI::App& app, const Arguments& arguments) {
     if (option == nullptr || option->get_items_expected_min() == 0 || i + 1 == arguments.size())
       continue;
     const std::string& value = arguments[i + 1];
-    if (option_named(value) == nullptr) continue;
+    if (option_named(value) == nullptr && !has_form_of_option(value)) continue;
     option->add_result(value);
     option->run_callback();  // throws with what it expects, unless it accepts all texts
-    throw UsageError(
-        formatted("{0} needs a value before {1}; for the text '{1}', write {0}={1}", name, value));
+    const std::string equal_sign = name.starts_with("--") ? "=" : "";  // as in -oVALUE
+    throw UsageError(formatted("{0} needs a value before {1}; for the text '{1}', write {0}{2}{1}",
+                               name, value, equal_sign));
   }
 }
 

@@ -56,6 +56,8 @@ struct Command {
   bool is_linked = false;    ///< whether a link to the program, such as eses-msms, chooses it
 };
 
+constexpr int closed_pipe_code = 128 + SIGPIPE;
+
 constexpr Command surface_command;
 constexpr std::array named_commands{
     Command{.name = "diff", .perform = perform_diff, .failure_code = exit_trouble},
@@ -98,7 +100,11 @@ int perform_or_notify(const Command& command, const Arguments& arguments,
   if (command.perform == nullptr) return perform_surface(arguments, processes);
   return processes.is_first() ? command.perform(arguments) : exit_done;
 } catch (const Notice& notice) {
-  if (processes.is_first()) print(notice.text);
+  try {
+    if (processes.is_first()) print(notice.text);
+  } catch (const ClosedPipe&) {
+    return closed_pipe_code;  // as a filter
+  }
   return exit_done;
 }
 
@@ -127,7 +133,7 @@ int perform(const Command& command, const Arguments& arguments, const Processes&
     if (processes.is_first()) print_message("error", message_of(error));
     return command.failure_code;
   } catch (const ClosedPipe& error) {
-    return command.only_prints ? 128 + SIGPIPE : fail(error.what());
+    return command.only_prints ? closed_pipe_code : fail(error.what());
   } catch (const Interrupted& interrupted) {
     return end_all(processes, interrupted.exit_code);
   } catch (const std::bad_alloc&) {

@@ -250,7 +250,7 @@ void check_surfaces(const MeasureCommandOptions& options) {
     refuse_if(options.cavities, "--cavities", "ses");
     refuse_if(options.pockets, "--pockets", "ses");
     for (const Table* const table : options.needed_tables())
-      refuse_if(table->needs_ses(), options.option_of(*table), "ses");
+      refuse_if(table->has(needs_ses), options.option_of(*table), "ses");
   }
   if (surfaces.has_ses() || surfaces.has_sas()) return;
   for (const Table* const table : options.needed_tables())

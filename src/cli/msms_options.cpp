@@ -158,12 +158,13 @@ constexpr Option known_options[] = {
     {"--allow-far-atoms", set<&MsmsOptions::allow_far_atoms, true>},
 };
 
-/// Throws UsageError if a file has the name of an option, because its own name is missing.
+/// Throws UsageError if a file has the name of an option, perhaps shortened, because its own name
+/// is missing.
 void refuse_missing_file(const Option& option, std::span<const std::string> values) {
   const bool takes_file = option.name == "-if" || option.name == "-of" || option.name == "-af";
-  if (takes_file && !values.empty() &&
+  if (takes_file && !values.empty() && values.front().size() > 1 &&
       std::any_of(std::begin(known_options), std::end(known_options),
-                  [&](const Option& other) { return other.name == values.front(); }))
+                  [&](const Option& other) { return other.name.starts_with(values.front()); }))
     throw UsageError(formatted("{0} needs a value before {1}; for a file of this name, write ./{1}",
                                option.name, values.front()));
 }

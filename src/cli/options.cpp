@@ -2,6 +2,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <cstdlib>
 #include <filesystem>
@@ -358,9 +359,11 @@ std::string advice_for_command(const Arguments& arguments, std::string_view mess
        {"apbs", "assemble", "pdbbind", "render", "report", "traj", "view"})
     if (!arguments.empty() && arguments.front() == tool)
       return formatted("; did you mean 'eses-{}', a program of its own?", tool);
-  constexpr std::string_view start = "PROBE is '";
-  if (!message.starts_with(start)) return {};
-  message.remove_prefix(start.size());
+  const bool is_positional = std::ranges::any_of(
+      std::array{"PROBE is '", "SPACING is '", "MARGIN is '", "unexpected argument '"},
+      [message](const char* start) { return message.starts_with(start); });
+  if (!is_positional) return {};
+  message.remove_prefix(message.find('\'') + 1);
   const std::string value(message.substr(0, message.find('\'')));
   if (value.starts_with("--")) return "; options must come before '--' and FILE";
   return std::filesystem::exists(value, ignored)

@@ -144,6 +144,19 @@ TEST_CASE("mistyped options and commands have suggestions", "[cli]") {
       {{"pair.xyzr", "atom.xyzr"},
        "PROBE is 'atom.xyzr', expected a number from 0.01 to 1000, in angstrom; one file at a "
        "time, or 'eses-blocks measure FILE...' for many"},
+      {{"pair.xyzr", "1.4", "atom.xyzr"},
+       "SPACING is 'atom.xyzr', expected a finite number greater than 0, in angstrom; one file at "
+       "a "
+       "time, or 'eses-blocks measure FILE...' for many"},
+      {{"pair.xyzr", "1.4", "0.5", "1", "atom.xyzr"},
+       "unexpected argument 'atom.xyzr' after FILE, PROBE, SPACING and MARGIN; one file at a time, "
+       "or 'eses-blocks measure FILE...' for many"},
+      {{"pair.xyzr", "-o", "-q"}, "-o needs a value before -q; for the text '-q', write -o-q"},
+      {{"pair.xyzr", "-o", "-d"}, "-o needs a value before -d; for the text '-d', write -o-d"},
+      {{"measure", "pair.xyzr", "--csv", "--quite"},
+       "--csv needs a value before --quite; for the text '--quite', write --csv=--quite"},
+      {{"msms", "-if", "pair.xyzr", "-of", "-d", "3"},
+       "-of needs a value before -d; for a file of this name, write ./-d"},
       {{"pair.xyzr", "--surface", "--write", "none"},
        "--surface is '--write', expected ses, sas or vdw"},
       {{"measure", "pair.xyzr", "--csv", "--quiet"},

@@ -92,11 +92,16 @@ TEST_CASE("a closed pipe is an error, not a signal", "[cli]") {
   CHECK(contains(read_file(sandbox.directory() / "err"), "cannot write to standard output"));
 }
 
-TEST_CASE("a closed pipe ends a command that only prints without a message", "[cli]") {
-  const Sandbox sandbox;
-  REQUIRE(shell("cd " + shell_quoted(sandbox.directory().string()) + " && mkfifo go && { cat go; " +
-                Sandbox::command({"measure", "pair.xyzr", "-q"}) +
-                " 2>err; echo $? >code; } | { exec <&-; echo >go; }; cat code >/dev/null") == 0);
-  CHECK(read_file(sandbox.directory() / "code") == "141\n");
-  CHECK(read_file(sandbox.directory() / "err").empty());
+TEST_CASE("a closed pipe ends what only prints without a message", "[cli]") {
+  for (const Arguments& arguments :
+       {Arguments{"measure", "pair.xyzr", "-q"}, Arguments{"--help"}, Arguments{"--version"},
+        Arguments{"diff", "--help"}, Arguments{"msms", "--help"}}) {
+    const Sandbox sandbox;
+    INFO(Sandbox::command(arguments));
+    REQUIRE(shell("cd " + shell_quoted(sandbox.directory().string()) +
+                  " && mkfifo go && { cat go; " + Sandbox::command(arguments) +
+                  " 2>err; echo $? >code; } | { exec <&-; echo >go; }; cat code >/dev/null") == 0);
+    CHECK(read_file(sandbox.directory() / "code") == "141\n");
+    CHECK(read_file(sandbox.directory() / "err").empty());
+  }
 }
