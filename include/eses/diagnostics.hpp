@@ -52,6 +52,8 @@ struct Diagnostic {
     AtomIndex other = 0;
     /// Line of the file, from 1, if it is not an atom that is suspicious; 0 otherwise.
     std::uint64_t line = 0;
+
+    bool operator==(const Example&) const = default;
   };
   /// The largest number of examples.
   static constexpr std::size_t max_examples = 5;
@@ -59,6 +61,8 @@ struct Diagnostic {
   DiagnosticKind kind = DiagnosticKind::duplicate;  ///< What is suspicious.
   std::uint64_t count = 0;                          ///< Number of atoms with this diagnostic.
   std::vector<Example> examples;  ///< The first of these atoms, ascending by `atom`.
+
+  bool operator==(const Diagnostic&) const = default;
 };
 
 #pragma GCC visibility push(default)

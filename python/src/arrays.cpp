@@ -27,15 +27,28 @@ bool is_real_frame(const py::object& values) {
   return true;
 }
 
+// Returns numpy.asarray(values). Raises ValueError with the name for lists of different lengths.
+py::array as_array(const py::object& values, const std::string& name) {
+  try {
+    return py::module_::import("numpy").attr("asarray")(values).cast<py::array>();
+  } catch (py::error_already_set& error) {
+    if (!error.matches(PyExc_ValueError)) throw;
+    const std::string text =
+        name + " is no array of numbers: " + py::str(error.value()).cast<std::string>();
+    py::raise_from(error, PyExc_ValueError, text.c_str());
+    throw py::error_already_set();
+  }
+}
+
 }  // namespace
 
 py::array real_array(const py::object& values, const std::string& name) {
   const auto numpy = py::module_::import("numpy");
   if (numpy.attr("ma").attr("is_masked")(values).cast<bool>())
     throw py::value_error(name + " has masked entries; leave these atoms out of both arrays");
-  const auto array =
-      (is_real_frame(values) ? values.attr("to_numpy")("float64") : numpy.attr("asarray")(values))
-          .cast<py::array>();
+  const py::array array = is_real_frame(values)
+                              ? values.attr("to_numpy")("float64").cast<py::array>()
+                              : as_array(values, name);
   // asarray makes an array of floats from an empty list, so an empty list passes this check.
   if (const char kind = array.dtype().kind(); kind != 'f' && kind != 'i' && kind != 'u')
     throw py::type_error(name + " must be an array of real numbers, not of type " +

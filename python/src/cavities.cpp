@@ -193,7 +193,7 @@ py::list find_at_selection(const ChosenSurface& surface, const char* method, con
 
 py::list find_cavities(const ChosenSurface& surface, std::optional<double> probe_radius,
                        const py::object& at, const py::object& atoms, const py::object& balls,
-                       int threads) {
+                       ThreadCount threads) {
   require_excluded(surface, "cavities");
   if (py::isinstance<py::str>(at))
     return find_at_selection(
@@ -248,7 +248,7 @@ auto find_interruptibly(PocketOptions& options, Find&& find) {
 py::list find_all_pockets(const ChosenSurface& surface, double large_probe, double spacing,
                           std::optional<double> min_volume, std::optional<double> probe_radius,
                           const py::object& at, const py::object& atoms, const py::object& balls,
-                          int threads, bool allow_far_atoms) {
+                          ThreadCount threads, bool allow_far_atoms) {
   require_excluded(surface, "pockets");
   if (py::isinstance<py::str>(at))
     return find_at_selection(

@@ -19,7 +19,7 @@ namespace {
 // Returns a tuple for each interface: the numbers of its parts, and the indices, lost SAS areas and
 // lost SES areas of its atoms. The part of an atom that is left out is negative.
 py::list measure_parts(const ChosenSurface& surface, const std::vector<std::int64_t>& parts,
-                       int threads) {
+                       ThreadCount threads) {
   const std::vector<std::uint32_t> numbers(parts.begin(), parts.end());
   std::vector<Interface> found;
   {

@@ -270,11 +270,22 @@ void require_separate(const py::sequence& frames) {
   }
 }
 
+// Raises ValueError if the last frame has another shape than the first one.
+void require_same_shape(const py::list& frames) {
+  const auto first = frames[0].cast<py::array>(),
+             last = frames[frames.size() - 1].cast<py::array>();
+  if (first.attr("shape").equal(last.attr("shape"))) return;
+  throw py::value_error("all frames must have the same atoms: frame " +
+                        std::to_string(frames.size() - 1) + " has shape " + shape_text(last) +
+                        ", frame 0 has " + shape_text(first));
+}
+
 // Returns the frames as one array. A reader of trajectories may yield the same buffer for each
 // frame, so the frames of everything but an array are copied one by one.
 py::array frames_array(const py::object& frames) {
   constexpr const char* name = "frames";
-  if (py::hasattr(frames, "__array__") || !py::isinstance<py::iterable>(frames))
+  const bool is_text = py::isinstance<py::str>(frames) || py::isinstance<py::bytes>(frames);
+  if (py::hasattr(frames, "__array__") || !py::isinstance<py::iterable>(frames) || is_text)
     return real_array(frames, name);
   // A reader of MDAnalysis begins anew if it is asked again after its end, which the iterators of
   // pybind11 do.
@@ -282,8 +293,10 @@ py::array frames_array(const py::object& frames) {
     require_separate(frames);
   const py::iterator iterator = py::iter(frames);
   py::list copies;
-  while (const auto frame = py::reinterpret_steal<py::object>(PyIter_Next(iterator.ptr())))
-    copies.append(real_array(frame, name).attr("copy")());
+  while (const auto frame = py::reinterpret_steal<py::object>(PyIter_Next(iterator.ptr()))) {
+    copies.append(real_array(frame, "frame " + std::to_string(copies.size())).attr("copy")());
+    require_same_shape(copies);
+  }
   if (PyErr_Occurred() != nullptr) throw py::error_already_set();
   return real_array(copies, name);
 }
@@ -354,7 +367,7 @@ std::vector<double> make_weights(const py::object& weights, std::size_t atoms) {
 
 MeasureOptions make_measure_options(std::optional<double> probe_radius, bool ses,
                                     bool van_der_waals, bool by_atom, bool derivatives,
-                                    std::span<const double> weights, int threads) {
+                                    std::span<const double> weights, ThreadCount threads) {
   return {.probe_radius = probe_radius,
           .ses = ses,
           .van_der_waals = van_der_waals,
@@ -367,7 +380,7 @@ MeasureOptions make_measure_options(std::optional<double> probe_radius, bool ses
 Record<MeasuresKind> measure_surface(const ChosenSurface& surface,
                                      std::optional<double> probe_radius, bool ses,
                                      bool van_der_waals, bool by_atom, bool derivatives,
-                                     const py::object& weights, int threads) {
+                                     const py::object& weights, ThreadCount threads) {
   require_excluded(surface, "measure",
                    "; its measures have sas_area, and vdw_area with van_der_waals=True");
   const std::vector<double> weight_of = make_weights(weights, surface.atoms().size());
@@ -387,7 +400,7 @@ Record<FrameMeasuresKind> measure_all_frames(const py::object& frames, const py:
                                              double probe_radius, bool ses, bool van_der_waals,
                                              bool by_atom, bool derivatives,
                                              const py::object& weights,
-                                             const py::object& fill_cavities, int threads) {
+                                             const py::object& fill_cavities, ThreadCount threads) {
   const Frames source(frames);
   const SurfaceOptions surface{.max_filled_void = max_filled_void(fill_cavities)};
   const std::vector<double> radius_of =

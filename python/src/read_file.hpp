@@ -12,15 +12,19 @@
 
 namespace eses::python {
 
-/// Returns the path of a file. Raises TypeError for other objects; `others` names those that are
-/// accepted besides.
+/// Returns the path of a file. Raises ValueError for a path with a null character, and TypeError
+/// for other objects; `others` names those that are accepted besides.
 inline std::filesystem::path path_of(const pybind11::object& file, const char* others = "") {
   pybind11::detail::make_caster<std::filesystem::path> caster;
-  if (!caster.load(file, true))
-    throw pybind11::type_error(
-        "path must be a str, bytes, os.PathLike" + std::string(others) + ", not " +
-        pybind11::str(pybind11::type::of(file).attr("__name__")).cast<std::string>());
-  return pybind11::detail::cast_op<std::filesystem::path>(std::move(caster));
+  if (caster.load(file, true))
+    return pybind11::detail::cast_op<std::filesystem::path>(std::move(caster));
+  if (pybind11::isinstance<pybind11::str>(file) || pybind11::isinstance<pybind11::bytes>(file) ||
+      pybind11::hasattr(file, "__fspath__"))
+    throw pybind11::value_error("the path is no name of a file: " +
+                                pybind11::repr(file).cast<std::string>());
+  throw pybind11::type_error(
+      "path must be a str, bytes, os.PathLike" + std::string(others) + ", not " +
+      pybind11::str(pybind11::type::of(file).attr("__name__")).cast<std::string>());
 }
 
 /// Calls `read` without the interpreter's lock and returns its result. An error in the content of

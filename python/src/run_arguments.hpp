@@ -9,12 +9,13 @@
 #include <optional>
 
 #include "arrays.hpp"
+#include "threads.hpp"
 
 namespace eses::python {
 
 /// Arguments of a computation as Python gives them.
 struct RunArguments {
-  int threads = 0;
+  ThreadCount threads = {};
   std::int64_t block_size = 0;
   std::optional<IndexCorners> blocks, region;
   std::uint64_t max_memory = 0;

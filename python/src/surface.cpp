@@ -216,7 +216,7 @@ double checked_probe_radius(const std::string& kind, const std::optional<double>
 
 ChosenSurface make_surface(const py::object& centers, const py::object& radii,
                            const std::optional<double>& probe_radius, const std::string& kind,
-                           const py::object& fill_cavities, int threads) {
+                           const py::object& fill_cavities, ThreadCount threads) {
   const std::optional<double> max_void = max_filled_void(fill_cavities);
   const double probe = checked_probe_radius(kind, probe_radius, max_void);
   std::vector<Atom> atoms = make_atoms(centers, radii);
@@ -235,7 +235,8 @@ ChosenSurface make_surface(const py::object& centers, const py::object& radii,
 // Makes a surface, and warns of suspicious atoms.
 void construct_surface(py::detail::value_and_holder& self, const py::object& centers,
                        const py::object& radii, const std::optional<double>& probe_radius,
-                       const std::string& kind, const py::object& fill_cavities, int threads) {
+                       const std::string& kind, const py::object& fill_cavities,
+                       ThreadCount threads) {
   py::object its_centers = centers, its_radii = radii, files = py::tuple();
   py::object molecule, selector;
   // A molecule of another library, or a file, perhaps with the name of a set of radii.
@@ -269,7 +270,7 @@ void set_surface_state(py::detail::value_and_holder& self, const py::tuple& stat
       unpack_state<std::tuple<py::object, py::object, double, py::object, std::string, py::tuple>>(
           state);
   const auto probe = kind == "vdw" ? std::nullopt : std::optional(probe_radius);
-  construct(self, make_surface(centers, radii, probe, kind, fill_cavities, 1), files);
+  construct(self, make_surface(centers, radii, probe, kind, fill_cavities, {1}), files);
 }
 
 Grid make_surface_grid(const ChosenSurface& surface, double spacing, std::optional<double> margin,
@@ -301,7 +302,7 @@ ProgressCallback make_progress(Interrupts& interrupts, const py::object& callbac
 }
 
 std::shared_ptr<ComputedResult> compute_result(const ChosenSurface& surface, const Grid& grid,
-                                               int threads, std::int64_t block_size,
+                                               ThreadCount threads, std::int64_t block_size,
                                                const std::optional<IndexCorners>& blocks,
                                                const std::optional<IndexCorners>& region,
                                                const py::object& max_memory, bool inside,
@@ -319,8 +320,9 @@ std::shared_ptr<ComputedResult> compute_result(const ChosenSurface& surface, con
       options);
 }
 
-BlockStreamPointer stream_blocks(const ChosenSurface& surface, const Grid& grid, int threads,
-                                 std::int64_t block_size, const std::optional<IndexCorners>& blocks,
+BlockStreamPointer stream_blocks(const ChosenSurface& surface, const Grid& grid,
+                                 ThreadCount threads, std::int64_t block_size,
+                                 const std::optional<IndexCorners>& blocks,
                                  const std::optional<IndexCorners>& region,
                                  const py::object& max_memory) {
   constexpr std::size_t max_waiting = 4;
@@ -388,6 +390,13 @@ void bind_diagnostic(py::module_& module) {
       .def_property_readonly(
           "is_usual", [](const Diagnostic& self) { return is_usual(self.kind); },
           "bool: whether correct files often have such atoms.")
+      .def(
+          "__eq__", [](const Diagnostic& self, const Diagnostic& other) { return self == other; },
+          py::is_operator())
+      .def("__hash__",
+           [](const Diagnostic& self) {
+             return py::hash(py::make_tuple(static_cast<int>(self.kind), self.count));
+           })
       .def("__str__", [](const Diagnostic& self) { return describe(self); })
       .def("__repr__",
            [](const Diagnostic& self) {

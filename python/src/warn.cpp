@@ -34,9 +34,6 @@ std::string list_text(const Diagnostic& diagnostic, const std::string& one,
 }
 
 std::string text_of(const Diagnostic& diagnostic) {
-  if (diagnostic.kind == DiagnosticKind::nanometre_coordinates)
-    return "most centres are within 0.3 of their nearest neighbours: centres must be in angstrom, "
-           "not nanometres";
   return describe(diagnostic) + ": " +
          list_text(diagnostic, "index", "indices",
                    [](const Diagnostic::Example& example) { return example.atom; });

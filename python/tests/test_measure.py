@@ -1,5 +1,6 @@
 """Tests of areas and volumes without a grid. Expected values are closed forms."""
 
+import functools
 import math
 
 import numpy as np
@@ -315,6 +316,32 @@ def test_first_bad_frame_is_named(chain, threads):
     frames[17, 5, 1] = np.inf
     with pytest.raises(ValueError, match=r"^frame 17 \(counted from 0\): atom 5 .* y coordinate inf"):
         eses.measure_frames(frames, chain[1], threads=threads)
+
+
+def test_frames_of_different_shapes_are_named():
+    """In lists and generators, and a frame that is no array itself."""
+    four, five = np.zeros((4, 3)), np.zeros((5, 3))
+    for frames in ([four, four.copy(), five], (frame for frame in (four, four, five))):
+        with pytest.raises(ValueError, match=r"^all frames must have the same atoms: frame 2 has shape \(5, 3\), frame 0 "
+                                             r"has \(4, 3\)$"):
+            eses.measure_frames(frames, np.ones(4))
+    for ragged in ([four, [[0, 0, 0], [1, 2]]], iter([four, [[0, 0, 0], [1, 2]]])):
+        with pytest.raises(ValueError, match="^frame 1 is no array of numbers: "):
+            eses.measure_frames(ragged, np.ones(4))
+    with pytest.raises(ValueError, match="^centers is no array of numbers: "):
+        eses.Surface([[0, 0, 0], [1, 2]], [1, 1])
+
+
+@pytest.mark.parametrize("threads", [5000, 2**31, 2**63, 10**30, np.int64(2**40), np.uint64(2**63), -1, -2**31 - 1, -10**30])
+def test_numbers_of_threads_out_of_range_are_value_errors(threads, chain):
+    surface = eses.Surface(*chain)
+    for call in (surface.measure, surface.cavities, surface.pockets, functools.partial(surface.compute, surface.grid(1)),
+                 functools.partial(eses.Surface, *chain), functools.partial(eses.measure_frames, chain[0][None], chain[1])):
+        with pytest.raises(ValueError, match="the number of threads must"):
+            call(threads=threads)
+        for wrong in (1.5, "2", None):
+            with pytest.raises(TypeError):
+                call(threads=wrong)
 
 
 def test_arguments_of_measure_frames_are_checked(chain):

@@ -89,7 +89,7 @@ def test_unknown_objects_and_arguments_are_named(pdb):
 
 
 def test_centres_in_nanometres_are_warned_about(ubiquitin):
-    with pytest.warns(UserWarning, match="angstrom, not nanometres"):
+    with pytest.warns(UserWarning, match="coordinates look like nanometres"):
         eses.measure(ubiquitin.centers / 10, ubiquitin.radii)
     with warnings.catch_warnings():
         warnings.simplefilter("error")

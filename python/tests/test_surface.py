@@ -237,6 +237,13 @@ def test_diagnostics_are_reported():
     assert kinds["large_radius"].examples == [(2, 2)]
     assert not kinds["duplicate"].is_usual
     assert repr(kinds["duplicate"]) == "<eses_blocks.Diagnostic: duplicate (count 1)>"
+    again = {each.kind: each for each in eses.Surface([[0, 0, 0], [0, 0, 0], [9, 0, 0]], [1.5, 1.5, 5]).diagnostics}
+    assert again == kinds
+    assert len({*again.values(), *kinds.values()}) == 2
+    assert kinds["duplicate"] != kinds["large_radius"]
+    others = eses.Surface([[5, 0, 0], [9, 0, 0], [0, 0, 0], [0, 0, 0]], [1.5, 5, 1.5, 1.5]).diagnostics
+    assert others != list(kinds.values())  # other atoms
+    assert kinds["duplicate"] != "duplicate"
     zero = eses.Surface([[0, 0, 0], [9, 0, 0]], [1.5, 0]).diagnostics
     assert [(each.kind, each.is_usual) for each in zero] == [("zero_radius", True)]
 
@@ -264,7 +271,7 @@ def test_progress_is_served_while_cavities_are_searched(lattice):
 
 
 def test_centres_in_nanometres_are_warned_about(ubiquitin):
-    with pytest.warns(UserWarning, match="angstrom, not nanometres"):
+    with pytest.warns(UserWarning, match="coordinates look like nanometres"):
         eses.Surface(ubiquitin.centers / 10, ubiquitin.radii)
     with warnings.catch_warnings():
         warnings.simplefilter("error")

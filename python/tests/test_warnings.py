@@ -11,7 +11,7 @@ import pytest
 import eses_blocks as eses
 from conftest import DATA
 
-NANOMETRES = "centres must be in angstrom, not nanometres"
+NANOMETRES = "atoms are within 0.45 angstrom of their nearest neighbours, .*coordinates look like nanometres"
 PROTEIN = """\
 ATOM      1  N   ALA A  10      11.104   6.134  -6.504  1.00  0.00           N
 ATOM      2  CA  ALA A  10      11.639   6.071  -5.147  1.00  0.00           C
@@ -96,6 +96,15 @@ def test_far_atoms_are_named_and_refused():
         with pytest.raises(ValueError, match="1 atom is far from the others .* index 9; leave out .* allow_far_atoms"):
             call()
     assert surface.grid(allow_far_atoms=True).size > 1e10
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        for value in (np.inf, -np.inf, np.nan, 0, 1e308):  # refused without a warning about the atoms
+            with pytest.raises(ValueError, match="spacing"):
+                surface.pockets(spacing=value)
+            with pytest.raises(ValueError, match="spacing"):
+                surface.grid(value)
+        with pytest.raises(ValueError, match="margin"):
+            surface.grid(0.5, margin=np.inf)
     assert surface.grid(shape=(9, 9, 9), origin=(0, 0, 0)).size == 729
     with pytest.warns(UserWarning, match="1 atom is far from the others and stretches the grid.* index 9$"):
         eses.Surface([*far, [200, 200, 200]], radii).grid()

@@ -123,7 +123,9 @@ std::string sentence(const FarAtoms& far, std::string_view kind,
 
 std::optional<FarAtoms> find_far_atoms(std::span<const Atom> atoms, double probe_radius,
                                        const GridOptions& grid) {
+  // Invalid lengths are refused elsewhere.
   if (atoms.empty() || !(grid.spacing > 0) || !(grid.margin >= 0)) return std::nullopt;
+  if (!std::isfinite(grid.spacing) || !std::isfinite(grid.margin)) return std::nullopt;
   std::vector<AtomIndex> all(atoms.size());
   std::iota(all.begin(), all.end(), AtomIndex{0});
   FarAtoms far;
