@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
-#include <utility>
 
 #include "input/atom_names.hpp"
 #include "mesh/quality_filter.hpp"
@@ -62,7 +61,8 @@ double text_bytes(const SurfaceSurvey& survey, const Grid& grid, const GridRegio
                   const Outputs& outputs) {
   // The estimate of 24 bytes for each point includes dense crossings on fine grids.
   const std::int64_t row = region.size()[0];
-  const double points = as_double(rows_per_batch(row) * row), batch = points * 24;
+  const double points = as_double(std::min(rows_per_batch(row) * row, region.point_count()));
+  const double batch = points * 24;
   double bytes = outputs.grid ? batch : 0;
   if (outputs.edges)
     bytes += std::max(batch / 2, list_growth * static_cast<double>(typical_crossing_bytes) *
@@ -89,12 +89,25 @@ std::uint64_t heap_bytes_of(const std::string& text) {
   return text.capacity() > room_within ? text.capacity() + allocator : 0;
 }
 
+// Returns an upper bound of the number of batches of rows. Threads without a batch have no text.
+double max_batches(const BlockTiling& tiling, const Outputs& outputs) {
+  const GridIndex size = tiling.region.size();
+  const auto batches_in = [&](std::int64_t rows) {
+    return std::ceil(as_double(rows) / as_double(rows_per_batch(size[0])));
+  };
+  const std::int64_t planes = std::min(tiling.block_size[2], size[2]);
+  return outputs.gzip ? as_double(size[2]) * batches_in(size[1])
+                      : as_double(tiling.blocks[2]) * batches_in(planes * size[1]);
+}
+
 double bytes_of_threads(const SurfaceSurvey& survey, const Grid& grid, const Schedule& schedule,
                         const Outputs& outputs) {
-  return schedule.threads *
-             (bytes_per_thread + text_bytes(survey, grid, schedule.tiling.region, outputs) +
-              kept_per_block * blocks_in_layer(schedule.tiling)) +
-         BlockWorkspace::memory_bytes(survey, grid, schedule.tiling, schedule.threads);
+  const BlockTiling& tiling = schedule.tiling;
+  const double threads = schedule.threads;
+  return threads * (bytes_per_thread + kept_per_block * blocks_in_layer(tiling)) +
+         std::min(threads, max_batches(tiling, outputs)) *
+             text_bytes(survey, grid, tiling.region, outputs) +
+         BlockWorkspace::memory_bytes(survey, grid, tiling, schedule.threads);
 }
 
 // Returns the memory of the results of a layer and of a fraction of the next one.
@@ -195,11 +208,9 @@ double expected_memory(const SurfaceSurvey& survey, const MemoryBudget& budget, 
   if (outputs.mesh)
     held += LayerMesh::memory_bytes(tiling, mesh::contents_of(required_mesh_format(*outputs.mesh)),
                                     halo_growth(tiling) * crossings_of_plane);
-  // In place, the mesh is improved during the sweep. Otherwise it is improved afterwards, when
-  // blocks and patches are freed.
-  double improving =
-      outputs.mesh && outputs.mesh->quality ? bytes_of_improving(survey, grid, tiling) : 0;
-  if (budget.is_in_place) held += std::exchange(improving, 0);
+  // The mesh is improved during the sweep or, with chunks, afterwards. The allocator may keep freed
+  // blocks and patches.
+  if (outputs.mesh && outputs.mesh->quality) held += bytes_of_improving(survey, grid, tiling);
   constexpr double bytes_per_area = 2 * sizeof(double) + list_growth * sizeof(AtomSum);
   double names = 0;
   if (budget.has_groups)
@@ -211,7 +222,7 @@ double expected_memory(const SurfaceSurvey& survey, const MemoryBudget& budget, 
   const double solving = survey.patch_bytes(height, schedule.threads) +
                          GridText::memory_bytes(grid) + (outputs.mesh ? token_bytes(grid) : 0) +
                          bytes_of_threads(survey, grid, schedule, outputs) +
-                         std::max({held, bytes_per_area * atoms, improving});
+                         std::max(held, bytes_per_area * atoms);
   return min_expected_memory(survey.atom_count()) + names + solving;
 }
 
