@@ -170,17 +170,22 @@ def test_options_of_structures_are_refused_for_files_without(tmp_path, suffix):
     assert eses.measure(path, chain_names="auth").sas_area == pytest.approx(4 * np.pi * 2.9**2)
 
 
-def test_selections_of_files_without_them_are_refused(tmp_path):
-    """They would choose all atoms of PQR and xyzr files."""
+def test_selections_need_names_that_exist(tmp_path):
+    """They would choose all atoms of PQR and xyzr files if the file were read again with them."""
     pqr, xyzr = tmp_path / "a.pqr", tmp_path / "a.xyzr"
     pqr.write_text("ATOM 1 C ALA A 1 0 0 0 0.5 1.7\nATOM 2 C ALA B 1 4 0 0 0.5 1.7\n")
     xyzr.write_text("0 0 0 1.7\n4 0 0 1.7\n")
-    for path, options in ((pqr, {}), (str(xyzr), {}), (xyzr.read_bytes(), {}), (pqr.read_text(), {"format": "pqr"})):
-        for selection in ("A", "/1/A", "no such"):
-            with pytest.raises(ValueError, match="report: this object has no language for selections"):
-                eses.measure(path, report=selection, **options)
+    for found in (xyzr, xyzr.read_bytes()):
+        for selection in ("A", "//A", "no such"):
+            with pytest.raises(ValueError, match="report: the atoms have no names"):
+                eses.measure(found, report=selection)
+    whole = eses.measure(pqr).sas_area
+    for found, options in ((pqr, {}), (pqr.read_text(), {"format": "pqr"})):
+        assert eses.measure(found, report="A", **options).sas_area == pytest.approx(whole / 2)
+        with pytest.raises(ValueError, match="report: no chain 'no such'"):
+            eses.measure(found, report="no such", **options)
     assert eses.interface(pqr, "A", "B").sas_area > 0
-    with pytest.raises(ValueError, match="no chain 'C'; the chains are A, B"):
+    with pytest.raises(ValueError, match="no chain 'C'"):
         eses.interface(pqr, "A", "C")
-    with pytest.raises(ValueError, match="no chain 'A'; the atoms have no chains"):
+    with pytest.raises(ValueError, match="the atoms have no names"):
         eses.interface(xyzr, "A", "B")
