@@ -9,6 +9,7 @@
 #include <array>
 
 #include "system/dispatch.hpp"
+#include "system/lanes-inl.hpp"
 #include "system/padding.hpp"
 
 #ifndef ESES_GEOMETRY_CIRCLE_SECTORS_SHARED_
@@ -27,20 +28,17 @@ constexpr float chord_margin = 4e-5F, end_margin = 0.03F;
 
 HWY_BEFORE_NAMESPACE();
 namespace eses::detail::HWY_NAMESPACE {
-namespace hn = hwy::HWY_NAMESPACE;
 
-using Floats = hn::ScalableTag<float>;
 using Integers = hn::Repartition<std::int32_t, Floats>;
-using FloatVector = hn::Vec<Floats>;
-
-HWY_INLINE FloatVector set(double value) { return hn::Set(Floats(), static_cast<float>(value)); }
 
 // Vectors of the frame of a circle, the same in all lanes.
 struct FrameVector {
   FloatVector x, y, z;
 
   HWY_INLINE FrameVector(double scale, Vec3 a)
-      : x(set(scale * a.x)), y(set(scale * a.y)), z(set(scale * a.z)) {}
+      : x(broadcast_float(scale * a.x)),
+        y(broadcast_float(scale * a.y)),
+        z(broadcast_float(scale * a.z)) {}
   HWY_INLINE FloatVector dot(FloatVector ax, FloatVector ay, FloatVector az) const {
     return hn::Add(hn::Add(hn::Mul(x, ax), hn::Mul(y, ay)), hn::Mul(z, az));
   }
@@ -52,9 +50,10 @@ HWY_INLINE FloatVector sector_of(FloatVector x, FloatVector y) {
   const auto is_right = hn::Ge(x, zero), is_upper = hn::Ge(y, zero);
   const auto share =
       hn::Div(hn::IfThenElse(hn::Xor(is_right, is_upper), x, y), hn::Add(hn::Abs(x), hn::Abs(y)));
-  const auto upper = hn::IfThenElse(is_right, share, hn::Sub(set(1), share));
-  const auto lower = hn::IfThenElse(is_right, hn::Add(set(3), share), hn::Sub(set(2), share));
-  return hn::Mul(set(sectors_per_unit), hn::IfThenElse(is_upper, upper, lower));
+  const auto upper = hn::IfThenElse(is_right, share, hn::Sub(broadcast_float(1), share));
+  const auto lower = hn::IfThenElse(is_right, hn::Add(broadcast_float(3), share),
+                                    hn::Sub(broadcast_float(2), share));
+  return hn::Mul(broadcast_float(sectors_per_unit), hn::IfThenElse(is_upper, upper, lower));
 }
 
 #if HWY_TARGET == HWY_SCALAR
@@ -111,7 +110,7 @@ Sectors find_open(const CircleInFrame& circle, const FloatCaps& caps, CoveredSec
     const auto along1 = e1.dot(x, y, z), along2 = e2.dot(x, y, z);
     const auto squared_chord =
         hn::Sub(hn::Add(hn::Mul(along1, along1), hn::Mul(along2, along2)), hn::Mul(height, height));
-    const auto misses = hn::Lt(squared_chord, set(-chord_margin));
+    const auto misses = hn::Lt(squared_chord, broadcast_float(-chord_margin));
     const auto is_below = hn::Lt(height, hn::Zero(floats));
     if (!hn::AllFalse(floats, hn::And(misses, is_below))) return 0;
 
@@ -120,11 +119,14 @@ Sectors find_open(const CircleInFrame& circle, const FloatCaps& caps, CoveredSec
     const auto b1 = hn::Mul(along1, chord), b2 = hn::Mul(along2, chord);
     const auto from = sector_of(hn::Add(a1, b2), hn::Sub(a2, b1));
     auto to = sector_of(hn::Sub(a1, b2), hn::Add(a2, b1));
-    to = hn::IfThenElse(hn::Lt(to, from), hn::Add(to, set(sector_count)), to);
+    to = hn::IfThenElse(hn::Lt(to, from), hn::Add(to, broadcast_float(sector_count)), to);
     const auto one = hn::Set(integers, 1);
-    const auto first = hn::Add(hn::ConvertTo(integers, hn::Add(from, set(end_margin))), one);
-    const auto length = hn::Sub(hn::ConvertTo(integers, hn::Sub(to, set(end_margin))), first);
-    const auto cuts = hn::RebindMask(integers, hn::Gt(squared_chord, set(chord_margin)));
+    const auto first =
+        hn::Add(hn::ConvertTo(integers, hn::Add(from, broadcast_float(end_margin))), one);
+    const auto length =
+        hn::Sub(hn::ConvertTo(integers, hn::Sub(to, broadcast_float(end_margin))), first);
+    const auto cuts =
+        hn::RebindMask(integers, hn::Gt(squared_chord, broadcast_float(chord_margin)));
     const auto otherwise =
         hn::IfThenElse(hn::RebindMask(integers, misses), hn::Set(integers, CoveredSectors::nothing),
                        hn::Set(integers, CoveredSectors::whole));

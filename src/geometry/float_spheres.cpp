@@ -28,14 +28,7 @@ struct Extent {
 HWY_BEFORE_NAMESPACE();
 namespace eses::detail::HWY_NAMESPACE {
 
-using Floats = hn::ScalableTag<float>;
-using FloatVector = hn::Vec<Floats>;
-using FloatMask = hn::Mask<Floats>;
 using Positions = hn::Repartition<std::int32_t, Floats>;
-
-HWY_INLINE FloatVector to_lanes(double value) {
-  return hn::Set(Floats(), static_cast<float>(value));
-}
 
 // The centres of spheres relative to a point, one in each lane.
 struct FloatOffsets {
@@ -48,9 +41,9 @@ struct FloatOffsets {
 
 HWY_INLINE FloatOffsets offsets_from(Vec3 point, const FloatSpheres& spheres, std::size_t first) {
   const Floats floats;
-  return {hn::Sub(hn::LoadU(floats, &spheres.x[first]), to_lanes(point.x)),
-          hn::Sub(hn::LoadU(floats, &spheres.y[first]), to_lanes(point.y)),
-          hn::Sub(hn::LoadU(floats, &spheres.z[first]), to_lanes(point.z))};
+  return {hn::Sub(hn::LoadU(floats, &spheres.x[first]), broadcast_float(point.x)),
+          hn::Sub(hn::LoadU(floats, &spheres.y[first]), broadcast_float(point.y)),
+          hn::Sub(hn::LoadU(floats, &spheres.z[first]), broadcast_float(point.z))};
 }
 
 // Returns which of the spheres from `first` have their centre nearer than `distance` and the
@@ -58,7 +51,7 @@ HWY_INLINE FloatOffsets offsets_from(Vec3 point, const FloatSpheres& spheres, st
 HWY_INLINE FloatMask are_within(double distance, FloatVector squared, const FloatSpheres& spheres,
                                 std::size_t first) {
   const Floats floats;
-  const auto reach = hn::Add(hn::LoadU(floats, &spheres.radius[first]), to_lanes(distance));
+  const auto reach = hn::Add(hn::LoadU(floats, &spheres.radius[first]), broadcast_float(distance));
   return hn::And(hn::Lt(squared, hn::Mul(reach, reach)), hn::FirstN(floats, spheres.count - first));
 }
 
@@ -91,7 +84,7 @@ void choose(const Box& box, double distance, const FloatSpheres& spheres, FloatS
   const Vec3 center = 0.5 * (box.low + box.high) - spheres.origin;
   const Vec3 half = 0.5 * (box.high - box.low);
   const auto beyond = [](FloatVector offset, double half_length) {
-    return hn::Max(hn::Sub(hn::Abs(offset), to_lanes(half_length)), hn::Zero(Floats()));
+    return hn::Max(hn::Sub(hn::Abs(offset), broadcast_float(half_length)), hn::Zero(Floats()));
   };
   chosen.count = 0;
   for (std::size_t k = 0; k < spheres.count; k += hn::Lanes(floats)) {

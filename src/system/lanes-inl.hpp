@@ -1,5 +1,5 @@
-/// Vectors of doubles and of 64-bit words, of the width of the instruction set. Highway includes
-/// this file once for each instruction set.
+/// Vectors of doubles, of 64-bit words and of floats, of the width of the instruction set. Highway
+/// includes this file once for each instruction set.
 
 #include <hwy/highway.h>
 
@@ -26,9 +26,15 @@ using Words = hn::Repartition<std::uint64_t, Doubles>;
 using DoubleVector = hn::Vec<Doubles>;
 using WordVector = hn::Vec<Words>;
 using DoubleMask = hn::Mask<Doubles>;
+using Floats = hn::ScalableTag<float>;
+using FloatVector = hn::Vec<Floats>;
+using FloatMask = hn::Mask<Floats>;
 
-/// Returns a vector with this value in all lanes.
+/// Return a vector with this value in all lanes.
 HWY_INLINE DoubleVector broadcast(double value) { return hn::Set(Doubles(), value); }
+HWY_INLINE FloatVector broadcast_float(double value) {
+  return hn::Set(Floats(), static_cast<float>(value));
+}
 
 /// Loads a vector from memory that need not be aligned.
 HWY_INLINE DoubleVector load(const double* from) { return hn::LoadU(Doubles(), from); }
