@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
-#include <functional>
 #include <numeric>
 #include <utility>
 
@@ -25,15 +24,6 @@ mesh::Vertex vertex_of(const Mesh& mesh, std::size_t index, const eses::Crossing
           .atoms = crossing.atoms};
 }
 
-/// Returns the adjacent atom with the least value, and the first one of equal ones.
-AtomIndex adjacent_atom(const mesh::Vertex& vertex,
-                        const std::function<double(AtomIndex atom)>& value) {
-  AtomIndex best = vertex.first_atom();
-  for (const AtomIndex atom : std::span(vertex.atoms).first(vertex.patch))
-    if (value(atom) < value(best)) best = atom;
-  return best;
-}
-
 /// Area of the triangles of an atom in a component, by patch: convex, saddle, concave.
 using PatchWeights = std::array<double, 3>;
 using Weights = std::map<std::pair<AtomIndex, std::uint32_t>, PatchWeights>;
@@ -49,7 +39,7 @@ Weights find_weights(const MsmsSurface& surface, std::span<const Vec3> positions
   Weights weights;
   for (std::size_t i = 0; i < positions.size(); ++i) {
     const mesh::Vertex& vertex = surface.vertices[i];
-    const AtomIndex atom = adjacent_atom(vertex, [&](AtomIndex candidate) {
+    const AtomIndex atom = vertex.adjacent_atom([&](AtomIndex candidate) {
       const Atom& sphere = spheres[candidate];
       return squared_norm(vertex.position - sphere.center) - sphere.radius * sphere.radius;
     });
@@ -127,7 +117,7 @@ std::uint32_t MsmsSurface::component_at(std::span<const AtomIndex> atoms) const 
   std::vector<std::vector<std::uint64_t>> counts(components.all.size(),
                                                  std::vector<std::uint64_t>(atoms.size()));
   for (std::size_t i = 0; i < vertices.size(); ++i)
-    for (const AtomIndex adjacent : std::span(vertices[i].atoms).first(vertices[i].patch))
+    for (const AtomIndex adjacent : vertices[i].adjacent_atoms())
       for (std::size_t k = 0; k < atoms.size(); ++k)
         if (atoms[k] == adjacent) ++counts[components.of_vertex[i]][k];
   // Cavity walls come before outer surfaces, then the components with more vertices.
@@ -166,10 +156,7 @@ MsmsSurface make_msms_surface(std::vector<Atom> spheres, const MsmsOptions& opti
   for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
     const mesh::Vertex& vertex =
         result.vertices.emplace_back(vertex_of(mesh, i, computed.crossings()[mesh.crossings[i]]));
-    result.closest_atoms.push_back(adjacent_atom(vertex, [&](AtomIndex atom) {
-      const Atom& sphere = surface.atoms()[atom];
-      return norm(vertex.position - sphere.center) - sphere.radius;
-    }));
+    result.closest_atoms.push_back(vertex.closest_atom(surface.atoms()));
   }
   result.components = mesh::find_shells(mesh.vertices, mesh.faces);
   if (result.components.all.empty()) result.components.all.emplace_back();

@@ -4,7 +4,9 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 
+#include "eses/atoms.hpp"
 #include "eses/grid.hpp"
 #include "grid/block_crossing.hpp"
 
@@ -19,6 +21,21 @@ struct Vertex {
   std::array<AtomIndex, 3> atoms{};  ///< adjacent atoms, ascending; the first `patch` are used
 
   AtomIndex first_atom() const { return atoms[0]; }
+  std::span<const AtomIndex> adjacent_atoms() const { return std::span(atoms).first(patch); }
+
+  /// Returns the adjacent atom for which `value_of` is least, and the first one of equal ones.
+  template <class ValueOf>
+  AtomIndex adjacent_atom(const ValueOf& value_of) const {
+    AtomIndex best = first_atom();
+    for (const AtomIndex atom : adjacent_atoms())
+      if (value_of(atom) < value_of(best)) best = atom;
+    return best;
+  }
+  /// Returns the adjacent atom whose van der Waals sphere has the least distance from the vertex.
+  AtomIndex closest_atom(std::span<const Atom> of) const {
+    return adjacent_atom(
+        [&](AtomIndex atom) { return norm(position - of[atom].center) - of[atom].radius; });
+  }
 };
 
 /// Distance below which a crossing coincides with a grid point, in units of the spacing.

@@ -121,10 +121,7 @@ void require_gltf_size(const MeshCounts& counts, bool has_colors) {
 }
 
 char* put_gltf_vertex(char* out, Vec3 position, Vec3 normal, Vec3 center) {
-  for (const Vec3& vector : {position - center, normal})
-    for (std::size_t axis = 0; axis < 3; ++axis)
-      out = put_little(out, static_cast<float>(vector[axis]));
-  return out;
+  return put_little_vector(put_little_vector(out, position - center), normal);
 }
 
 // The inverse of the transfer function of sRGB (IEC 61966-2-1).

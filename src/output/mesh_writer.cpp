@@ -79,12 +79,6 @@ constexpr std::size_t stl_header_bytes = 80;
 constexpr std::size_t stl_triangle_bytes = 12 * sizeof(float) + sizeof(std::uint16_t);
 static_assert(stl_triangle_bytes <= max_triangle_bytes);
 
-char* put_little_vector(char* out, const Vec3& vector) {
-  for (std::size_t axis = 0; axis < 3; ++axis)
-    out = put_little(out, static_cast<float>(vector[axis]));
-  return out;
-}
-
 // Writes the normal of a triangle, the corners, and two bytes without meaning.
 char* put_stl_triangle(char* out, const TrianglePoints& corners) {
   const Vec3 across = area_vector(corners);
@@ -107,9 +101,7 @@ std::string ply_text(std::string_view name) {
 }
 
 char* put_ply_triangle(char* out, const Triangle& triangle) {
-  out = put(out, std::uint8_t{3});
-  for (const std::uint64_t vertex : triangle) out = put(out, static_cast<std::int32_t>(vertex));
-  return out;
+  return put_vtp_triangle(put(out, std::uint8_t{3}), triangle);
 }
 
 }  // namespace

@@ -57,6 +57,13 @@ char* put_little(char* out, Value value) {
   return end;
 }
 
+/// Writes three numbers in single precision and little-endian order.
+inline char* put_little_vector(char* out, const Vec3& numbers) {
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    out = put_little(out, static_cast<float>(numbers[axis]));
+  return out;
+}
+
 /// Reads a value in little-endian order.
 template <class Value>
 Value get_little(const char* bytes) {

@@ -48,8 +48,6 @@ class VertexMaker {
   }
 
  private:
-  AtomIndex closest_atom(const Vertex& vertex) const;
-
   VertexSource source_;
 };
 
