@@ -251,13 +251,12 @@ class Files {
   TextSink areas() { return sink(has_triangles() ? 2 : 0); }
 
   void commit() {
-    for (const auto& file : files_) file->close();
-    for (const auto& file : files_) file->remove_older();
-    // A symbolic link to a file that is written stays.
-    for (const FilePath& stale : stale_)
-      if (std::find(paths_.begin(), paths_.end(), end_of_links(stale.text())) == paths_.end())
-        directories_.front()->remove(stale.name);
-    commit_all(files_);
+    commit_all(files_, [this] {
+      // A symbolic link to a file that is written stays.
+      for (const FilePath& stale : stale_)
+        if (std::find(paths_.begin(), paths_.end(), end_of_links(stale.text())) == paths_.end())
+          directories_.front()->remove(stale.name);
+    });
   }
 
  private:

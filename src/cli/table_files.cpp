@@ -100,7 +100,6 @@ void TableFiles::write(std::span<const TableContent> contents) const {
   for (const auto& [name, append] : contents) {
     OutputFile& file = *files.emplace_back(std::make_unique<OutputFile>(*directory_, name));
     append(file);
-    file.close();
   }
   commit_all(files);
 }

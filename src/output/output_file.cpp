@@ -64,7 +64,15 @@ void OutputFile::withdraw() noexcept {
 }
 
 void commit_all(std::span<const std::unique_ptr<OutputFile>> files,
-                const std::function<void()>& check) {
+                const std::function<void()>& remove_others, const std::function<void()>& check) {
+  for (const auto& file : files) {
+    if (!file) continue;
+    file->close();
+    check();
+  }
+  for (const auto& file : files)
+    if (file) file->remove_older();
+  remove_others();
   try {
     for (auto file = files.rbegin(); file != files.rend(); ++file) {
       if (!*file) continue;

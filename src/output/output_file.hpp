@@ -44,9 +44,11 @@ class OutputFile : public File {
   bool is_temporary_ = false, is_committed_ = false;
 };
 
-/// Commits closed files, all or none, the first one last. Null pointers are skipped. `check` is
-/// called after each file.
+/// Closes files, removes older ones and calls `remove_others`, and then commits the files, all or
+/// none, the first one last. So old and new files never exist together. Null pointers are skipped.
+/// `check` is called between the steps.
 void commit_all(
-    std::span<const std::unique_ptr<OutputFile>> files, const std::function<void()>& check = [] {});
+    std::span<const std::unique_ptr<OutputFile>> files,
+    const std::function<void()>& remove_others = [] {}, const std::function<void()>& check = [] {});
 
 }  // namespace eses::detail

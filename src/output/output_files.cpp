@@ -233,15 +233,10 @@ std::uint64_t OutputFiles::size() const {
 }
 
 void OutputFiles::commit(const std::function<void()>& check) {
-  for (const auto& file : files_) {
-    if (!file) continue;
-    file->close();
-    check();
-  }
-  for (const auto& file : files_)
-    if (file) file->remove_older();
-  for (const std::string& name : stale_) directory_->remove(name);
-  commit_all(files_, check);
+  const auto remove_stale = [this] {
+    for (const std::string& name : stale_) directory_->remove(name);
+  };
+  commit_all(files_, remove_stale, check);
 }
 
 }  // namespace eses::detail
