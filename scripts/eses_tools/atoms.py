@@ -4,6 +4,7 @@ import collections
 import subprocess
 
 from eses_tools.common import PROGRAM, Failed, describe_build, file_argument
+from eses_tools.measuring import plain
 from eses_tools.structures import split_name
 
 # Numbers as texts, in angstrom and elementary charges.
@@ -28,8 +29,8 @@ def read_atoms(name, layout="auto", program=PROGRAM):
         describe_build(program)  # says what to do
         raise
     if done.returncode != 0:
-        text = done.stderr.strip().removeprefix("eses-blocks: ").removeprefix("error: ")
-        raise Failed(text.replace(ADVICE, ADVICE_OF_TOOLS) or f"{program}: exit code {done.returncode}")
+        text = plain(done.stderr).replace(ADVICE, ADVICE_OF_TOOLS)
+        raise Failed(text or f"{program}: exit code {done.returncode}")
     return [Atom(*line.split()) for line in done.stdout.splitlines()]
 
 

@@ -2,8 +2,10 @@
 
 import contextlib
 import os
+import re
 import signal
 import subprocess
+import tempfile
 import time
 
 from eses_tools.common import file_argument
@@ -59,6 +61,19 @@ def run(command, stdout, stderr, **how):
         raise
     process.returncode = os.waitstatus_to_exitcode(status)
     return process.returncode, time.perf_counter() - start, usage
+
+
+def plain(messages):
+    """Returns messages of eses-blocks without its name."""
+    return re.sub(r"^eses-blocks: (error: )?", "", messages.strip(), flags=re.MULTILINE)
+
+
+def run_quietly(command, stdout=subprocess.DEVNULL, start=run, **how):
+    """Runs a command with `start`. Returns exit code, plain() messages, and what else `start` returns."""
+    with tempfile.TemporaryFile("w+", encoding="utf-8", errors="replace") as messages:
+        code, *cost = start(command, stdout=stdout, stderr=messages, **how)
+        messages.seek(0)
+        return code, plain(messages.read()), *cost
 
 
 def end_session(process):

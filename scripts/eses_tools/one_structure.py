@@ -5,7 +5,6 @@ import fcntl
 import json
 import os
 import pathlib
-import re
 import shutil
 import signal
 import subprocess
@@ -14,7 +13,7 @@ import threading
 import time
 
 from eses_tools.common import Failed, complete_file, file_argument, unpacked
-from eses_tools import pdb_to_pqr, summary, thumbnails
+from eses_tools import measuring, pdb_to_pqr, summary, thumbnails
 
 # The files that --keep leaves, as values of eses-blocks --write.
 WRITE = {"none": "none", "edges": "edges,areas", "all": "grid,edges,areas"}
@@ -238,15 +237,12 @@ def solve(job, structure, atoms, threads, folder, scratch):
     """Runs eses-blocks. Returns its report, wall seconds and warnings."""
     command = [*command_for(job, structure, atoms, threads), "--write", WRITE[job.keep],
                "--output-dir", str(folder), "--json"]
-    with open(scratch / "report", "w+b") as report, open(scratch / "messages", "w+b") as messages:
-        code, seconds = job.children.run(command, stdout=report, stderr=messages)
-        report.seek(0)
-        messages.seek(0)
-        warnings = messages.read().decode(errors="replace").strip()
-        warnings = re.sub(r"^eses-blocks: (error: )?", "", warnings, flags=re.MULTILINE)
+    with open(scratch / "report", "w+b") as report:
+        code, warnings, seconds = measuring.run_quietly(command, report, job.children.run)
         if code != 0:
             warnings = warnings.replace(str(atoms), str(structure.path))
             raise Failed(warnings or f"eses-blocks: exit code {code}")
+        report.seek(0)
         return json.load(report), seconds, warnings
 
 

@@ -32,7 +32,7 @@ from eses_tools.common import (NAME, Failed, Parser, describe_build, end_with, p
                                require_writable, require_output, say, show)
 from eses_tools.one_structure import (PICTURE, WRITE, Children, Job, Stopped, compute, is_complete, is_prepared,
                                       make_request, radii_text, read_status)
-from eses_tools import pdb_to_pqr, report
+from eses_tools import measuring, pdb_to_pqr, report
 from eses_tools.structures import KINDS, find_structures
 from eses_tools import summary, thumbnails
 
@@ -229,8 +229,7 @@ def ask_program(program, options, radii):
                               check=False)
 
     def refuse(done, otherwise=""):
-        message = done.stderr.partition("\n")[0].removeprefix("eses-blocks: error: ")
-        say(message or otherwise)
+        say(measuring.plain(done.stderr).partition("\n")[0] or otherwise)
         sys.exit(2)
 
     # An empty file is an error of the input. Errors of the command line come first.

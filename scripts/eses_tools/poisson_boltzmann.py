@@ -268,16 +268,10 @@ def map_command(program, atoms, name, grid, settings):
 def write_maps(program, molecule, name, grid, settings, folder):
     """Runs eses-blocks in the folder and returns its messages. Throws Failed if it fails."""
     with tempfile.TemporaryDirectory() as scratch:
-        scratch = pathlib.Path(scratch)
-        # Messages name the user's own file, so that its line numbers are right.
-        atoms = unpacked(molecule.path, scratch).absolute()
-        with open(scratch / "messages", "w+", encoding="utf-8", errors="replace") as messages, \
-                open(scratch / "report", "w", encoding="utf-8") as report:
-            code, _, _ = measuring.run(map_command(program, atoms, name, grid, settings), report,
-                                       messages, cwd=folder)
-            messages.seek(0)
-            text = messages.read().strip().replace(str(atoms), str(molecule.path))
-    text = re.sub(r"^eses-blocks: (error: )?", "", text, flags=re.MULTILINE)
+        atoms = unpacked(molecule.path, pathlib.Path(scratch)).absolute()
+        code, text, *_ = measuring.run_quietly(map_command(program, atoms, name, grid, settings), cwd=folder)
+    # Messages name the user's own file, so that its line numbers are right.
+    text = text.replace(str(atoms), str(molecule.path))
     if code != 0:
         raise Failed(text or f"{program}: exit code {code}")
     return text

@@ -7,6 +7,7 @@ import functools
 import subprocess
 import sys
 
+from eses_tools import measuring
 from eses_tools.common import FOLDER, Failed
 
 WIDTH = 320  # pixels
@@ -48,11 +49,9 @@ def draw(run, command, scratch, picture):
     mesh = scratch / "surface.ply"
 
     def call(step):
-        with open(scratch / "picture.log", "w+", encoding="utf-8", errors="replace") as log:
-            code = run(list(map(str, step)), stdout=subprocess.DEVNULL, stderr=log)[0]
-            log.seek(0)
-            if code != 0:
-                raise Failed(f"no picture: {log.read().strip() or f'exit code {code}'}")
+        code, text, *_ = measuring.run_quietly(list(map(str, step)), start=run)
+        if code != 0:
+            raise Failed(f"no picture: {text or f'exit code {code}'}")
 
     call([*command, "--write", "none", "--quiet", "--output-dir", scratch, "--mesh", mesh, "--color",
           "patch"])

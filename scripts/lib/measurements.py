@@ -35,14 +35,12 @@ def machine():
 def run_program(program, arguments, directory):
     """Runs the program. Returns its report and the cost of the run; its files are in
     `directory`/out."""
-    with open(directory / "report", "w+", encoding="utf-8") as report_file, \
-            open(directory / "messages", "w+", encoding="utf-8") as messages:
+    with open(directory / "report", "w+", encoding="utf-8") as report_file:
         command = [program, *arguments, "--output-dir", directory / "out", "--json"]
-        code, wall, usage = measuring.run(command, report_file, messages)
-        report_file.seek(0)
-        messages.seek(0)
+        code, messages, wall, usage = measuring.run_quietly(command, report_file)
         if code != 0:
-            raise Failed(messages.read().strip() or f"exit code {code}")
+            raise Failed(messages or f"exit code {code}")
+        report_file.seek(0)
         report = json.load(report_file)
     return report, {"user": usage.ru_utime, "system": usage.ru_stime, "wall": wall,
                     "peak_bytes": report["peak_memory_bytes"]}
