@@ -26,16 +26,9 @@
 namespace eses {
 namespace {
 
+using detail::PlannedRun;
+
 constexpr ResultParts no_parts{.inside = false, .crossings = false, .mesh = false};
-
-// A request and its plan.
-struct Job {
-  detail::Request request;
-  detail::PlannedRun run;
-
-  const GridRegion& region() const { return run.plan.tiling.region; }
-  std::int64_t block_count() const { return run.plan.tiling.block_count(); }
-};
 
 const detail::Molecule& molecule_of(const Surface& surface) {
   return detail::SurfaceAccess::molecule(surface);
@@ -76,20 +69,17 @@ detail::CallerMemory memory_of_result(const ResultParts& parts, double bytes_per
 }
 
 // Plans a run. `parts` are the parts of the result in memory, besides `bytes_per_point`.
-Job plan_run(const Surface& surface, const Grid& grid, const Outputs& outputs,
-             const RunOptions& options, const ResultParts& parts = no_parts,
-             double bytes_per_point = 0) {
-  Job job{.request = {.atoms = molecule_of(surface),
-                      .parameters = parameters_of(surface, grid, options),
-                      .outputs = outputs,
-                      .caller_memory = memory_of_result(parts, bytes_per_point)},
-          .run = {}};
-  check_task(job.request);
+PlannedRun plan_run(const Surface& surface, const Grid& grid, const Outputs& outputs,
+                    const RunOptions& options, const ResultParts& parts = no_parts,
+                    double bytes_per_point = 0) {
+  detail::Request request{.atoms = molecule_of(surface),
+                          .parameters = parameters_of(surface, grid, options),
+                          .outputs = outputs,
+                          .caller_memory = memory_of_result(parts, bytes_per_point)};
+  check_task(request);
   // The number of blocks is not known before the plan is made.
-  if (options.progress) job.request.check = [&options] { options.progress(0, 1); };
-  job.run = detail::plan_run(job.request, detail::Processes());
-  job.request.check = {};
-  return job;
+  if (options.progress) request.check = [&options] { options.progress(0, 1); };
+  return detail::plan_run(std::move(request), detail::Processes());
 }
 
 detail::Callbacks callbacks_of(const RunOptions& options) {
@@ -97,8 +87,8 @@ detail::Callbacks callbacks_of(const RunOptions& options) {
 }
 
 // Performs a run, which writes the outputs of its request.
-Summary solve(Job& job, const detail::Callbacks& callbacks) {
-  detail::RunResult result = detail::execute(job.request, job.run, callbacks, detail::Processes());
+Summary solve(PlannedRun& run, const detail::Callbacks& callbacks) {
+  detail::RunResult result = detail::execute(run, callbacks, detail::Processes());
   Summary& summary = result.summary;
   if (detail::has_faults(summary)) throw VerificationError(std::move(*summary.verification));
   return std::move(summary);
@@ -120,12 +110,13 @@ std::unique_ptr<detail::MapSink> map_sink(detail::MapQuantity quantity, const Gr
 }
 
 // Performs a run that passes the maps of `outputs` to a sink, and writes nothing.
-void solve_maps(Job& job, const Outputs& outputs, const RunOptions& options, detail::Sink& sink) {
-  job.request.outputs = Outputs::none();
-  job.request.maps_in_memory = {{}, detail::extras_of(outputs), &sink};
+void solve_maps(PlannedRun& run, const Outputs& outputs, const RunOptions& options,
+                detail::Sink& sink) {
+  run.request.outputs = Outputs::none();
+  run.request.maps_in_memory = {{}, detail::extras_of(outputs), &sink};
   for (const detail::MapChoice& map : detail::chosen_maps(outputs))
-    job.request.maps_in_memory.quantities.push_back(map.quantity);
-  solve(job, callbacks_of(options));
+    run.request.maps_in_memory.quantities.push_back(map.quantity);
+  solve(run, callbacks_of(options));
 }
 
 std::invalid_argument point_error(const GridIndex& point, const GridRegion& region) {
@@ -156,13 +147,13 @@ std::size_t index_in(const GridRegion& region, const GridIndex& point) {
 // Resizes `values` to a zero for each point of a run. Calls the progress callback repeatedly,
 // because gigabytes take seconds.
 template <class Value>
-void clear_points(const Job& job, const RunOptions& options, std::vector<Value>& values) {
+void clear_points(const PlannedRun& run, const RunOptions& options, std::vector<Value>& values) {
   constexpr std::size_t points_between_calls = (std::size_t{1} << 26) / sizeof(Value);
-  const auto points = static_cast<std::size_t>(job.region().point_count());
+  const auto points = static_cast<std::size_t>(run.plan.tiling.region.point_count());
   values.reserve(points);
   while (values.size() < points) {
     values.resize(std::min(points, values.size() + points_between_calls));
-    if (options.progress) options.progress(0, job.block_count());
+    if (options.progress) options.progress(0, run.plan.tiling.block_count());
   }
 }
 
@@ -279,20 +270,20 @@ struct ResultBuilder {
 
 Result ResultBuilder::compute(const eses::Surface& surface, const Grid& grid,
                               const RunOptions& options, const ResultParts& parts) {
-  Job job = eses::plan_run(surface, grid, Outputs::none(), options, parts);
+  PlannedRun run = eses::plan_run(surface, grid, Outputs::none(), options, parts);
   const bool has_inside = parts.inside || parts.mesh, has_crossings = parts.crossings || parts.mesh;
   Result result;
   result.grid_ = grid;
-  result.region_ = job.region();
+  result.region_ = run.plan.tiling.region;
   result.parts_ = parts;
-  const std::int64_t blocks = job.block_count();
-  if (has_inside) clear_points(job, options, result.inside_);
+  const std::int64_t blocks = run.plan.tiling.block_count();
+  if (has_inside) clear_points(run, options, result.inside_);
   Callbacks callbacks = callbacks_of(options);
   callbacks.block = [&](const BlockResult& solved) {
     if (has_inside) mark_owned_points(solved, result.region_, result.inside_);
     if (has_crossings) append_crossings(grid, solved, result.crossings_);
   };
-  result.summary_ = solve(job, callbacks);
+  result.summary_ = solve(run, callbacks);
   const CheckCallback check = [&] {
     if (options.progress) options.progress(blocks, blocks);
   };
@@ -405,7 +396,7 @@ Mesh make_quality_mesh(const Result& result, const Surface& surface, const Check
 Summary for_each_block(const Surface& surface, const Grid& grid, const BlockCallback& callback,
                        const RunOptions& options) {
   if (!callback) throw std::invalid_argument("for_each_block needs a callback");
-  Job job = plan_run(surface, grid, Outputs::none(), options);
+  PlannedRun run = plan_run(surface, grid, Outputs::none(), options);
   std::vector<Crossing> crossings;  // reused, as calls are never concurrent
   detail::Callbacks callbacks = callbacks_of(options);
   callbacks.block = [&](const detail::BlockResult& solved) {
@@ -413,7 +404,7 @@ Summary for_each_block(const Surface& surface, const Grid& grid, const BlockCall
     append_crossings(grid, solved, crossings);
     callback(detail::ResultBuilder::block(solved, crossings));
   };
-  return solve(job, callbacks);
+  return solve(run, callbacks);
 }
 
 std::array<std::vector<double>, 3> compute_dielectric(const Surface& surface, const Grid& grid,
@@ -421,17 +412,17 @@ std::array<std::vector<double>, 3> compute_dielectric(const Surface& surface, co
                                                       const RunOptions& options) {
   Outputs outputs = Outputs::none();
   outputs.dielectric = DielectricMaps{"dielectric-", dielectric.solute, dielectric.solvent};
-  Job job = plan_run(surface, grid, outputs, options, no_parts, 3 * sizeof(double));
+  PlannedRun run = plan_run(surface, grid, outputs, options, no_parts, 3 * sizeof(double));
   std::array<std::vector<double>, 3> values;
-  for (std::vector<double>& list : values) clear_points(job, options, list);
+  for (std::vector<double>& list : values) clear_points(run, options, list);
   detail::Sinks sinks;
   for (const detail::MapChoice& map : detail::chosen_maps(outputs))
-    sinks.add(map_sink(map.quantity, job.region(), values[detail::edge_axis(map.quantity)],
-                       [map](std::span<const std::uint64_t> words, std::size_t x) {
-                         return dielectric_of(
-                             map, detail::fraction_in(words[x / detail::fractions_per_word], x));
-                       }));
-  solve_maps(job, outputs, options, sinks);
+    sinks.add(map_sink(
+        map.quantity, run.plan.tiling.region, values[detail::edge_axis(map.quantity)],
+        [map](std::span<const std::uint64_t> words, std::size_t x) {
+          return dielectric_of(map, detail::fraction_in(words[x / detail::fractions_per_word], x));
+        }));
+  solve_maps(run, outputs, options, sinks);
   return values;
 }
 
@@ -439,36 +430,36 @@ std::vector<std::uint8_t> compute_ion_access(const Surface& surface, const Grid&
                                              double ion_radius, const RunOptions& options) {
   Outputs outputs = Outputs::none();
   outputs.ion_access = IonAccessMap{"kappa.dx", ion_radius};  // no file is written
-  Job job = plan_run(surface, grid, outputs, options, no_parts, 1);
+  PlannedRun run = plan_run(surface, grid, outputs, options, no_parts, 1);
   std::vector<std::uint8_t> values;
-  clear_points(job, options, values);
+  clear_points(run, options, values);
   // The bits are set for points without access.
   const auto has_access = [](std::span<const std::uint64_t> words, std::size_t x) {
     return static_cast<std::uint8_t>((words[x / 64] >> (x % 64) & 1) ^ 1);
   };
-  const auto sink = map_sink(detail::MapQuantity::ion_access, job.region(), values, has_access);
-  solve_maps(job, outputs, options, *sink);
+  const auto sink =
+      map_sink(detail::MapQuantity::ion_access, run.plan.tiling.region, values, has_access);
+  solve_maps(run, outputs, options, *sink);
   return values;
 }
 
 Summary write_files(const Surface& surface, const Grid& grid,
                     const std::filesystem::path& directory, const Outputs& outputs,
                     const RunOptions& options) {
-  Job job = plan_run(surface, grid, outputs, options);
-  job.request.output_directory = directory;
-  return solve(job, callbacks_of(options));
+  PlannedRun run = plan_run(surface, grid, outputs, options);
+  run.request.output_directory = directory;
+  return solve(run, callbacks_of(options));
 }
 
 Estimate estimate(const Surface& surface, const Grid& grid, const Outputs& outputs,
                   const RunOptions& options) {
-  const Job job = plan_run(surface, grid, outputs, options);
-  const detail::Plan& plan = job.run.plan;
+  const detail::Plan plan = plan_run(surface, grid, outputs, options).plan;
   return {.memory_bytes = plan.memory_bytes,
           .threads = plan.threads,
           .block_size = plan.tiling.block_size,
           .blocks = plan.tiling.blocks,
           .crossings = plan.crossings,
-          .cut_depth = plan.cut_depth,
+          .cut_depth = plan.cut_depth(),
           .box_bytes = plan.files.box,
           .grid_bytes = plan.files.grid,
           .edges_bytes = plan.files.edges,

@@ -108,7 +108,7 @@ std::string path_text(const std::filesystem::path& path) {
 }
 
 std::string written_text(const Report& report) {
-  if (has_faults(report.summary)) return "written: nothing, as there are faults\n";
+  if (has_faults(report.result.summary)) return "written: nothing, as there are faults\n";
   const Outputs& outputs = report.options.request.outputs;
   std::vector<std::string> targets;
   if (const std::vector<std::string> names = file_names(outputs); !names.empty())
@@ -118,7 +118,7 @@ std::string written_text(const Report& report) {
     for (const std::filesystem::path& file : mesh_files(*outputs.mesh))
       targets.push_back(formatted("to {}", path_text(file)));
   if (targets.empty()) return "written: nothing\n";
-  return formatted("written: {} {}\n", bytes_text(report.summary.bytes_written),
+  return formatted("written: {} {}\n", bytes_text(report.result.summary.bytes_written),
                    fmt::join(targets, " and "));
 }
 
@@ -126,14 +126,15 @@ std::string written_text(const Report& report) {
 std::string planes_text(const Report& report) {
   constexpr double min_height = 50;  // angstrom
   const auto& [index, count] = *report.options.request.part;
-  const double height = report.plan.grid.spacing * static_cast<double>(report.planes.count());
+  const double height =
+      report.run.plan.grid.spacing * static_cast<double>(report.run.slab.planes.count());
   return formatted("part: {} of {}, {} planes, {:.4g} angstrom high{}\n", index + 1, count,
-                   report.planes.count(), height,
+                   report.run.slab.planes.count(), height,
                    height < min_height ? "; fewer parts would be more efficient" : "");
 }
 
 std::string mesh_text(const Report& report) {
-  const std::optional<MeshCounts>& counts = report.summary.mesh;
+  const std::optional<MeshCounts>& counts = report.result.summary.mesh;
   if (!counts) return "";
   std::string text =
       formatted("mesh: {} vertices, {} triangles\n", counts->vertices, counts->triangles);
@@ -144,7 +145,7 @@ std::string mesh_text(const Report& report) {
   if (const auto& potential = report.options.request.outputs.mesh->potential)
     text += formatted("potential: colours from {} (red) to {} kT/e (blue), {} angstrom outside\n",
                       -potential->limit, potential->limit, potential->offset);
-  if (const auto& quality = report.summary.mesh_quality)
+  if (const auto& quality = report.result.summary.mesh_quality)
     text += formatted(
         "mesh quality: smallest angle {:.1f} degrees; {} triangles below 20 degrees, {} below 5 "
         "degrees ({} of them near cusps)\n",
@@ -220,7 +221,7 @@ bool misses_molecule(const Plan& plan) {
 std::string cut_warning(const Plan& plan) {
   if (plan.parameters.has_custom_grid() && misses_molecule(plan))
     return "the grid does not overlap the molecule; all grid points are outside";
-  if (plan.cut_depth == 0)
+  if (plan.cut_depth() == 0)
     return "the grid ends where the molecule does, up to rounding, so that a mesh can be open "
            "there; use a larger grid or margin";
   if (plan.parameters.has_custom_grid())
@@ -231,7 +232,7 @@ std::string cut_warning(const Plan& plan) {
   return formatted(
       "the grid ends {:.3g} angstrom inside the molecule, because the number of grid points is "
       "truncated as in ESES; use a margin of at least the spacing ({})",
-      plan.cut_depth, plan.grid.spacing);
+      plan.cut_depth(), plan.grid.spacing);
 }
 
 std::string disk_warning(const DiskSpace& disk) {
@@ -253,17 +254,17 @@ bool is_whole(const Plan& plan) { return plan.tiling.region == plan.grid.whole()
 /// Returns the line of the exact values. It must not contain `area:` or `volume:`, for which
 /// scripts search the report.
 std::string exact_text(const Report& report) {
-  if (!report.exact) return "";
-  const double area = report.exact->ses_area, volume = report.exact->ses_volume;
+  if (!report.result.exact) return "";
+  const double area = report.result.exact->ses_area, volume = report.result.exact->ses_volume;
   const std::string text =
       formatted("exact: {:.10g} square angstrom, {:.10g} cubic angstrom", area, volume);
-  const Plan& plan = report.plan;
-  if (!is_whole(plan) || plan.cut_depth > 0 || area == 0 || volume == 0)
+  const Plan& plan = report.run.plan;
+  if (!is_whole(plan) || plan.cut_depth() > 0 || area == 0 || volume == 0)
     return text + ", of the whole surface\n";
   const auto percent_above = [](double value, double exact) { return 100 * (value / exact - 1); };
   return text + formatted(" (the grid differs by {:+.2g} % and {:+.2g} %)\n",
-                          percent_above(report.summary.area, area),
-                          percent_above(report.summary.divergence_volume, volume));
+                          percent_above(report.result.summary.area, area),
+                          percent_above(report.result.summary.divergence_volume, volume));
 }
 
 /// Returns the line of the region, with ranges such as `10:20 x 0:5 x 0:7`.
@@ -283,7 +284,7 @@ std::string probe_text(const Options& options) {
 }
 
 std::string workers_text(const Report& report) {
-  std::string threads = counted(report.plan.threads, "thread");
+  std::string threads = counted(report.run.plan.threads, "thread");
   if (report.process_count < 2) return threads;
   return formatted("{} processes of {}", report.process_count, threads);
 }
@@ -337,24 +338,24 @@ Json plan_json(const Plan& plan, const std::vector<DiskSpace>& disk) {
           {"scratch_bytes", plan.files.scratch()},
           {"disk_bytes", disk_json(disk, 0)},
           {"mesh_disk_bytes", disk_json(disk, 1)},
-          {"cut_depth", plan.cut_depth}};
+          {"cut_depth", plan.cut_depth()}};
 }
 
 Json mesh_json(const Report& report) {
-  const auto& mesh = report.summary.mesh;
+  const auto& mesh = report.result.summary.mesh;
   if (!mesh) return nullptr;
   const MeshOptions& choice = *report.options.request.outputs.mesh;
   return {{"file", choice.file.string()},  {"vertices", mesh->vertices},
           {"triangles", mesh->triangles},  {"component", choice.component},
-          {"potential", choice.potential}, {"quality", report.summary.mesh_quality}};
+          {"potential", choice.potential}, {"quality", report.result.summary.mesh_quality}};
 }
 
 Json output_json(const Report& report) {
   std::vector<std::string> names;
-  if (!has_faults(report.summary)) names = written_files(report.options);
+  if (!has_faults(report.result.summary)) names = written_files(report.options);
   return {{"directory", report.options.request.output_directory.string()},
           {"files", names},
-          {"bytes", report.summary.bytes_written}};
+          {"bytes", report.result.summary.bytes_written}};
 }
 
 }  // namespace
@@ -376,12 +377,12 @@ std::string result_text(const Summary& summary) {
 }
 
 std::string plan_text(const Report& report) {
-  const Plan& plan = report.plan;
+  const Plan& plan = report.run.plan;
   const Parameters& parameters = report.options.request.parameters;
   const auto* const grid = std::get_if<GridOptions>(&parameters.grid);
   std::string text = formatted("input: {} ({}{})\n", path_text(report.options.input().path),
-                               counted(report.atoms, "atom"), usual_text(report.diagnostics));
-  if (report.structure) text += structure_text(*report.structure);
+                               counted(report.run.atoms, "atom"), usual_text(report.diagnostics));
+  if (report.run.structure) text += structure_text(*report.run.structure);
   text +=
       formatted("parameters: {}, spacing {}{} (angstrom)\n", probe_text(report.options),
                 plan.grid.spacing, grid != nullptr ? formatted(", margin {}", grid->margin) : "");
@@ -415,12 +416,12 @@ std::string plan_text(const Report& report) {
 std::string part_text(const Report& report, bool is_locked) {
   const auto& [index, count] = *report.options.request.part;
   return formatted(
-      "part {} of {} is complete: {} planes\n{}", index + 1, count, report.planes.count(),
+      "part {} of {} is complete: {} planes\n{}", index + 1, count, report.run.slab.planes.count(),
       is_locked ? "" : "note: when all parts are complete, write the files with --join\n");
 }
 
 std::string summary_text(const Report& report) {
-  const Summary& summary = report.summary;
+  const Summary& summary = report.result.summary;
   const PhaseSeconds& seconds = summary.seconds;
   std::string text = formatted("crossings: {} ({} convex, {} saddle, {} concave)\n",
                                summary.edges(), summary.convex, summary.saddle, summary.concave);
@@ -432,7 +433,7 @@ std::string summary_text(const Report& report) {
       "divergence theorem: {:.6g} cubic angstrom, the accurate volume (surface volume is ESES's "
       "formula)\n",
       summary.divergence_volume);
-  if (report.plan.parameters.max_filled_void) text += filling_text(summary.filled_cavities);
+  if (report.run.plan.parameters.max_filled_void) text += filling_text(summary.filled_cavities);
   text += exact_text(report);
   text += mesh_text(report);
   text += verification_text(summary);
@@ -445,13 +446,13 @@ std::string summary_text(const Report& report) {
 }
 
 std::string json_text(const Report& report) {
-  const Summary& summary = report.summary;
-  const Plan& plan = report.plan;
+  const Summary& summary = report.result.summary;
+  const Plan& plan = report.run.plan;
   Json document{{"program", "eses-blocks"},
                 {"version", version},
                 {"input", report.options.input().path.string()},
-                {"atoms", report.atoms},
-                {"structure", report.structure},
+                {"atoms", report.run.atoms},
+                {"structure", report.run.structure},
                 {"diagnostics", report.diagnostics},
                 {"parameters", parameters_json(report.options, plan)},
                 {"maps", maps_json(report.options.request.outputs)},
@@ -467,29 +468,30 @@ std::string json_text(const Report& report) {
                      {"peak_memory_bytes", report.peak_memory_bytes},
                      {"processes", report.processes}});
   else if (!report.options.request.dry_run)
-    document.update({{"area", summary.area},
-                     {"volume", summary.volume},
-                     {"divergence_volume", summary.divergence_volume},
-                     {"exact_area", report.exact ? Json(report.exact->ses_area) : Json()},
-                     {"exact_volume", report.exact ? Json(report.exact->ses_volume) : Json()},
-                     {"inside_points", summary.inside_points},
-                     {"crossings",
-                      {{"convex", summary.convex},
-                       {"saddle", summary.saddle},
-                       {"concave", summary.concave},
-                       {"total", summary.edges()}}},
-                     {"area_by_kind",
-                      {{"convex", summary.convex_area},
-                       {"saddle", summary.saddle_area},
-                       {"concave", summary.concave_area}}},
-                     {"filled_cavities", null_unless(plan.parameters.max_filled_void.has_value(),
-                                                     summary.filled_cavities)},
-                     {"verification", summary.verification},
-                     {"mesh", mesh_json(report)},
-                     {"output", output_json(report)},
-                     {"seconds", summary.seconds},
-                     {"peak_memory_bytes", report.peak_memory_bytes},
-                     {"processes", report.processes}});
+    document.update(
+        {{"area", summary.area},
+         {"volume", summary.volume},
+         {"divergence_volume", summary.divergence_volume},
+         {"exact_area", report.result.exact ? Json(report.result.exact->ses_area) : Json()},
+         {"exact_volume", report.result.exact ? Json(report.result.exact->ses_volume) : Json()},
+         {"inside_points", summary.inside_points},
+         {"crossings",
+          {{"convex", summary.convex},
+           {"saddle", summary.saddle},
+           {"concave", summary.concave},
+           {"total", summary.edges()}}},
+         {"area_by_kind",
+          {{"convex", summary.convex_area},
+           {"saddle", summary.saddle_area},
+           {"concave", summary.concave_area}}},
+         {"filled_cavities",
+          null_unless(plan.parameters.max_filled_void.has_value(), summary.filled_cavities)},
+         {"verification", summary.verification},
+         {"mesh", mesh_json(report)},
+         {"output", output_json(report)},
+         {"seconds", summary.seconds},
+         {"peak_memory_bytes", report.peak_memory_bytes},
+         {"processes", report.processes}});
   return text_of(document, ",\n ") + "\n";
 }
 
@@ -498,14 +500,15 @@ void add_run_diagnostics(Report& report) {
     report.diagnostics.push_back(program_warning(name, std::move(message)));
   };
   const Options& options = report.options;
-  if (const double spacing = report.plan.grid.spacing, probe = options.probe_radius();
+  if (const double spacing = report.run.plan.grid.spacing, probe = options.probe_radius();
       options.surface != SurfaceKind::vdw && probe < min_usual_probe && spacing > max_usual_spacing)
     add("swapped_lengths",
         formatted("a probe radius of {} with a spacing of {} is unusual; are they swapped? PROBE "
                   "comes first",
                   probe, spacing));
-  if (report.far_atoms) report.diagnostics.push_back(*report.far_atoms);
-  if (report.plan.cut_depth >= 0) add("cut_surface", cut_warning(report.plan));
+  if (const auto& far = report.run.far_atoms)
+    report.diagnostics.push_back(describe(*far, report.run.diagnostics.labels));
+  if (report.run.plan.cut_depth() >= 0) add("cut_surface", cut_warning(report.run.plan));
   for (const DiskSpace& disk : report.disk)
     if (disk.expected > disk.available) add("disk_space", disk_warning(disk));
 }

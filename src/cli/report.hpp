@@ -1,9 +1,7 @@
 #pragma once
 /// Reports of a run: the plan before the computation, and the results after it.
 
-#include <cstddef>
 #include <cstdint>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -11,22 +9,17 @@
 #include "cli/options.hpp"
 #include "output/output_files.hpp"
 #include "run/engine.hpp"
-#include "run/request.hpp"
+#include "run/planned_run.hpp"
 
 namespace eses::detail::cli {
 
 /// The data of a run for its reports.
 struct Report {
   Options options;
-  std::size_t atoms = 0;
-  std::vector<DiagnosticText> diagnostics;  ///< of the atoms, and those of add_run_diagnostics
-  std::optional<DiagnosticText> far_atoms = {};
-  std::optional<StructureReport> structure;  ///< only for PDB and mmCIF files
-  Plan plan;
-  PlaneRange planes;  ///< of this process
+  PlannedRun run;
+  std::vector<DiagnosticText> diagnostics = {};  ///< of atoms, and those of add_run_diagnostics
   std::vector<DiskSpace> disk = {};
-  Summary summary = {};                 ///< empty before the run
-  std::optional<Measures> exact = {};   ///< only with --exact
+  RunResult result = {};                ///< empty before the run
   std::uint64_t peak_memory_bytes = 0;  ///< maximum over all processes
   int process_count = 1;
   /// Figures by rank, only of a distributed or resumable run; empty before the run.
@@ -55,7 +48,7 @@ std::string part_text(const Report& report, bool is_locked);
 std::string json_text(const Report& report);
 
 /// Adds the diagnostics of the plan and the disk: lengths that may be swapped, far atoms, a grid
-/// that cuts the surface (see eses::detail::cut_depth), and insufficient disk space.
+/// that cuts the surface (see Plan::cut_depth), and insufficient disk space.
 void add_run_diagnostics(Report& report);
 
 }  // namespace eses::detail::cli

@@ -97,17 +97,13 @@ void check_request(const Options& options) {
   require_writable_files(options.request.outputs, options.request.output_directory);
 }
 
-Report report_of(const Options& options, const PlannedRun& run, const Processes& processes) {
-  return {.options = options,
-          .atoms = run.atoms,
-          .diagnostics = describe(run.diagnostics, options.input().path),
-          .far_atoms = run.far_atoms
-                           ? std::optional(describe(*run.far_atoms, run.diagnostics.labels))
-                           : std::nullopt,
-          .structure = run.structure,
-          .plan = run.plan,
-          .planes = run.slab.planes,
-          .process_count = processes.count()};
+// Plans a run.
+Report plan(const Options& options, const Processes& processes) {
+  Report report{.options = options,
+                .run = plan_run(options.request, processes),
+                .process_count = processes.count()};
+  report.diagnostics = describe(report.run.diagnostics, options.input().path);
+  return report;
 }
 
 // Prints the plan, unless --quiet is given.
@@ -124,7 +120,7 @@ void announce(const Report& report) {
 // except in a dry run.
 void present_plan(Report& report) {
   const Options& options = report.options;
-  report.disk = require_disk_space(report.plan.files, options.request.outputs,
+  report.disk = require_disk_space(report.run.plan.files, options.request.outputs,
                                    options.request.output_directory);
   add_run_diagnostics(report);
   const auto warn_or_throw = [&] { warn(report.diagnostics, options.strict, options.quiet); };
@@ -142,35 +138,44 @@ void present_plan(Report& report) {
 std::string final_text(const Report& report) {
   if (report.options.json) return json_text(report);
   // Scripts search for these two lines, so faulty results must not be printed.
-  const std::string result = has_faults(report.summary) ? "" : result_text(report.summary);
+  const std::string result =
+      has_faults(report.result.summary) ? "" : result_text(report.result.summary);
   return report.options.quiet ? result : result + summary_text(report);
 }
 
 // Returns whether no point of the grid around the atoms is inside the surface.
 bool is_empty(const Report& report) {
   const Parameters& parameters = report.options.request.parameters;
-  return report.summary.inside_points == 0 &&
+  return report.result.summary.inside_points == 0 &&
          std::holds_alternative<std::monostate>(parameters.part) && !parameters.has_custom_grid();
 }
 
 void present_result(Report& report) {
-  std::optional<DiagnosticText> empty;
-  if (is_empty(report))
-    empty = program_warning("empty_surface",
-                            "no grid point is inside the surface; use a smaller spacing");
-  if (empty) report.diagnostics.push_back(*empty);
+  const bool has_warning = is_empty(report);
+  if (has_warning)
+    report.diagnostics.push_back(program_warning(
+        "empty_surface", "no grid point is inside the surface; use a smaller spacing"));
   print(final_text(report));
-  if (empty && !report.options.quiet) print_message("warning", empty->message);
-  for (const std::string& fault : fault_lines(report.summary)) print_message("error", fault);
+  if (has_warning && !report.options.quiet)
+    print_message("warning", report.diagnostics.back().message);
+  for (const std::string& fault : fault_lines(report.result.summary)) print_message("error", fault);
+}
+
+// Returns the paths of the files that the first process makes, in all processes.
+OutputPaths paths_of(const Request& request, const Processes& processes) {
+  OutputPaths paths;
+  if (processes.is_first() && !request.part)
+    paths = output_paths(request.outputs, request.output_directory);
+  for (auto* const lines : {&paths.temporaries, &paths.locks})
+    *lines = processes.gather_texts(*lines);
+  return paths;
 }
 
 // Computes the surface and adds the results to the report.
-void run_with_progress(const Options& options, PlannedRun& run, const Processes& processes,
-                       Report& report) {
-  const OutputPaths paths =
-      options.request.part ? OutputPaths() : paths_of(options.request, processes);
-  InterruptibleRun interruptible(paths);
-  ProgressBar bar(!options.quiet && processes.is_first());
+void run_with_progress(const Processes& processes, Report& report) {
+  PlannedRun& run = report.run;
+  InterruptibleRun interruptible(paths_of(run.request, processes));
+  ProgressBar bar(!report.options.quiet && processes.is_first());
   const auto show_blocks = [&](std::int64_t done, std::int64_t total) {
     interruptible.check();
     bar.show_blocks(done, total);
@@ -183,10 +188,7 @@ void run_with_progress(const Options& options, PlannedRun& run, const Processes&
     run.checkpoint->remove_temporary();
   };
   try {
-    RunResult result = execute(options.request, run,
-                               {.progress = show_blocks, .verification = show_checks}, processes);
-    report.summary = std::move(result.summary);
-    report.exact = result.exact;
+    report.result = execute(run, {.progress = show_blocks, .verification = show_checks}, processes);
     std::vector<ProcessFigures> figures = gather_figures(run, processes);
     for (const ProcessFigures& each : figures)
       report.peak_memory_bytes = std::max(report.peak_memory_bytes, each.peak_memory_bytes);
@@ -220,13 +222,12 @@ Options with_chosen_grid(Options options, const Processes& processes) {
 }
 
 int perform_run(const Options& options, const Processes& processes) {
-  PlannedRun run = plan_run(options.request, processes);
-  Report report = report_of(options, run, processes);
+  Report report = plan(options, processes);
   on_rank_zero(processes, [&] { present_plan(report); });
   if (options.request.dry_run) return exit_done;
-  run_with_progress(options, run, processes, report);
+  run_with_progress(processes, report);
   on_rank_zero(processes, [&] { present_result(report); });
-  return has_faults(report.summary) ? exit_failure : exit_done;
+  return has_faults(report.result.summary) ? exit_failure : exit_done;
 }
 
 // Joins the parts of a run. Returns false if parts are missing, or if another process joins them.
@@ -251,28 +252,25 @@ bool are_parts_complete(const PlannedRun& run) try {
 
 // Computes a part of a run. The last part joins all of them.
 int perform_part(const Options& options, const Processes& processes) {
-  Report report;
-  bool is_locked = false, is_last = false;
+  std::string text;
+  bool is_last = false;
   {
-    PlannedRun run = plan_run(options.request, processes);
-    report = report_of(options, run, processes);
+    Report report = plan(options, processes);
     present_plan(report);
     if (options.request.dry_run) return exit_done;
-    run_with_progress(options, run, processes, report);
-    is_locked = run.checkpoint->is_locked();
+    run_with_progress(processes, report);
+    for (const std::string& fault : fault_lines(report.result.summary))
+      print_message("error", fault);
+    if (has_faults(report.result.summary)) return exit_failure;
+    Checkpoint& checkpoint = *report.run.checkpoint;
+    const bool is_locked = checkpoint.is_locked();
     // If it looked before, two parts that end together would each leave the join to the other.
-    run.checkpoint->unlock();
-    is_last = are_parts_complete(run);
+    checkpoint.unlock();
+    is_last = is_locked && are_parts_complete(report.run);
+    text = options.json ? json_text(report) : part_text(report, is_locked);
   }
-  if (has_faults(report.summary)) {
-    for (const std::string& fault : fault_lines(report.summary)) print_message("error", fault);
-    return exit_failure;
-  }
-  if (is_locked && is_last && join_parts(options, processes)) return exit_done;
-  if (options.json)
-    print(json_text(report));
-  else if (!options.quiet)
-    print(part_text(report, is_locked));
+  if (is_last && join_parts(options, processes)) return exit_done;
+  if (options.json || !options.quiet) print(text);
   return exit_done;
 }
 

@@ -214,11 +214,6 @@ std::array<double, 6> depths_inside(const Grid& grid, const Box& bounds) {
   return depths;
 }
 
-double cut_depth(const Grid& grid, const Box& bounds) {
-  const std::array<double, 6> depths = depths_inside(grid, bounds);
-  return *std::max_element(depths.begin(), depths.end());
-}
-
 }  // namespace eses::detail
 
 namespace eses {

@@ -46,13 +46,8 @@ void require_within(const GridRegion& region, const Grid& grid);
 /// Returns the depth of each face of the grid inside the bounding box of the van der Waals spheres,
 /// in angstrom, in the order low x, high x, low y, high y, low z, high z. A face outside the box
 /// has a negative depth. A depth within rounding errors is 0: points on such a face may be inside.
+/// The grid of ESES can cut the box, as the truncation of the number of points removes up to one
+/// spacing of the upper margin.
 std::array<double, 6> depths_inside(const Grid& grid, const Box& bounds);
-
-/// Returns the maximum of depths_inside: the distance by which the bounding box of the van der
-/// Waals spheres extends beyond the grid, in angstrom. It is positive if the grid cuts the box, 0
-/// if the box reaches a face of the grid up to rounding errors, and negative if the grid encloses
-/// it. The grid of ESES can cut the box, as the truncation of the number of points removes up to
-/// one spacing of the upper margin.
-double cut_depth(const Grid& grid, const Box& bounds);
 
 }  // namespace eses::detail

@@ -64,10 +64,8 @@ std::int64_t GridMap::words_of_row(MapQuantity quantity, const GridIndex& size) 
   return words_of_cell(quantity) * cells_along(size);
 }
 
-std::uint64_t GridMap::row_bytes(MapQuantity quantity, const GridRegion& region) {
-  const GridIndex size = region.size();
-  return sizeof(std::uint64_t) *
-         static_cast<std::uint64_t>(words_of_row(quantity, size) * size[1] * size[2]);
+std::uint64_t GridMap::row_bytes(MapQuantity quantity, const GridIndex& size) {
+  return sizeof(std::uint64_t) * static_cast<std::uint64_t>(words_of_row(quantity, size));
 }
 
 std::uint64_t GridMap::typical_compressed_bytes(const MapChoice& map, const GridRegion& region,
@@ -82,7 +80,8 @@ std::uint64_t GridMap::typical_compressed_bytes(const MapChoice& map, const Grid
 
 double GridMap::memory_bytes(const MapChoice& map, const GridRegion& region, double crossings) {
   // Each crossing is on an edge of one of three maps.
-  return static_cast<double>(row_bytes(MapQuantity::inside, region)) +
+  const GridIndex size = region.size();
+  return sizeof(std::uint64_t) * static_cast<double>(cells_along(size) * size[1] * size[2]) +
          (is_of_edges(map.quantity) ? sizeof(PartialEdge) * crossings / 3 : 0);
 }
 

@@ -35,8 +35,8 @@ class GridMap {
 
   /// Number of 64-bit words of a row along x.
   static std::int64_t words_of_row(MapQuantity quantity, const GridIndex& size);
-  /// Bytes of the words of all rows.
-  static std::uint64_t row_bytes(MapQuantity quantity, const GridRegion& region);
+  /// Bytes of these words.
+  static std::uint64_t row_bytes(MapQuantity quantity, const GridIndex& size);
   /// Typical size of a compressed map of a surface with so many crossings.
   static std::uint64_t typical_compressed_bytes(const MapChoice& map, const GridRegion& region,
                                                 double crossings);

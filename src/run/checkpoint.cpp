@@ -268,8 +268,6 @@ std::string Checkpoint::sums_path(const PlaneRange& planes) const {
 
 // The file of the sums is written last, so that its existence implies that the chunk is complete.
 void Checkpoint::finish(const PlaneChunk& chunk) {
-  for (const auto& text : chunk.texts)
-    if (text) text->sync();
   const auto sums = as_chars(std::span(chunk.atom_sums));
   const SumsHeader header{chunk.info, chunk.atom_sums.size(), checksum(sums)};
   const std::uint64_t header_checksum = checksum(bytes_of(header));

@@ -47,18 +47,11 @@ struct ChunkInfo {
   std::uint64_t bytes_of(ChunkText text) const { return bytes[static_cast<std::size_t>(text)]; }
 };
 
-/// A chunk of planes.
+/// A chunk of planes without its texts.
 struct PlaneChunk {
   ChunkInfo info;
   /// Shares of the atoms with a share that is not 0, ascending.
   std::vector<AtomSum> atom_sums;
-  /// Scratch files of the texts. They are closed when the chunk is complete.
-  std::array<std::unique_ptr<ScratchFile>, chunk_text_count> texts;
-
-  /// The scratch file of a text, or null.
-  std::unique_ptr<ScratchFile>& text(ChunkText which) {
-    return texts[static_cast<std::size_t>(which)];
-  }
 };
 
 /// The checksum of a text that several threads write in parts, in any order.
@@ -121,9 +114,9 @@ class Checkpoint {
 
   /// Creates the scratch file of a text, and marks the chunk as incomplete.
   std::unique_ptr<ScratchFile> create(const PlaneRange& planes, ChunkText text);
-  /// Writes the sums of a chunk, which makes it complete.
+  /// Writes the sums of a chunk whose texts are on the disk, which makes it complete.
   void finish(const PlaneChunk& chunk);
-  /// Reads a complete chunk without its texts.
+  /// Reads a complete chunk.
   PlaneChunk read(const PlaneRange& planes) const;
   /// Opens the scratch file of a text.
   std::unique_ptr<ScratchFile> open(const PlaneRange& planes, ChunkText text) const;

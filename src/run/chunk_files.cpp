@@ -23,9 +23,9 @@ class MeshIntoChunk final : public PieceTextSink {
 
 }  // namespace
 
-ChunkFiles::ChunkFiles(Checkpoint& checkpoint, const Outputs& outputs, const GridRegion& region)
-    : checkpoint_(checkpoint), region_(region) {
-  chunk_.info.planes = {region.begin[2], region.end[2]};
+ChunkFiles::ChunkFiles(PlannedRun& run, const PlaneRange& planes) : run_(run) {
+  const Outputs& outputs = run.request.outputs;
+  chunk_.info.planes = planes;
   if (outputs.grid)
     sinks_.add(std::make_unique<PieceTextSink>(&Piece::grid, create(ChunkText::grid)));
   if (outputs.edges)
@@ -35,20 +35,18 @@ ChunkFiles::ChunkFiles(Checkpoint& checkpoint, const Outputs& outputs, const Gri
 }
 
 // Creates the file of a text. Returns a function that writes it.
-WriteAt ChunkFiles::create(ChunkText text) {
-  std::unique_ptr<ScratchFile>& file = chunk_.text(text);
-  file = checkpoint_.create(chunk_.info.planes, text);
-  TextChecksum& checksum = checksums_[static_cast<std::size_t>(text)];
-  return [&to = *file, &checksum](std::span<const char> bytes, std::uint64_t offset) {
-    to.write_at(bytes, offset);
-    checksum.add(bytes, offset);
+WriteAt ChunkFiles::create(ChunkText which) {
+  Text& text = texts_[static_cast<std::size_t>(which)];
+  text.file = run_.checkpoint->create(chunk_.info.planes, which);
+  return [&text](std::span<const char> bytes, std::uint64_t offset) {
+    text.file->write_at(bytes, offset);
+    text.checksum.add(bytes, offset);
   };
 }
 
 // The words of rows are converted to values of the map when chunks are merged.
 void ChunkFiles::add_map(MapQuantity quantity) {
-  const auto row_bytes = sizeof(std::uint64_t) * static_cast<std::uint64_t>(GridMap::words_of_row(
-                                                     quantity, region_.size()));
+  const std::uint64_t row_bytes = GridMap::row_bytes(quantity, run_.plan.tiling.region.size());
   sinks_.add(std::make_unique<MapSink>(
       quantity, [row_bytes, write_at = create(text_of(quantity))](
                     std::int64_t first_row, std::span<const std::uint64_t> words) {
@@ -56,15 +54,18 @@ void ChunkFiles::add_map(MapQuantity quantity) {
       }));
 }
 
-void ChunkFiles::finish(const SweepSums& sums, const Slab& slab) {
+void ChunkFiles::finish(const SweepSums& sums) {
   ChunkInfo& info = chunk_.info;
   info.sums = sums;
-  for (std::size_t text = 0; text < chunk_text_count; ++text) {
-    if (chunk_.texts[text]) info.bytes[text] = chunk_.texts[text]->size();
-    info.checksums[text] = checksums_[text].value();
+  for (std::size_t i = 0; i < texts_.size(); ++i) {
+    if (!texts_[i].file) continue;
+    texts_[i].file->sync();
+    info.bytes[i] = texts_[i].file->size();
+    info.checksums[i] = texts_[i].checksum.value();
   }
-  slab.for_each_sum(sums.atom_shares, [&](const AtomSum& sum) { chunk_.atom_sums.push_back(sum); });
-  checkpoint_.finish(chunk_);
+  run_.slab.for_each_sum(sums.atom_shares,
+                         [&](const AtomSum& sum) { chunk_.atom_sums.push_back(sum); });
+  run_.checkpoint->finish(chunk_);
 }
 
 }  // namespace eses::detail

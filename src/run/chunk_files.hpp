@@ -3,35 +3,36 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 
-#include "eses/outputs.hpp"
-#include "grid/tiling.hpp"
 #include "run/checkpoint.hpp"
+#include "run/planned_run.hpp"
 #include "run/sink.hpp"
-#include "run/slabs.hpp"
 
 namespace eses::detail {
 
 /// A chunk that a sweep writes into a checkpoint. It is complete after `finish`.
 class ChunkFiles {
  public:
-  /// Creates the files. `region` has the points of the chunk. Keeps a reference to `checkpoint`.
-  ChunkFiles(Checkpoint& checkpoint, const Outputs& outputs, const GridRegion& region);
+  /// Creates the files of a chunk of these planes. Keeps a reference to `run`.
+  ChunkFiles(PlannedRun& run, const PlaneRange& planes);
 
   /// The sink of the sweep over the region.
   Sink& sink() { return sinks_; }
-  /// Writes the sums of the chunk, which makes it complete. Closes its files, as the number of open
-  /// files is limited.
-  void finish(const SweepSums& sums, const Slab& slab);
+  /// Writes the sums of the chunk, which makes it complete.
+  void finish(const SweepSums& sums);
 
  private:
-  WriteAt create(ChunkText text);
+  WriteAt create(ChunkText which);
   void add_map(MapQuantity quantity);
 
-  Checkpoint& checkpoint_;
-  GridRegion region_;
+  PlannedRun& run_;
   PlaneChunk chunk_;
-  std::array<TextChecksum, chunk_text_count> checksums_;
+  struct Text {
+    std::unique_ptr<ScratchFile> file;  // null if the chunk does not have the text
+    TextChecksum checksum;
+  };
+  std::array<Text, chunk_text_count> texts_;
   Sinks sinks_;
 };
 

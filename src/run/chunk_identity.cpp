@@ -78,7 +78,8 @@ std::uint64_t hash_of(std::span<const Atom> atoms, std::span<const mesh::GroupNu
   return hash_of_atoms(atoms, groups) ^ hash_of_names(names);
 }
 
-std::string chunk_identity(const Request& request, const PlannedRun& run, std::uint64_t hash) {
+std::string chunk_identity(const PlannedRun& run, std::uint64_t hash) {
+  const Request& request = run.request;
   const Parameters& p = request.parameters;
   const Grid& grid = run.plan.grid;
   const auto* const options = std::get_if<GridOptions>(&p.grid);

@@ -9,7 +9,6 @@
 #include "eses/atoms.hpp"
 #include "output/mesh_groups.hpp"
 #include "run/planned_run.hpp"
-#include "run/request.hpp"
 
 namespace eses::detail {
 
@@ -19,6 +18,6 @@ std::uint64_t hash_of(std::span<const Atom> atoms, std::span<const mesh::GroupNu
 
 /// Returns a text that differs between runs whose chunks must not be combined. `hash` is that of
 /// the atoms.
-std::string chunk_identity(const Request& request, const PlannedRun& run, std::uint64_t hash);
+std::string chunk_identity(const PlannedRun& run, std::uint64_t hash);
 
 }  // namespace eses::detail

@@ -31,15 +31,14 @@ namespace eses::detail {
 namespace {
 
 // Checks that all processes have the checkpoint of the first one.
-void require_shared_directory(const Request& request, const Processes& processes) {
+void require_shared_directory(const std::filesystem::path& directory, const Processes& processes) {
   if (processes.count() == 1) return;
-  const std::string path = path_in(path_in(request.output_directory, checkpoint_name), run_name);
+  const std::string path = path_in(path_in(directory, checkpoint_name), run_name);
   processes.all_or_throw([&] {
     if (!FileDescriptor(::open(path.c_str(), O_RDONLY | O_CLOEXEC)).is_open())
-      throw Error(
-          formatted("cannot write into {}{}: {}; is it the same directory for all processes?",
-                    request.output_directory.string(), processes.on_machine(),
-                    std::generic_category().message(errno)));
+      throw Error(formatted(
+          "cannot write into {}{}: {}; is it the same directory for all processes?",
+          directory.string(), processes.on_machine(), std::generic_category().message(errno)));
   });
 }
 
@@ -69,25 +68,24 @@ void combine_verifications(Verification& found, const Processes& processes) {
 }
 
 // Measures the surface in closed form.
-Measures measure_surface(const Request& request, PlannedRun& run,
-                         const std::function<void()>& check) {
-  const MeasureSettings settings{.probe_radius = request.parameters.probe_radius,
+Measures measure_surface(const PlannedRun& run, const std::function<void()>& check) {
+  const Parameters& parameters = run.request.parameters;
+  const MeasureSettings settings{.probe_radius = parameters.probe_radius,
                                  .threads = run.slab_plan.threads,
                                  .check = check,
-                                 .max_filled_void = request.parameters.max_filled_void};
+                                 .max_filled_void = parameters.max_filled_void};
   return run.cavities.patches ? measure_kept_patches(run.cavities.patches, settings)
                               : measure_patches(run.slab.molecule, settings);
 }
 
 // Compares the number of inside points with the exact volume, if the grid encloses the molecule and
 // no cavities are filled.
-void verify_volume(const Request& request, const PlannedRun& run,
-                   const std::function<void()>& check, Summary& summary) {
+void verify_volume(const PlannedRun& run, const std::function<void()>& check, Summary& summary) {
   if (run.filled() || !run.plan.is_whole_surface()) return;
   const Stopwatch watch;
   const VolumeBounds bounds =
-      bound_inside_cells(run.slab.molecule, request.parameters.probe_radius, run.plan.grid.spacing,
-                         run.slab_plan.threads, check);
+      bound_inside_cells(run.slab.molecule, run.request.parameters.probe_radius,
+                         run.plan.grid.spacing, run.slab_plan.threads, check);
   if (const auto fault = find_volume_fault(summary.inside_points, run.plan.grid.spacing, bounds))
     summary.verification->faults.push_back(*fault);
   summary.seconds.verify += watch.seconds();
@@ -95,16 +93,15 @@ void verify_volume(const Request& request, const PlannedRun& run,
 
 // Sweeps the ranges of this process. Returns the sums of a sweep in place. Other sweeps leave
 // chunks in the checkpoint; a chunk with faults is not completed.
-std::optional<SweepSums> sweep_ranges(const Request& request, PlannedRun& run,
-                                      std::span<const PlaneRange> ranges, RunFiles& files,
-                                      const Callbacks& callbacks, ProgressReport& report,
-                                      Summary& summary) {
-  SlabSweep slab(request, run, ranges, files.mesh(), callbacks, report);
+std::optional<SweepSums> sweep_ranges(PlannedRun& run, std::span<const PlaneRange> ranges,
+                                      RunFiles& files, const Callbacks& callbacks,
+                                      ProgressReport& report, Summary& summary) {
+  SlabSweep slab(run, ranges, files.mesh(), callbacks, report);
   if (run.is_in_place) return slab.sweep(ranges.front(), files.sink(), summary);
   for (const PlaneRange& planes : ranges) {
-    ChunkFiles chunk(*run.checkpoint, request.outputs, with_planes(run.plan.tiling.region, planes));
+    ChunkFiles chunk(run, planes);
     const SweepSums sums = slab.sweep(planes, chunk.sink(), summary);
-    if (sums.fault_count == 0) chunk.finish(sums, run.slab);
+    if (sums.fault_count == 0) chunk.finish(sums);
   }
   return std::nullopt;
 }
@@ -118,8 +115,9 @@ void number_by_file(const PlannedRun& run, SweepSums& sums) {
 }
 
 // Sets the results in the summary. Frees the area shares.
-void set_results(const Request& request, const PlannedRun& run, SweepSums& sums, Summary& summary) {
-  const bool is_void = request.outputs.mesh && request.outputs.mesh->component.value_or(0) > 0;
+void set_results(const PlannedRun& run, SweepSums& sums, Summary& summary) {
+  const std::optional<MeshOptions>& mesh = run.request.outputs.mesh;
+  const bool is_void = mesh && mesh->component.value_or(0) > 0;
   fill_totals(is_void ? complement(sums.totals, run.plan.tiling.region.point_count()) : sums.totals,
               run.plan.grid.spacing, summary);
   summary.atom_areas.reserve(sums.atom_shares.size());
@@ -130,8 +128,8 @@ void set_results(const Request& request, const PlannedRun& run, SweepSums& sums,
 
 // Completes the summary and the output files. `swept` are the sums of a sweep in place; otherwise
 // the chunks of all processes are merged.
-void finish(const Request& request, PlannedRun& run, std::optional<SweepSums>& swept,
-            RunFiles& files, const std::function<void()>& check, RunResult& result) {
+void finish(PlannedRun& run, std::optional<SweepSums>& swept, RunFiles& files,
+            const std::function<void()>& check, RunResult& result) {
   Summary& summary = result.summary;
   // The heap memory of patches and blocks is too fragmented for the long lists of areas.
   if (run.plan.memory_bytes > small_memory_bytes) release_free_memory();
@@ -141,12 +139,12 @@ void finish(const Request& request, PlannedRun& run, std::optional<SweepSums>& s
   else
     merge.emplace(run, check);
   SweepSums& sums = swept ? *swept : merge->sums();
-  if (request.join != Join::none && summary.verification) {
+  if (run.request.join != Join::none && summary.verification) {
     summary.verification->points += sums.verified_points;
     summary.verification->edges += sums.verified_edges;
   }
-  set_results(request, run, sums, summary);
-  if (result.exact && summary.verification) verify_volume(request, run, check, summary);
+  set_results(run, sums, summary);
+  if (result.exact && summary.verification) verify_volume(run, check, summary);
   if (has_faults(summary)) return;
   if (merge) files.join(*merge, check);
   files.finish(check, summary);
@@ -164,26 +162,18 @@ bool has_faults(const Summary& summary) {
   return summary.verification && !summary.verification->faults.empty();
 }
 
-OutputPaths paths_of(const Request& request, const Processes& processes) {
-  OutputPaths paths;
-  if (processes.is_first()) paths = output_paths(request.outputs, request.output_directory);
-  for (auto* const lines : {&paths.final, &paths.temporaries, &paths.locks})
-    *lines = processes.gather_texts(*lines);
-  return paths;
-}
-
-RunResult execute(const Request& request, PlannedRun& run, const Callbacks& callbacks,
-                  const Processes& processes) {
+RunResult execute(PlannedRun& run, const Callbacks& callbacks, const Processes& processes) {
   const Stopwatch total;
+  const Request& request = run.request;
   processes.all_or_throw([&] { start_threads(run.slab_plan.threads); });
   std::optional<RunFiles> files;
   processes.all_or_throw([&] {
-    files.emplace(request, run, processes.is_first());
+    files.emplace(run, processes.is_first());
     if (run.checkpoint && processes.is_first()) run.checkpoint->prepare();
   });
-  require_shared_directory(request, processes);
+  require_shared_directory(request.output_directory, processes);
 
-  const std::vector<PlaneRange> ranges = ranges_to_sweep(request, run);
+  const std::vector<PlaneRange> ranges = ranges_to_sweep(run);
   ProgressReport report(callbacks.progress, count_blocks(run, ranges));
   const std::function<void()> check = [&report] { report.check(); };
   check();  // the first check tells the caller that the files are locked
@@ -193,14 +183,13 @@ RunResult execute(const Request& request, PlannedRun& run, const Callbacks& call
   if (request.parameters.max_filled_void) summary.filled_cavities = run.cavities.map->filled();
   if (request.parameters.verify > 0) summary.verification.emplace();
   // The sweep takes the patches that these measures have made.
-  if (request.parameters.exact) result.exact = measure_surface(request, run, check);
-  std::optional<SweepSums> swept =
-      sweep_ranges(request, run, ranges, *files, callbacks, report, summary);
+  if (request.parameters.exact) result.exact = measure_surface(run, check);
+  std::optional<SweepSums> swept = sweep_ranges(run, ranges, *files, callbacks, report, summary);
   processes.wait_for_all();  // until all chunks are complete
   if (summary.verification) combine_verifications(*summary.verification, processes);
   if (!request.part && (!run.checkpoint || !has_faults(summary)))
     processes.all_or_throw([&] {
-      if (processes.is_first()) finish(request, run, swept, *files, check, result);
+      if (processes.is_first()) finish(run, swept, *files, check, result);
     });
   summary.seconds.total = total.seconds();
   combine_seconds(summary.seconds, processes);

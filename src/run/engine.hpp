@@ -15,9 +15,7 @@
 #include "distributed/processes.hpp"
 #include "eses/measure.hpp"
 #include "grid/plane_range.hpp"
-#include "output/output_directory.hpp"
 #include "run/planned_run.hpp"
-#include "run/request.hpp"
 
 namespace eses::detail {
 
@@ -43,13 +41,9 @@ std::vector<ProcessFigures> gather_figures(const PlannedRun& run, const Processe
 /// Returns whether the verification has found faults. Then no file was written.
 bool has_faults(const Summary& summary);
 
-/// Returns the paths of the first process, which makes the files. All processes must call it.
-OutputPaths paths_of(const Request& request, const Processes& processes);
-
 /// Computes the surface and writes the files of a run. All processes must call it. A SharedError
 /// is thrown in all processes. Any other exception is thrown only in the process that failed, whose
 /// caller must then abort the other processes.
-RunResult execute(const Request& request, PlannedRun& run, const Callbacks& callbacks,
-                  const Processes& processes);
+RunResult execute(PlannedRun& run, const Callbacks& callbacks, const Processes& processes);
 
 }  // namespace eses::detail

@@ -49,7 +49,7 @@ void Merge::require_sound(const PlaneChunk& chunk, ChunkText text, std::uint32_t
 // Throws Error at the end if the text is damaged. Closes its file, as the number of open files is
 // limited.
 template <class Take>
-void Merge::read(PlaneChunk& chunk, ChunkText text, std::uint64_t unit, Take&& take) const {
+void Merge::read(const PlaneChunk& chunk, ChunkText text, std::uint64_t unit, Take&& take) const {
   const std::uint64_t length = chunk.info.bytes_of(text);
   if (length == 0) return;
   const std::uint64_t step = std::max<std::uint64_t>(1, bytes_per_read / unit) * unit;
@@ -67,18 +67,16 @@ void Merge::read(PlaneChunk& chunk, ChunkText text, std::uint64_t unit, Take&& t
 }
 
 void Merge::write_text(OutputFile& file, ChunkText text) {
-  for (PlaneChunk& chunk : chunks_)
+  for (const PlaneChunk& chunk : chunks_)
     read(chunk, text, 1, [&](std::span<const char> part, std::uint64_t) { file.append(part); });
 }
 
 void Merge::add_rows(GridMap& map) {
   const GridRegion& region = run_.plan.tiling.region;
   const ChunkText text = text_of(map.quantity());
-  const std::uint64_t row_bytes =
-      sizeof(std::uint64_t) *
-      static_cast<std::uint64_t>(GridMap::words_of_row(map.quantity(), region.size()));
+  const std::uint64_t row_bytes = GridMap::row_bytes(map.quantity(), region.size());
   std::vector<std::uint64_t> words;
-  for (PlaneChunk& chunk : chunks_) {
+  for (const PlaneChunk& chunk : chunks_) {
     const std::int64_t first_row = (chunk.info.planes.begin - region.begin[2]) * region.size()[1];
     read(chunk, text, row_bytes, [&](std::span<const char> bytes, std::uint64_t offset) {
       words.resize(bytes.size() / sizeof(std::uint64_t));
@@ -90,7 +88,7 @@ void Merge::add_rows(GridMap& map) {
 
 void Merge::add_pieces(RunMesh& mesh) {
   std::uint64_t first_vertex = 0;
-  for (PlaneChunk& chunk : chunks_) {
+  for (const PlaneChunk& chunk : chunks_) {
     PieceReader reader(first_vertex, [&](const mesh::MeshPiece& piece) { mesh.add(piece); });
     read(chunk, ChunkText::mesh, 1,
          [&](std::span<const char> bytes, std::uint64_t) { reader.add(bytes); });

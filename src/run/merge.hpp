@@ -32,7 +32,7 @@ class Merge {
 
  private:
   template <class Take>
-  void read(PlaneChunk& chunk, ChunkText text, std::uint64_t unit, Take&& take) const;
+  void read(const PlaneChunk& chunk, ChunkText text, std::uint64_t unit, Take&& take) const;
   void require_sound(const PlaneChunk& chunk, ChunkText text, std::uint32_t checksum) const;
 
   PlannedRun& run_;

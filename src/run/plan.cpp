@@ -264,8 +264,11 @@ void choose_schedule(const SurfaceSurvey& survey, const MemoryBudget& budget,
 
 void expect_maps(const Outputs& outputs, bool has_chunks, const Plan& plan, FileSizes& files) {
   const GridRegion& region = plan.tiling.region;
+  const GridIndex size = region.size();
   for (const MapChoice& map : chosen_maps(outputs)) {
-    if (has_chunks) files.text_scratch += GridMap::row_bytes(map.quantity, region);
+    if (has_chunks)
+      files.text_scratch +=
+          GridMap::row_bytes(map.quantity, size) * static_cast<std::uint64_t>(size[1] * size[2]);
     if (!map.gzip) {
       files.maps += map_layout(map, plan.parameters.surface(), plan.grid, region).file_bytes();
       continue;
@@ -343,8 +346,7 @@ Plan plan_grid(const Box& bounds, const Parameters& parameters) {
   plan.grid = options != nullptr ? make_grid(bounds, options->spacing, options->margin)
                                  : std::get<Grid>(parameters.grid);
   plan.cut_depths = depths_inside(plan.grid, bounds);
-  plan.cut_depth = cut_depth(plan.grid, bounds);
-  if (options != nullptr) require_enclosing_margin(plan.cut_depth, *options);
+  if (options != nullptr) require_enclosing_margin(plan.cut_depth(), *options);
   plan.tiling.region = region_of(plan.grid, parameters);
   return plan;
 }

@@ -2,6 +2,7 @@
 /// Plans of runs. A plan is made in three steps: the grid (plan_grid), the schedule of a process
 /// (plan_schedule), and the sizes of the files (plan_files). They use neither files nor MPI.
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 
@@ -21,16 +22,20 @@ struct Plan {
   BlockTiling tiling;                  ///< of the region to compute
   int threads = 1;                     ///< number of threads
   std::int64_t blocks_ahead = 0;       ///< see WorkList
-  std::array<double, 6> cut_depths{};  ///< see eses::detail::depths_inside
-  double cut_depth = 0;  ///< see eses::detail::cut_depth; > 0 if the grid cuts the surface
-  double crossings = 0;  ///< expected number of crossings
+  std::array<double, 6> cut_depths{};  ///< see depths_inside
+  double crossings = 0;                ///< expected number of crossings
   /// Estimate of the peak memory of the process, intended as an upper bound, if the process holds
   /// only the atoms before the run.
   std::uint64_t memory_bytes = 0;
   FileSizes files = {};
 
   /// Whether the region to compute contains the whole surface.
-  bool is_whole_surface() const { return cut_depth <= 0 && tiling.region == grid.whole(); }
+  bool is_whole_surface() const { return cut_depth() <= 0 && tiling.region == grid.whole(); }
+
+  /// The distance by which the bounding box of the van der Waals spheres extends beyond the grid
+  /// (angstrom). It is positive if the grid cuts the box, 0 if the box reaches a face of the grid
+  /// up to rounding errors, and negative if the grid encloses it.
+  double cut_depth() const { return std::ranges::max(cut_depths); }
 };
 
 /// Performs step 1 of a plan: takes the grid of the parameters or, if they have none, makes the

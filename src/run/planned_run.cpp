@@ -31,12 +31,12 @@ namespace eses::detail {
 namespace {
 
 // Throws SharedError unless all processes have read the same atoms.
-void require_same_atoms(const Request& request, std::uint64_t hash, const Processes& processes) {
+void require_same_atoms(const PlannedRun& run, std::uint64_t hash, const Processes& processes) {
   const std::uint64_t first = processes.gather(std::span<const std::uint64_t>(&hash, 1)).front();
   processes.all_or_throw([&] {
     if (hash != first)
       throw Error(formatted("cannot read {}{}: it is not the file that the first process reads",
-                            std::get<InputFile>(request.atoms).path.string(),
+                            std::get<InputFile>(run.request.atoms).path.string(),
                             processes.on_machine()));
   });
 }
@@ -69,24 +69,22 @@ void require_memory_held(const InputFile& file, std::uint64_t limit) {
                 file.path.string(), binary_bytes_text(peak), binary_bytes_text(limit)));
 }
 
-// Numbers the groups of `run.names` if the outputs need it. Returns the totals of the names.
-LabelTotals take_groups(const Outputs& outputs, PlannedRun& run,
-                        std::vector<mesh::GroupNumbers>& groups) {
-  if (needs_groups(outputs)) run.groups = mesh::number_groups(run.names.residues(), groups);
-  LabelTotals totals = total_labels(run.names.residues().labels);
-  totals.atom_text_bytes = run.names.text_bytes();
-  return totals;
+// Numbers the groups of `run.names` if the outputs need it, and adds up the names.
+void take_groups(PlannedRun& run) {
+  const ResidueRuns& residues = run.names.residues();
+  if (needs_groups(run.request.outputs))
+    run.groups = mesh::number_groups(residues, run.slab.groups);
+  run.labels = total_labels(residues.labels);
+  run.labels.atom_text_bytes = run.names.text_bytes();
 }
 
 // Reads the map of the potential, if the mesh needs it. Each process has the whole map.
-std::optional<PotentialMap> read_potential(const Request& request, const Processes& processes) {
-  const std::optional<MeshOptions>& mesh = request.outputs.mesh;
-  std::optional<PotentialMap> potential;
+void read_potential(const Processes& processes, PlannedRun& run) {
+  const std::optional<MeshOptions>& mesh = run.request.outputs.mesh;
   processes.all_or_throw([&] {
     if (mesh && mesh->potential)
-      potential.emplace(mesh->potential->file, request.parameters.max_memory);
+      run.potential.emplace(mesh->potential->file, run.request.parameters.max_memory);
   });
-  return potential;
 }
 
 // Returns the memory of labels, names, radii and the potential that this process holds during the
@@ -103,68 +101,58 @@ std::uint64_t held_bytes(const PlannedRun& run) {
   return bytes;
 }
 
-void lock_checkpoint(const Request& request, Checkpoint& checkpoint) {
-  if (request.part) return checkpoint.lock_part(*request.part);
+void lock_checkpoint(const PlannedRun& run) {
+  if (run.request.part) return run.checkpoint->lock_part(*run.request.part);
   try {
-    checkpoint.lock();
+    run.checkpoint->lock();
   } catch (const Error&) {
-    if (request.join == Join::if_complete) throw NotJoined();
+    if (run.request.join == Join::if_complete) throw NotJoined();
     throw;
   }
 }
 
 // Throws an exception if chunks are missing.
-void require_complete(const Request& request, const Plan& plan,
-                      std::span<const PlaneRange> finished) {
-  const std::vector<PlaneRange> missing = remaining(region_planes(plan), finished);
+void require_complete(const PlannedRun& run, std::span<const PlaneRange> finished) {
+  const std::vector<PlaneRange> missing = remaining(region_planes(run.plan), finished);
   if (missing.empty()) return;
-  if (request.join == Join::if_complete) throw NotJoined();
+  if (run.request.join == Join::if_complete) throw NotJoined();
   std::vector<std::string> ranges;
   for (const auto& [begin, end] : missing) ranges.push_back(formatted("{} to {}", begin, end - 1));
   throw Error(formatted("cannot join: the planes {} of {} are missing in {}; compute their parts",
-                        fmt::join(ranges, ", "), plan.grid.size[2],
-                        path_in(request.output_directory, checkpoint_name)));
+                        fmt::join(ranges, ", "), run.plan.grid.size[2],
+                        path_in(run.request.output_directory, checkpoint_name)));
 }
 
 // Opens the checkpoint of a run that is not in place, and finds its complete chunks.
-void open_checkpoint(const Request& request, std::span<const Atom> atoms,
-                     std::span<const mesh::GroupNumbers> groups, const Processes& processes,
-                     PlannedRun& run) {
+void open_checkpoint(std::span<const Atom> atoms, const Processes& processes, PlannedRun& run) {
   if (run.is_in_place) return;
-  const std::uint64_t hash = hash_of(atoms, groups, run.groups);
-  require_same_atoms(request, hash, processes);
+  const Request& request = run.request;
+  const std::uint64_t hash = hash_of(atoms, run.slab.groups, run.groups);
+  require_same_atoms(run, hash, processes);
   std::vector<PlaneRange> finished;
   processes.all_or_throw([&] {
     run.checkpoint = std::make_unique<Checkpoint>(
-        request.output_directory, chunk_identity(request, run, hash),
+        request.output_directory, chunk_identity(run, hash),
         request.keeps_chunks() ? Checkpoint::Chunks::kept : Checkpoint::Chunks::temporary);
     if (!processes.is_first()) return;
-    if (!request.dry_run) lock_checkpoint(request, *run.checkpoint);
+    if (!request.dry_run) lock_checkpoint(run);
     if (request.keeps_chunks()) finished = run.checkpoint->complete();
-    if (request.join != Join::none) require_complete(request, run.plan, finished);
+    if (request.join != Join::none) require_complete(run, finished);
     // Other parts may be writing their chunks.
     if (!request.dry_run && !request.part) run.checkpoint->remove_others(finished);
   });
   run.finished_planes = processes.gather<PlaneRange>(finished);
 }
 
-// Returns the number of threads of this process. Several processes on a machine share its
-// processors.
-int threads_of(const Request& request, const Processes::Machine& machine,
-               const Processes& processes) {
-  const int chosen = request.parameters.threads;
-  return chosen > 0 || processes.count() == 1 ? chosen : machine.processors;
-}
-
-// Chooses the schedule of this process for its slab. `labels` are the totals of all labels. Kept
-// patches are dropped if the memory limit excludes them: the minimum limit in messages is without
-// them.
-void plan_slab(const Request& request, const LabelTotals& labels, std::uint64_t sharing,
-               const Processes& processes, PlannedRun& run) {
+// Chooses the schedule of this process for its slab. `sharing` is the number of processes on this
+// machine. Kept patches are dropped if the memory limit excludes them: the minimum limit in
+// messages is without them.
+void plan_slab(std::uint64_t sharing, const Processes& processes, PlannedRun& run) {
+  const Request& request = run.request;
   const auto plan = [&] {
     plan_schedule({.available = [sharing] { return available_memory() / sharing; },
                    .held = processes.mpi_memory() + held_bytes(run),
-                   .labels = labels,
+                   .labels = run.labels,
                    .has_groups = run.groups.are_known,
                    .caller = request.caller_memory,
                    .is_in_place = run.is_in_place},
@@ -184,19 +172,15 @@ void plan_slab(const Request& request, const LabelTotals& labels, std::uint64_t 
 
 // Chooses the schedule of this process. The schedule of the whole run has the maxima over all
 // processes, and its crossings are the sum.
-void plan_schedules(const Request& request, const LabelTotals& labels,
-                    const Processes::Machine& machine, const Processes& processes,
-                    PlannedRun& run) {
+void plan_schedules(std::uint64_t sharing, const Processes& processes, PlannedRun& run) {
   Plan& slab = run.slab_plan;
   slab = run.plan;
   slab.tiling.region = with_planes(run.plan.tiling.region, run.slab.planes);
-  slab.parameters.threads = threads_of(request, machine, processes);
   processes.all_or_throw([&] {
-    if (run.slab.planes.is_empty()) {
-      if (slab.parameters.threads == 0) slab.threads = available_threads();
-      return;
-    }
-    plan_slab(request, labels, static_cast<std::uint64_t>(machine.processes), processes, run);
+    if (!run.slab.planes.is_empty())
+      plan_slab(sharing, processes, run);
+    else if (slab.parameters.threads == 0)
+      slab.threads = available_threads();
   });
   run.plan.crossings = processes.sum(slab.crossings);
   run.plan.memory_bytes = processes.max(slab.memory_bytes);
@@ -242,9 +226,9 @@ void grow_radii(double added_radius, const Processes& processes, AtomFile& atoms
 }
 
 // Reads the atoms and their names. Each process reads the whole file.
-AtomFile read_file(const InputFile& file, const Request& request, const Processes& processes,
-                   PlannedRun& run) {
-  const Outputs& outputs = request.outputs;
+AtomFile read_file(const InputFile& file, const Processes& processes, PlannedRun& run) {
+  const Outputs& outputs = run.request.outputs;
+  const std::uint64_t max_memory = run.request.parameters.max_memory;
   AtomFile atoms;
   processes.all_or_throw([&] {
     require_readable_by_all(file.path, run.share.count);
@@ -254,10 +238,10 @@ AtomFile read_file(const InputFile& file, const Request& request, const Processe
         file.path,
         {.format = file.format,
          .with_labels = is_named || outputs.residues || outputs.atoms || needs_groups(outputs),
-         .max_memory = request.parameters.max_memory,
+         .max_memory = max_memory,
          .structure = file.structure},
         [&](AtomFile& part) { take_labels(part, format, is_named || outputs.atoms, run.names); });
-    require_memory_for(atoms.atoms.size(), file, request.parameters.max_memory);
+    require_memory_for(atoms.atoms.size(), file, max_memory);
     if (file.added_radius > 0) grow_radii(file.added_radius, processes, atoms);
   });
   return atoms;
@@ -290,8 +274,8 @@ std::optional<FarAtomsWarning> describe_far_atoms(const AtomFile& atoms, const I
 }
 
 // Keeps the names that the first process writes.
-void keep_written_names(const Outputs& outputs, std::span<const Atom> atoms,
-                        const Processes& processes, PlannedRun& run) {
+void keep_written_names(std::span<const Atom> atoms, const Processes& processes, PlannedRun& run) {
+  const Outputs& outputs = run.request.outputs;
   if (!processes.is_first()) {
     run.groups.chains = run.groups.residues = {};
     run.structure = {};
@@ -308,15 +292,13 @@ void keep_written_names(const Outputs& outputs, std::span<const Atom> atoms,
 
 // Gives this process its planes and the atoms near them, and finds the cavities, if they are
 // needed. `whole` has all atoms in a single process, and if the cavities are searched.
-void take_slab(const Molecule& whole, std::span<const Atom> atoms,
-               std::vector<mesh::GroupNumbers> groups, const Request& request, int threads,
-               PlannedRun& run) {
+void take_slab(const Molecule& whole, std::span<const Atom> atoms, PlannedRun& run) {
+  const Request& request = run.request;
   const auto [index, count] = run.share;
   if (count == 1) {
     run.slab.planes = range_around(remaining(region_planes(run.plan), run.finished_planes));
     run.slab.molecule = whole;
-    run.slab.groups = std::move(groups);
-    run.cavities = prepare_patches(whole, request, run.plan, threads);
+    run.cavities = prepare_patches(whole, request, run.plan);
     return;
   }
   if (request.part && count > region_planes(run.plan).count())
@@ -327,22 +309,19 @@ void take_slab(const Molecule& whole, std::span<const Atom> atoms,
       request.part ? std::span<const PlaneRange>() : run.finished_planes;
   const std::vector<PlaneRange> slabs = cut_into_slabs(atoms, run.plan, free, count);
   const PlaneRange planes = slabs[static_cast<std::size_t>(index)];
-  run.slab = make_slab(atoms, groups, run.plan, request.outputs,
-                       range_around(remaining(planes, run.finished_planes)), threads);
-  if (searches_cavities(request))
-    run.cavities.map = find_slab_cavities(whole, request, run.slab, threads);
+  run.slab = make_slab(atoms, run.slab.groups, run.plan, request.outputs,
+                       range_around(remaining(planes, run.finished_planes)));
+  if (searches_cavities(request)) run.cavities.map = find_slab_cavities(whole, request, run.slab);
 }
 
-// Reads the file, makes the grid, and gives this process its slab. Returns the totals of the
-// labels.
-LabelTotals take_file(const InputFile& file, const Request& request,
-                      const Processes::Machine& machine, const Processes& processes,
-                      PlannedRun& run) {
-  AtomFile atoms = read_file(file, request, processes, run);
+// Reads the file, makes the grid, and gives this process its slab.
+void take_file(const InputFile& file, const Processes& processes, PlannedRun& run) {
+  const Request& request = run.request;
+  read_potential(processes, run);
+  AtomFile atoms = read_file(file, processes, run);
   run.structure = std::move(atoms.structure);
   run.atoms = atoms.atoms.size();
-  std::vector<mesh::GroupNumbers> groups;
-  const LabelTotals labels = take_groups(request.outputs, run, groups);
+  take_groups(run);
   const bool has_names = is_structure(format_of(file.path, file.format));
   // Names take much memory. They are dropped as soon as they are not needed any more.
   if (!request.outputs.residues && !request.outputs.atoms && !has_names) run.names = {};
@@ -350,61 +329,60 @@ LabelTotals take_file(const InputFile& file, const Request& request,
     run.far_atoms = describe_far_atoms(atoms, file, request.parameters);
     run.plan = plan_grid(sphere_bounds(atoms.atoms), request.parameters);
   });
-  open_checkpoint(request, atoms.atoms, groups, processes, run);
+  open_checkpoint(atoms.atoms, processes, run);
   processes.all_or_throw([&] {
-    const int threads = threads_of(request, machine, processes);
     const bool needs_whole = processes.is_first() || searches_cavities(request);
     const Molecule whole(needs_whole ? std::exchange(atoms.atoms, {}) : std::vector<Atom>(), {},
-                         threads);
+                         request.parameters.threads);
     const std::span<const Atom> all =
         needs_whole ? whole.atoms() : std::span(std::as_const(atoms.atoms));
     if (processes.is_first())
       run.diagnostics = diagnostics_of(atoms, whole, file.added_radius == 0,
                                        has_names ? &run.names : nullptr, run.far_atoms);
-    take_slab(whole, all, std::move(groups), request, threads, run);
-    keep_written_names(request.outputs, all, processes, run);
+    take_slab(whole, all, run);
+    keep_written_names(all, processes, run);
   });
   release_free_memory();
-  return labels;
 }
 
-// Takes a molecule in memory, and makes the grid. Returns its labels.
-LabelTotals take_molecule(const Molecule& molecule, const Request& request, PlannedRun& run) {
+// Takes a molecule in memory, and makes the grid.
+void take_molecule(const Molecule& molecule, const Processes& processes, PlannedRun& run) {
+  const Request& request = run.request;
+  require_valid(request.outputs, molecule);
+  if (request.outputs.mesh && request.outputs.mesh->component && request.parameters.max_filled_void)
+    throw std::invalid_argument(
+        "the mesh of one component needs a surface without filled cavities");
+  read_potential(processes, run);
   run.atoms = molecule.atoms().size();
   run.plan = plan_grid(sphere_bounds(molecule.atoms()), request.parameters);
   run.slab.planes = region_planes(run.plan);
   run.slab.molecule = molecule;
-  run.cavities = prepare_patches(molecule, request, run.plan, request.parameters.threads);
+  run.cavities = prepare_patches(molecule, request, run.plan);
   if (request.outputs.residues || needs_groups(request.outputs))
     for (const AtomLabel& label : molecule.labels()) run.names.add_residue(label);
-  LabelTotals labels = take_groups(request.outputs, run, run.slab.groups);
+  take_groups(run);
   if (!request.outputs.residues) run.names = {};
   if (request.outputs.atoms)
-    labels.atom_text_bytes = total_labels(molecule.labels()).atom_text_bytes;
-  return labels;
+    run.labels.atom_text_bytes = total_labels(molecule.labels()).atom_text_bytes;
 }
 
 }  // namespace
 
-PlannedRun plan_run(const Request& request, const Processes& processes) {
+PlannedRun plan_run(Request request, const Processes& processes) {
   PlannedRun run;
-  run.share = request.part.value_or(Share{processes.rank(), processes.count()});
-  run.is_in_place = processes.count() == 1 && !request.keeps_chunks();
+  run.request = std::move(request);
+  run.share = run.request.part.value_or(Share{processes.rank(), processes.count()});
+  run.is_in_place = processes.count() == 1 && !run.request.keeps_chunks();
   const Processes::Machine machine = processes.machine(available_threads());
-  const auto* const molecule = std::get_if<Molecule>(&request.atoms);
-  if (molecule != nullptr) {
-    require_valid(request.outputs, *molecule);
-    if (request.outputs.mesh && request.outputs.mesh->component &&
-        request.parameters.max_filled_void)
-      throw std::invalid_argument(
-          "the mesh of one component needs a surface without filled cavities");
-  }
-  run.potential = read_potential(request, processes);
-  const LabelTotals labels = molecule != nullptr ? take_molecule(*molecule, request, run)
-                                                 : take_file(std::get<InputFile>(request.atoms),
-                                                             request, machine, processes, run);
-  plan_schedules(request, labels, machine, processes, run);
-  run.plan.files = plan_files(run.atoms, labels, request.outputs, !run.is_in_place, run.plan);
+  int& threads = run.request.parameters.threads;
+  if (threads == 0 && processes.count() > 1) threads = machine.processors;
+  if (const auto* const molecule = std::get_if<Molecule>(&run.request.atoms))
+    take_molecule(*molecule, processes, run);
+  else
+    take_file(std::get<InputFile>(run.request.atoms), processes, run);
+  plan_schedules(static_cast<std::uint64_t>(machine.processes), processes, run);
+  run.plan.files =
+      plan_files(run.atoms, run.labels, run.request.outputs, !run.is_in_place, run.plan);
   return run;
 }
 

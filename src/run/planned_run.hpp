@@ -25,6 +25,8 @@ namespace eses::detail {
 
 /// A run that is ready: its plan, its input, and the part of it that belongs to this process.
 struct PlannedRun {
+  /// The number of threads is that of this process, if it shares a machine with others.
+  Request request;
   /// The plan of the whole run. Its `threads`, `blocks_ahead`, `memory_bytes` and block size are
   /// maxima over the processes.
   Plan plan;
@@ -38,6 +40,7 @@ struct PlannedRun {
   std::optional<FarAtomsWarning> far_atoms;
   FileDiagnostics diagnostics;  ///< of all atoms; only in the first process
   mesh::GroupNames groups;      ///< if the mesh names or colours them
+  LabelTotals labels;           ///< totals of the labels that were read
   /// Residues of the atoms, if tables of residues are written. Also names of the atoms, if
   /// atoms.csv is written and the file has names; a molecule in memory has labels instead. Only in
   /// the first process.
@@ -65,6 +68,6 @@ struct PlannedRun {
 /// Plans a run: reads the file of the request, or takes its molecule. All processes must
 /// call it. Throws SharedError if the atoms cannot be read, if a parameter or an output is not
 /// possible for them, and if the run would exceed the memory.
-PlannedRun plan_run(const Request& request, const Processes& processes);
+PlannedRun plan_run(Request request, const Processes& processes);
 
 }  // namespace eses::detail

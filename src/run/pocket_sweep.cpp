@@ -56,7 +56,7 @@ class ProbeSweep {
                     .check = options.check};
     if (finds_covered) request.outputs.ion_access = IonAccessMap{"covered.dx", probe_radius};
     extras_ = extras_of(request.outputs);
-    run_ = plan_run(request, Processes());
+    run_ = plan_run(std::move(request), Processes());
     patches_ = std::move(run_.cavities.patches);
     if (patches_) return;
     SurfaceModel surface(molecule, probe_radius);

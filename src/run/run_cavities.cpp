@@ -23,7 +23,7 @@ bool needs_cavities(const Request& request) {
          (mesh && (mesh->component || mesh->color == MeshColor::component));
 }
 
-FoundCavities find_cavities_of(const Molecule& molecule, const Request& request, int threads,
+FoundCavities find_cavities_of(const Molecule& molecule, const Request& request,
                                bool keeps_patches) {
   const std::optional<MeshOptions>& mesh = request.outputs.mesh;
   std::optional<ComponentNumber> kept;
@@ -31,7 +31,7 @@ FoundCavities find_cavities_of(const Molecule& molecule, const Request& request,
   try {
     return find_cavities(molecule,
                          {.probe_radius = request.parameters.probe_radius,
-                          .threads = chosen_threads(threads),
+                          .threads = chosen_threads(request.parameters.threads),
                           .check = request.check,
                           .max_filled_void = request.parameters.max_filled_void,
                           .kept_component = kept},
@@ -64,21 +64,19 @@ bool searches_cavities(const Request& request) {
          (!request.dry_run || (request.outputs.mesh && request.outputs.mesh->component));
 }
 
-FoundCavities prepare_patches(const Molecule& molecule, const Request& request, const Plan& plan,
-                              int threads) {
+FoundCavities prepare_patches(const Molecule& molecule, const Request& request, const Plan& plan) {
   const Parameters& parameters = plan.parameters;
   if (!needs_cavities(request) && !parameters.exact) return {};
   const std::uint64_t bytes = kept_patch_memory(molecule.atoms().size());
   const bool keeps_patches = plan.is_whole_surface() && bytes <= max_kept_bytes &&
                              (parameters.max_memory == 0 || 8 * bytes <= parameters.max_memory);
-  if (searches_cavities(request))
-    return find_cavities_of(molecule, request, threads, keeps_patches);
+  if (searches_cavities(request)) return find_cavities_of(molecule, request, keeps_patches);
   return {nullptr, keeps_patches ? schedule_patches(molecule, parameters.probe_radius) : nullptr};
 }
 
 std::shared_ptr<const CavityMap> find_slab_cavities(const Molecule& whole, const Request& request,
-                                                    const Slab& slab, int threads) {
-  return with_slab_indices(find_cavities_of(whole, request, threads, false).map, slab);
+                                                    const Slab& slab) {
+  return with_slab_indices(find_cavities_of(whole, request, false).map, slab);
 }
 
 std::uint64_t kept_patch_memory(std::size_t atoms) { return kept_patch_bytes * atoms; }

@@ -69,14 +69,14 @@ void write_atom_table(std::span<const double> areas, const PlannedRun& run, Outp
 
 }  // namespace
 
-RunFiles::RunFiles(const Request& request, PlannedRun& run, bool is_first)
-    : request_(request), run_(run) {
+RunFiles::RunFiles(PlannedRun& run, bool is_first) : run_(run) {
+  const Request& request = run.request;
   const bool has_files =
       run.checkpoint || request.outputs.mesh || !file_names(request.outputs).empty();
   if (is_first && !request.part && has_files)
     files_ =
         std::make_unique<OutputFiles>(request.outputs, request.output_directory, run.plan.files);
-  if (request.outputs.mesh) mesh_.emplace(request, run, files_.get());
+  if (request.outputs.mesh) mesh_.emplace(run, files_.get());
   if (run.is_in_place) add_sinks();
 }
 
@@ -87,9 +87,9 @@ void RunFiles::add_sinks() {
           to.write_at(bytes, offset);
         }));
   };
-  if (request_.outputs.grid) add_text(RunFile::grid, &Piece::grid);
-  if (request_.outputs.edges) add_text(RunFile::edges, &Piece::edges);
-  for (const MapChoice& choice : chosen_maps(request_.outputs)) {
+  if (run_.request.outputs.grid) add_text(RunFile::grid, &Piece::grid);
+  if (run_.request.outputs.edges) add_text(RunFile::edges, &Piece::edges);
+  for (const MapChoice& choice : chosen_maps(run_.request.outputs)) {
     GridMap& map = maps_.emplace_back(choice, run_.plan.parameters.surface(), run_.plan.grid,
                                       run_.plan.tiling.region);
     sinks_.add(std::make_unique<MapSink>(
@@ -105,7 +105,7 @@ void RunFiles::write(GridMap& map, const std::function<void()>& check) {
 }
 
 void RunFiles::write_areas_of(std::span<const double> areas, const std::function<void()>& check) {
-  const Outputs& outputs = request_.outputs;
+  const Outputs& outputs = run_.request.outputs;
   if (outputs.areas) write_areas(areas, outputs.gzip, file(RunFile::areas), check);
   if (outputs.residues)
     write_area_tables(areas, run_, file(RunFile::residues), file(RunFile::chains));
@@ -116,7 +116,7 @@ void RunFiles::write_box() {
   OutputFile* const box = files_->find(RunFile::box);
   if (box == nullptr) return;
   const std::string text = bounding_box_text(run_.plan.grid);
-  if (request_.outputs.gzip)
+  if (run_.request.outputs.gzip)
     box->append(Gzip().member(text));
   else
     box->append(text);
@@ -124,12 +124,12 @@ void RunFiles::write_box() {
 
 void RunFiles::complete_gzip(RunFile which) {
   OutputFile* const text = files_->find(which);
-  if (text != nullptr && request_.outputs.gzip && text->size() == 0)
+  if (text != nullptr && run_.request.outputs.gzip && text->size() == 0)
     text->append(Gzip().member({}));
 }
 
 void RunFiles::join(Merge& chunks, const std::function<void()>& check) {
-  const Outputs& outputs = request_.outputs;
+  const Outputs& outputs = run_.request.outputs;
   if (outputs.grid) chunks.write_text(file(RunFile::grid), ChunkText::grid);
   if (outputs.edges) chunks.write_text(file(RunFile::edges), ChunkText::edges);
   for (const MapChoice& choice : chosen_maps(outputs)) {
@@ -149,13 +149,13 @@ void RunFiles::finish(const std::function<void()>& check, Summary& summary) {
   for (GridMap& map : maps_) write(map, check);
   write_areas_of(summary.atom_areas, check);
   write_box();
-  require_memory_within(request_.parameters.max_memory, request_.parameters.memory_before);
+  require_memory_within(run_.request.parameters.max_memory, run_.request.parameters.memory_before);
   summary.bytes_written = files_->size();
   files_->commit(check);
   if (run_.checkpoint)
     run_.checkpoint->remove();
-  else if (!file_names(request_.outputs).empty())  // the output directory is locked
-    remove_checkpoint(request_.output_directory);
+  else if (!file_names(run_.request.outputs).empty())  // the output directory is locked
+    remove_checkpoint(run_.request.output_directory);
 }
 
 }  // namespace eses::detail

@@ -12,7 +12,6 @@
 #include "output/output_files.hpp"
 #include "run/merge.hpp"
 #include "run/planned_run.hpp"
-#include "run/request.hpp"
 #include "run/run_mesh.hpp"
 #include "run/sink.hpp"
 
@@ -22,9 +21,8 @@ namespace eses::detail {
 /// make pieces of the mesh.
 class RunFiles {
  public:
-  /// Opens the files if `is_first`, and nothing for a part of a run. Keeps references to `request`
-  /// and `run`.
-  RunFiles(const Request& request, PlannedRun& run, bool is_first);
+  /// Opens the files if `is_first`, and nothing for a part of a run. Keeps a reference to `run`.
+  RunFiles(PlannedRun& run, bool is_first);
 
   /// The mesh, or null if there is none.
   RunMesh* mesh() { return mesh_ ? &*mesh_ : nullptr; }
@@ -48,7 +46,6 @@ class RunFiles {
   // A valid gzip file has at least one member, also without text.
   void complete_gzip(RunFile which);
 
-  const Request& request_;
   PlannedRun& run_;
   std::unique_ptr<OutputFiles> files_;
   std::optional<RunMesh> mesh_;

@@ -6,7 +6,8 @@
 namespace eses::detail {
 namespace {
 
-mesh::MeshText make_text(const MeshOptions& mesh, const PlannedRun& run) {
+mesh::MeshText make_text(const PlannedRun& run) {
+  const MeshOptions& mesh = *run.request.outputs.mesh;
   const double spacing = run.plan.grid.spacing;
   const double vertices_per_area =
       mesh.quality ? mesh::quality_vertices_per_area : mesh::plain_vertices_per_area;
@@ -25,8 +26,8 @@ mesh::MeshText make_text(const MeshOptions& mesh, const PlannedRun& run) {
 }
 
 // Returns a function without a target if the mesh has no components.
-mesh::ComponentOfCrossing component_of_crossing(const PlannedRun& run, MeshColor color) {
-  if (color != MeshColor::component) return {};
+mesh::ComponentOfCrossing component_of_crossing(const PlannedRun& run) {
+  if (run.request.outputs.mesh->color != MeshColor::component) return {};
   return [&cavities = *run.cavities.map, atoms = run.slab.molecule.atoms(),
           probe = run.plan.parameters.probe_radius](const BlockCrossing& crossing, Vec3 position) {
     return as_number(cavities.number_at(atoms, std::span(crossing.atoms).first(crossing.atom_count),
@@ -36,30 +37,26 @@ mesh::ComponentOfCrossing component_of_crossing(const PlannedRun& run, MeshColor
 
 }  // namespace
 
-RunMesh::RunMesh(const Request& request, const PlannedRun& run, OutputFiles* files)
-    : request_(request),
-      run_(run),
-      filter_is_used_(request.outputs.mesh->quality),
-      text_(make_text(*request.outputs.mesh, run)) {
+RunMesh::RunMesh(const PlannedRun& run, OutputFiles* files)
+    : run_(run), choice_(*run.request.outputs.mesh), text_(make_text(run)) {
   if (files == nullptr) return;
   file_.emplace(text_, *files->find(RunFile::mesh), files->find(RunFile::mesh_faces),
-                mesh_directory_of(*request.outputs.mesh));
-  if (filter_is_used_)
+                mesh_directory_of(choice_));
+  if (choice_.quality)
     filter_.emplace(run.plan.grid, run.plan.tiling.region_with_halo, text_.piece_contents(),
                     [this](const mesh::MeshPiece& piece) { file_->add(piece); });
 }
 
 mesh::VertexMaker RunMesh::vertex_maker() const {
-  const MeshOptions& mesh = *request_.outputs.mesh;
   return mesh::VertexMaker({.grid = run_.plan.grid,
-                            .clearance = mesh.quality ? mesh::coincidence : mesh::clearance,
+                            .clearance = choice_.quality ? mesh::coincidence : mesh::clearance,
                             .file_indices = run_.slab.file_indices(),
                             .atoms = run_.slab.molecule.atoms(),
                             .names_closest_atom = text_.names_closest_atom(),
                             .groups = run_.slab.groups,
                             .potential = run_.potential ? &*run_.potential : nullptr,
-                            .potential_offset = mesh.potential ? mesh.potential->offset : 0,
-                            .component_of = component_of_crossing(run_, mesh.color)});
+                            .potential_offset = choice_.potential ? choice_.potential->offset : 0,
+                            .component_of = component_of_crossing(run_)});
 }
 
 void RunMesh::prepare(Piece& piece) {

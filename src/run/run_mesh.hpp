@@ -20,12 +20,12 @@ namespace eses::detail {
 /// others, which only make pieces. It is the sink of a sweep that writes directly to the file.
 class RunMesh final : public Sink {
  public:
-  /// Keeps references to all arguments. Writes the header of the file.
-  RunMesh(const Request& request, const PlannedRun& run, OutputFiles* files);
+  /// Keeps a reference to `run`. Writes the header of the file.
+  RunMesh(const PlannedRun& run, OutputFiles* files);
 
   /// The lists that the sweep makes of each piece.
   mesh::PieceContents swept_contents() const {
-    return filter_is_used_ ? mesh::PieceContents() : text_.piece_contents();
+    return choice_.quality ? mesh::PieceContents() : text_.piece_contents();
   }
   /// Makes the vertices of the pieces.
   mesh::VertexMaker vertex_maker() const;
@@ -40,9 +40,8 @@ class RunMesh final : public Sink {
   void write(const std::function<void()>& check) { file_->finish(check); }
 
  private:
-  const Request& request_;
   const PlannedRun& run_;
-  bool filter_is_used_;
+  const MeshOptions& choice_;
   mesh::MeshText text_;
   std::optional<mesh::MeshFile> file_;
   std::optional<mesh::QualityFilter> filter_;

@@ -37,13 +37,9 @@ class Sink {
 /// Passes everything to other sinks.
 class Sinks final : public Sink {
  public:
-  /// Adds a sink, and returns it.
-  template <class Kind>
-  Kind& add(std::unique_ptr<Kind> sink) {
-    Kind& added = *sink;
-    add(added);
+  void add(std::unique_ptr<Sink> sink) {
+    add(*sink);
     owned_.push_back(std::move(sink));
-    return added;
   }
   /// Adds a sink that outlives this object.
   void add(Sink& sink) { sinks_.push_back(&sink); }

@@ -50,11 +50,11 @@ void add_seconds(const PhaseSeconds& of_sweep, PhaseSeconds& seconds) {
 
 }  // namespace
 
-std::vector<PlaneRange> ranges_to_sweep(const Request& request, const PlannedRun& run) {
+std::vector<PlaneRange> ranges_to_sweep(const PlannedRun& run) {
   std::vector<PlaneRange> ranges;
   for (const PlaneRange& range : remaining(run.slab.planes, run.finished_planes)) {
     std::int64_t planes = range.count();
-    if (request.keeps_chunks()) {
+    if (run.request.keeps_chunks()) {
       const std::int64_t layer = run.slab_plan.tiling.block_size[2] - 1;
       const std::int64_t layers = (run.slab.planes.count() + layer - 1) / layer;
       planes = layer * ((layers + max_ranges - 1) / max_ranges);
@@ -71,10 +71,9 @@ std::int64_t count_blocks(const PlannedRun& run, std::span<const PlaneRange> ran
   return blocks;
 }
 
-SlabSweep::SlabSweep(const Request& request, PlannedRun& run, std::span<const PlaneRange> ranges,
-                     const RunMesh* mesh, const Callbacks& callbacks, ProgressReport& report)
-    : request_(request),
-      run_(run),
+SlabSweep::SlabSweep(const PlannedRun& run, std::span<const PlaneRange> ranges, const RunMesh* mesh,
+                     const Callbacks& callbacks, ProgressReport& report)
+    : run_(run),
       mesh_(mesh),
       callbacks_(callbacks),
       report_(report),
@@ -82,13 +81,13 @@ SlabSweep::SlabSweep(const Request& request, PlannedRun& run, std::span<const Pl
       all_planes_(plane_count(ranges)) {
   const Share share = run.share;
   const auto checks_before = [&](std::int64_t i) {
-    return request.parameters.verify * i / share.count;
+    return run.request.parameters.verify * i / share.count;
   };
   check_count_ = static_cast<double>(checks_before(share.index + 1) - checks_before(share.index));
 }
 
 SurfaceModel SlabSweep::make_surface() const {
-  SurfaceModel surface(run_.slab.molecule, request_.parameters.probe_radius);
+  SurfaceModel surface(run_.slab.molecule, run_.request.parameters.probe_radius);
   surface.cavities = run_.filled();
   if (!run_.plan.is_whole_surface() || run_.slab.planes != region_planes(run_.plan))
     surface.confine_to(slab_box(run_.plan, run_.slab.planes));
@@ -112,8 +111,8 @@ Plan SlabSweep::plan_of(const PlaneRange& planes) {
 
 // Returns what the pieces have for the outputs and the maps in memory.
 SweepContents SlabSweep::contents() const {
-  const Outputs& outputs = request_.outputs;
-  const MapsInMemory& in_memory = request_.maps_in_memory;
+  const Outputs& outputs = run_.request.outputs;
+  const MapsInMemory& in_memory = run_.request.maps_in_memory;
   SweepContents contents{
       .grid = outputs.grid,
       .edges = outputs.edges,
@@ -151,7 +150,7 @@ SweepSums SlabSweep::sweep(const PlaneRange& planes, Sink& sink, Summary& summar
   }
   Sinks sinks;
   sinks.add(sink);
-  if (request_.maps_in_memory.sink != nullptr) sinks.add(*request_.maps_in_memory.sink);
+  if (run_.request.maps_in_memory.sink != nullptr) sinks.add(*run_.request.maps_in_memory.sink);
   if (callbacks_.block) sinks.add(std::make_unique<BlocksIntoCallback>(callbacks_.block, report_));
   std::optional<Verifier> verifier;
   if (plan.parameters.verify > 0) {

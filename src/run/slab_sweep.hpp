@@ -18,7 +18,7 @@ namespace eses::detail {
 
 /// Returns the ranges of planes that this process sweeps, ascending. A run that can be resumed has
 /// several ranges, as an interruption loses the current range.
-std::vector<PlaneRange> ranges_to_sweep(const Request& request, const PlannedRun& run);
+std::vector<PlaneRange> ranges_to_sweep(const PlannedRun& run);
 
 /// Returns the number of blocks in these ranges.
 std::int64_t count_blocks(const PlannedRun& run, std::span<const PlaneRange> ranges);
@@ -27,8 +27,8 @@ std::int64_t count_blocks(const PlannedRun& run, std::span<const PlaneRange> ran
 class SlabSweep {
  public:
   /// `mesh` is null without a mesh. Keeps references to all arguments.
-  SlabSweep(const Request& request, PlannedRun& run, std::span<const PlaneRange> ranges,
-            const RunMesh* mesh, const Callbacks& callbacks, ProgressReport& report);
+  SlabSweep(const PlannedRun& run, std::span<const PlaneRange> ranges, const RunMesh* mesh,
+            const Callbacks& callbacks, ProgressReport& report);
 
   /// Sweeps the next range into a sink, and then verifies its share of the points and edges. Adds
   /// times and the results of the verification to the summary.
@@ -40,7 +40,6 @@ class SlabSweep {
   SweepContents contents() const;
   void verify(Verifier& verifier, SweepSums& sums, Summary& summary);
 
-  const Request& request_;
   const PlannedRun& run_;
   const RunMesh* mesh_;
   const Callbacks& callbacks_;

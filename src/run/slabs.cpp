@@ -107,7 +107,7 @@ std::vector<PlaneRange> cut_into_slabs(std::span<const Atom> atoms, const Plan& 
 }
 
 Slab make_slab(std::span<const Atom> atoms, std::span<const mesh::GroupNumbers> groups,
-               const Plan& plan, const Outputs& outputs, const PlaneRange& planes, int threads) {
+               const Plan& plan, const Outputs& outputs, const PlaneRange& planes) {
   Slab slab;
   slab.planes = planes;
   if (planes.is_empty()) return slab;
@@ -126,7 +126,7 @@ Slab make_slab(std::span<const Atom> atoms, std::span<const mesh::GroupNumbers> 
     slab.atoms_in_file.push_back(static_cast<FileIndex>(i));
     if (!groups.empty()) slab.groups.push_back(groups[i]);
   }
-  slab.molecule = Molecule(std::move(near), {}, threads);
+  slab.molecule = Molecule(std::move(near), {}, plan.parameters.threads);
   return slab;
 }
 

@@ -45,10 +45,9 @@ std::vector<std::size_t> cut_evenly(std::span<const double> costs, int parts);
 std::vector<PlaneRange> cut_into_slabs(std::span<const Atom> atoms, const Plan& plan,
                                        std::span<const PlaneRange> finished, int count);
 
-/// Makes a slab of these planes from all atoms and their groups. `threads` is the number of threads
-/// to use.
+/// Makes a slab of these planes from all atoms and their groups.
 Slab make_slab(std::span<const Atom> atoms, std::span<const mesh::GroupNumbers> groups,
-               const Plan& plan, const Outputs& outputs, const PlaneRange& planes, int threads);
+               const Plan& plan, const Outputs& outputs, const PlaneRange& planes);
 
 /// Returns the planes from the first to the last one of these ranges.
 PlaneRange range_around(std::span<const PlaneRange> ranges);

@@ -26,6 +26,10 @@ namespace {
 constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr double not_a_number = std::numeric_limits<double>::quiet_NaN();
 
+double max_depth(const Grid& grid, const Box& bounds) {
+  return std::ranges::max(depths_inside(grid, bounds));
+}
+
 Grid grid_of_size(const GridIndex& size) {
   Grid grid;
   grid.spacing = 1;
@@ -80,7 +84,7 @@ TEST_CASE("the grid of two atoms is the one computed by hand") {
   CHECK(grid.point_count() == std::int64_t{16} * 11 * 11);
   CHECK(grid.coordinate(0, 3) == -0.5);
   CHECK(grid.coordinate(2, 10) == 2.75);
-  CHECK(cut_depth(grid, sphere_bounds(atoms)) == -1);
+  CHECK(max_depth(grid, sphere_bounds(atoms)) == -1);
 }
 
 TEST_CASE("the number of points is truncated, not rounded") {
@@ -88,7 +92,7 @@ TEST_CASE("the number of points is truncated, not rounded") {
   CHECK(make_grid(atoms, 0.75, 0.25).size == GridIndex{4, 4, 4});   // 2.5 / 0.75 = 3.33
   CHECK(make_grid(atoms, 0.75, 0.375).size == GridIndex{4, 4, 4});  // 2.75 / 0.75 = 3.67
   CHECK(make_grid(atoms, 0.75, 0.375).upper() == Vec3{0.875, 0.875, 0.875});
-  CHECK(cut_depth(make_grid(atoms, 0.75, 0.375), sphere_bounds(atoms)) == 0.125);
+  CHECK(max_depth(make_grid(atoms, 0.75, 0.375), sphere_bounds(atoms)) == 0.125);
 }
 
 TEST_CASE("a grid that ends where the molecule does has a cut depth of 0") {
@@ -96,11 +100,11 @@ TEST_CASE("a grid that ends where the molecule does has a cut depth of 0") {
   const std::vector<Atom> atoms{{{0, 0, 0}, 1}};
   const Grid grid = make_grid(atoms, 0.2, 0.2);
   CHECK(grid.size == GridIndex{12, 12, 12});
-  CHECK(cut_depth(grid, sphere_bounds(atoms)) == 0);
+  CHECK(max_depth(grid, sphere_bounds(atoms)) == 0);
   const auto depth_beyond = [](double center, double gap) {
     const Box bounds{{center - 1, center - 1, center - 1}, {center + 1, center + 1, center + 1}};
     const double low = center - 1 - gap;
-    return cut_depth({{low, low - 1, low - 1}, 0.5, {9, 9, 9}}, bounds);
+    return max_depth({{low, low - 1, low - 1}, 0.5, {9, 9, 9}}, bounds);
   };
   CHECK(depth_beyond(0, 1e-16) == 0);
   CHECK(depth_beyond(0, 1e-13) < 0);
@@ -294,7 +298,7 @@ TEST_CASE("a plan has the grid, blocks and sizes of the run") {
   CHECK(plan.grid.size == GridIndex{16, 11, 11});
   CHECK(plan.tiling.blocks == GridIndex{3, 2, 2});
   CHECK(plan.threads == 2);
-  CHECK(plan.cut_depth == -1);
+  CHECK(plan.cut_depth() == -1);
   CHECK(plan.memory_bytes > 0);
 
   const TemporaryDirectory directory;
@@ -449,18 +453,18 @@ TEST_CASE("a plan refuses a margin so small that the grid cuts the surface") {
   SECTION("margin below half the spacing, yet the grid encloses the atoms") {
     const std::vector<Atom> atoms{{{0, 0, 0}, 0.9}};  // 2.1 / 0.4 = 5.25; last point at 0.95
     const Plan plan = make_plan(atoms, with_margin(0.4, 0.15), {});
-    CHECK(std::fabs(plan.cut_depth + 0.05) < 1e-12);
+    CHECK(std::fabs(plan.cut_depth() + 0.05) < 1e-12);
   }
   SECTION("margin of half the spacing, grid cut short: not refused") {
     const std::vector<Atom> atoms{{{0, 0, 0}, 1.2}};  // 2.9 / 0.5 = 5.8; last point at 1.05
     const Plan plan = make_plan(atoms, with_margin(0.5, 0.25), {});
     CHECK(plan.grid.size == GridIndex{6, 6, 6});
-    CHECK(std::fabs(plan.cut_depth - 0.15) < 1e-12);
+    CHECK(std::fabs(plan.cut_depth() - 0.15) < 1e-12);
   }
   SECTION("margin of one spacing: the grid encloses the atoms whatever is truncated") {
     for (const double radius : {0.61, 0.87, 1.15, 1.7, 2.03}) {
       const std::vector<Atom> atoms{{{0.1, 0.2, 0.3}, radius}};
-      CHECK(make_plan(atoms, with_margin(0.4, 0.4), {}).cut_depth < 0);
+      CHECK(make_plan(atoms, with_margin(0.4, 0.4), {}).cut_depth() < 0);
     }
   }
 }

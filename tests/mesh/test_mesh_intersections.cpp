@@ -206,13 +206,13 @@ std::string mesh_bytes_of(Request task, Random& random, const std::filesystem::p
     }};
     try {
       PlannedRun run = plan_run(task, alone);
-      execute(task, run, callbacks, alone);
+      execute(run, callbacks, alone);
     } catch (const Interruption&) {
       CHECK_FALSE(std::filesystem::exists(task.outputs.mesh->file));
     }
   }
   PlannedRun run = plan_run(task, alone);
-  execute(task, run, {}, alone);
+  execute(run, {}, alone);
   return read_bytes(task.outputs.mesh->file);
 }
 

@@ -216,7 +216,7 @@ TEST_CASE("mesh: a mesh is closed if the depth of the cut is negative", "[mesh]"
       Parameters parameters;
       parameters.grid = Grid{origin, spacing, size};
       const std::vector<Atom> atoms{{center, radius}};
-      const double depth = make_plan(atoms, parameters, {}).cut_depth;
+      const double depth = make_plan(atoms, parameters, {}).cut_depth();
       const Mesh mesh = run_mesh(atoms, parameters).mesh;
       const bool is_closed = find_mesh_faults(mesh.positions.size(), mesh.triangles).empty();
       if (!is_closed) ++open;

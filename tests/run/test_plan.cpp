@@ -333,13 +333,11 @@ TEST_CASE("a tight limit gives smaller blocks and holds fewer of them", "[plan]"
 
 TEST_CASE("a run that exceeds its memory limit ends and leaves no file", "[plan]") {
   const std::vector<Atom> atoms = column_of_atoms(40);
-  Request task{.atoms = Molecule(atoms)};
-  const Processes alone;
-  PlannedRun plan = plan_run(task, alone);
-  task.parameters.max_memory = 1000;
+  PlannedRun run = plan_run({.atoms = Molecule(atoms)}, Processes());
+  run.request.parameters.max_memory = 1000;
   const TemporaryDirectory directory;
-  task.output_directory = directory.path();
-  CHECK_THROWS_AS(execute(task, plan, {}, alone), Error);
+  run.request.output_directory = directory.path();
+  CHECK_THROWS_AS(execute(run, {}, Processes()), Error);
   CHECK(std::filesystem::is_empty(directory.path()));
 }
 

@@ -40,8 +40,7 @@ void put_chunk(Checkpoint& checkpoint, const PlaneRange& planes, const std::stri
   chunk.info.sums.totals.crossings = {1, 2, 3};
   chunk.info.sums.totals.points.inside = 7;
   chunk.atom_sums = std::move(sums);
-  chunk.texts[0] = checkpoint.create(planes, ChunkText::grid);
-  chunk.texts[0]->append(grid);
+  checkpoint.create(planes, ChunkText::grid)->append(grid);
   checkpoint.finish(chunk);
 }
 

@@ -29,13 +29,12 @@ inline Plan make_plan(const Molecule& molecule, const Parameters& parameters,
 /// Performs a run that writes its files into `directory`.
 inline Summary run(const Molecule& molecule, const Parameters& parameters, const Outputs& outputs,
                    const std::filesystem::path& directory, const Callbacks& callbacks = {}) {
-  const Request task{.atoms = molecule,
-                     .parameters = parameters,
-                     .outputs = outputs,
-                     .output_directory = directory};
-  const Processes alone;
-  PlannedRun planned = plan_run(task, alone);
-  return execute(task, planned, callbacks, alone).summary;
+  PlannedRun planned = plan_run({.atoms = molecule,
+                                 .parameters = parameters,
+                                 .outputs = outputs,
+                                 .output_directory = directory},
+                                Processes());
+  return execute(planned, callbacks, Processes()).summary;
 }
 
 /// Performs a run without files.
