@@ -31,16 +31,16 @@ bool same_crossing(const Crossing& a, const Crossing& b, double tolerance) {
 }
 
 /// Returns the known spheres of a crossing's atoms.
-std::vector<Sphere> spheres_of(const Crossing& crossing, const ContactSpheres& spheres) {
-  std::vector<Sphere> result;
+std::vector<Atom> spheres_of(const Crossing& crossing, const ContactSpheres& spheres) {
+  std::vector<Atom> result;
   for (const AtomIndex atom : crossing.adjacent_atoms()) {
-    if (const std::optional<Sphere> sphere = spheres.sphere(atom)) result.push_back(*sphere);
+    if (const std::optional<Atom> sphere = spheres.sphere(atom)) result.push_back(*sphere);
   }
   return result;
 }
 
 /// Adds `sign` times the share of each atom in the area of a crossing.
-void add_shares(const Crossing& crossing, std::span<const Sphere> spheres, double area, double sign,
+void add_shares(const Crossing& crossing, std::span<const Atom> spheres, double area, double sign,
                 std::unordered_map<AtomIndex, double>& shifts) {
   std::array<double, atoms_of_concave> weights{};
   double sum = 0;
@@ -59,8 +59,8 @@ bool is_same_contact(const Crossing& a, const Crossing& b, const ContactSpheres&
                      double tolerance) {
   if (a.atom_count != atoms_of_concave || b.atom_count != atoms_of_concave) return false;
   if (!same_crossing(a, b, tolerance)) return false;
-  std::vector<Sphere> touched = spheres_of(a, spheres);
-  const std::vector<Sphere> others = spheres_of(b, spheres);
+  std::vector<Atom> touched = spheres_of(a, spheres);
+  const std::vector<Atom> others = spheres_of(b, spheres);
   touched.insert(touched.end(), others.begin(), others.end());
   return touched.size() == 2 * atoms_of_concave && touches_all(a, touched, tolerance);
 }

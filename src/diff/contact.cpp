@@ -17,18 +17,18 @@ void ContactSpheres::add_convex(const Crossing& crossing) {
   fit.dn_dn_sum += dot(normal_step, crossing.normal - fit.normal);
 }
 
-std::optional<Sphere> ContactSpheres::sphere(AtomIndex atom) const {
+std::optional<Atom> ContactSpheres::sphere(AtomIndex atom) const {
   const auto found = fits_.find(atom);
   if (found == fits_.end() || found->second.dn_dn_sum <= 0) return std::nullopt;
   const Fit& fit = found->second;
   const double radius = fit.dn_dx_sum / fit.dn_dn_sum;
-  return Sphere{fit.position - radius * fit.normal, radius};
+  return Atom{fit.position - radius * fit.normal, radius};
 }
 
-bool touches_all(const Crossing& crossing, std::span<const Sphere> spheres, double tolerance) {
+bool touches_all(const Crossing& crossing, std::span<const Atom> spheres, double tolerance) {
   // |v + p n|^2 = (r + p)^2 with v = position - centre and |n| = 1: |v|^2 - r^2 = 2 p (r - n.v).
   double product = 0, square = 0;
-  for (const Sphere& sphere : spheres) {
+  for (const Atom& sphere : spheres) {
     const Vec3 v = crossing.position - sphere.center;
     const double slope = 2 * (sphere.radius - dot(crossing.normal, v));
     product += slope * (squared_norm(v) - sphere.radius * sphere.radius);
@@ -36,7 +36,7 @@ bool touches_all(const Crossing& crossing, std::span<const Sphere> spheres, doub
   }
   const double probe_radius = product / square;
   const Vec3 probe_center = crossing.position + probe_radius * crossing.normal;
-  return std::all_of(spheres.begin(), spheres.end(), [&](const Sphere& sphere) {
+  return std::all_of(spheres.begin(), spheres.end(), [&](const Atom& sphere) {
     const double gap = norm(probe_center - sphere.center) - sphere.radius - probe_radius;
     return std::fabs(gap) <= tolerance;  // false for NaN
   });

@@ -17,12 +17,6 @@
 
 namespace eses::detail {
 
-/// A van der Waals sphere.
-struct Sphere {
-  Vec3 center;        ///< angstrom
-  double radius = 0;  ///< angstrom
-};
-
 /// The van der Waals spheres of the atoms that have crossings on convex patches.
 class ContactSpheres {
  public:
@@ -30,7 +24,7 @@ class ContactSpheres {
   void add_convex(const Crossing& crossing);
 
   /// Returns the sphere of an atom, or nothing if it has fewer than two crossings.
-  std::optional<Sphere> sphere(AtomIndex atom) const;
+  std::optional<Atom> sphere(AtomIndex atom) const;
 
  private:
   /// Means of the positions x and normals n, and the sums of dn . dx and dn . dn, where d is the
@@ -45,6 +39,6 @@ class ContactSpheres {
 
 /// Returns whether a probe of some radius at this crossing touches all spheres within `tolerance`
 /// (angstrom). There must be more than two spheres.
-bool touches_all(const Crossing& crossing, std::span<const Sphere> spheres, double tolerance);
+bool touches_all(const Crossing& crossing, std::span<const Atom> spheres, double tolerance);
 
 }  // namespace eses::detail

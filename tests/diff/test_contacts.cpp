@@ -121,7 +121,7 @@ TEST_CASE("diff: spheres are found from convex edges, and contacts from spheres"
   const double probe_radius = 1.4;
   // A probe at the origin touches four spheres.
   ContactSpheres spheres;
-  std::vector<Sphere> touched;
+  std::vector<Atom> touched;
   for (AtomIndex atom = 0; atom < 4; ++atom) {
     const double radius = random.uniform(1, 2);
     const Vec3 center =
