@@ -178,15 +178,15 @@ TEST_CASE("faults give messages, and no results", "[cli]") {
   using namespace eses;
   using namespace eses::detail;
   cli::Report report;
-  report.summary.area = 1;
-  CHECK_FALSE(has_faults(report.summary));
-  report.summary.verification = Verification{2000, 2000, {}};
-  CHECK_FALSE(has_faults(report.summary));
-  CHECK(cli::fault_lines(report.summary).empty());
+  report.result.summary.area = 1;
+  CHECK_FALSE(has_faults(report.result.summary));
+  report.result.summary.verification = Verification{2000, 2000, {}};
+  CHECK_FALSE(has_faults(report.result.summary));
+  CHECK(cli::fault_lines(report.result.summary).empty());
 
-  report.summary.verification->faults.assign(12, "point 1 2 3: wrong");
-  CHECK(has_faults(report.summary));
-  const std::vector<std::string> lines = cli::fault_lines(report.summary);
+  report.result.summary.verification->faults.assign(12, "point 1 2 3: wrong");
+  CHECK(has_faults(report.result.summary));
+  const std::vector<std::string> lines = cli::fault_lines(report.result.summary);
   REQUIRE(lines.size() == 11);
   CHECK(lines.front() == "point 1 2 3: wrong");
   CHECK(contains(lines.back(), "12 faults"));
@@ -214,9 +214,9 @@ TEST_CASE("the JSON report is valid whatever the file names", "[cli]") {
 
 TEST_CASE("JSON numbers are the shortest text that reads back exactly, or null", "[cli]") {
   eses::detail::cli::Report report;
-  report.plan.grid.spacing = 1;
-  report.summary.area = 51756.72429763123;
-  report.summary.volume = std::numeric_limits<double>::quiet_NaN();
+  report.run.plan.grid.spacing = 1;
+  report.result.summary.area = 51756.72429763123;
+  report.result.summary.volume = std::numeric_limits<double>::quiet_NaN();
   const std::string text = eses::detail::cli::json_text(report);
   CHECK(contains(text, "\"spacing\": 1, "));
   CHECK(contains(text, "\"area\": 51756.72429763123,\n"));
