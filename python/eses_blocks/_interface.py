@@ -11,6 +11,7 @@ import numpy as np
 from . import _core, _molecule
 from ._files import output_path, write_structure
 from ._measurement import _Path, Table, _polar_atoms, _starts_of
+from ._select import Selector
 
 
 class Interface:
@@ -160,6 +161,12 @@ def _measure(molecule: _molecule.Molecule, parts: Any, names: Sequence[str], pro
     return interfaces
 
 
+def _gives_ligands_to(part: Any, other: Any, select: Selector) -> bool:
+    """Whether a part of chains leaves atoms to another part, as its ligands."""
+    names_chains = isinstance(part, str) and not set("/([;") & set(part) and not select.ligand(part)
+    return names_chains and isinstance(other, str) and select.ligand(other)
+
+
 def interface(molecule: Any, first: Any, second: Any = None, radii: Any = None, *, probe_radius: float = 1.4,
               waters: bool = False, hydrogens: str = "auto", unknown_radius: Optional[float] = None, frame: int = 0,
               threads: int = 0, **options: Any) -> Interface:
@@ -195,6 +202,9 @@ def interface(molecule: Any, first: Any, second: Any = None, radii: Any = None, 
     found, select = _molecule._read(molecule, radii, waters, hydrogens, unknown_radius, frame, options)
     masks = [select.mask(first, "first")]
     masks.append(~masks[0] if second is None else select.mask(second, "second"))
+    for part, other in ((0, 1), (1, 0)):
+        if _gives_ligands_to((first, second)[part], (first, second)[other], select):
+            masks[part] = masks[part] & ~masks[other]
     if (masks[0] & masks[1]).any():
         raise ValueError(f"{int((masks[0] & masks[1]).sum())} atoms belong to both parts")
     for mask, name in zip(masks, ("first", "second")):

@@ -40,6 +40,14 @@ def test_chains_that_touch(path):
     assert len(found[:0]) == 0
 
 
+@pytest.mark.parametrize("parts", [("A", "ligand:HEM"), ("ligand:HEM", "A")])
+def test_chains_are_without_the_ligands_of_the_other_part(path, parts):
+    path.write_text(COMPLEX.replace("HEM B", "HEM A"))
+    found = eses.interface(path, *parts)
+    assert found.sas_lost == pytest.approx((LOST, LOST))
+    assert sorted(found.residues["residue"]) == ["ALA", "HEM"]
+
+
 def test_parts_that_do_not_touch_lose_nothing(path):
     found = eses.interface(path, "A+B", "C")
     assert found.sas_lost == found.ses_lost == (0, 0)

@@ -90,6 +90,11 @@ std::vector<std::string> ligands_first(std::vector<std::string> residues) {
                         advice));
 }
 
+/// Returns whether a part of chains leaves atoms to another part, as its ligands.
+bool gives_ligands_to(const PartSelector& part, const PartSelector& other) {
+  return !part.chains.empty() && (other.all_ligands || !other.ligand.empty());
+}
+
 ComplexParts divide_by_chain(std::span<const AtomLabel> labels) {
   ComplexParts parts;
   parts.names = different(labels, &AtomLabel::chain);
@@ -169,8 +174,10 @@ ComplexParts divide(const PartChoice& choice, const DividedFile& file, std::stri
     parts.names.push_back(name_of(selector));
     for (std::size_t i = 0; i < is_in.size(); ++i) {
       if (!is_in[i]) continue;
-      const std::uint32_t other = std::exchange(parts.part_of_atom[i], number);
-      if (other != no_part)
+      const std::uint32_t other = parts.part_of_atom[i];
+      if (other == no_part || gives_ligands_to(choice.parts[other], selector))
+        parts.part_of_atom[i] = number;
+      else if (!gives_ligands_to(selector, choice.parts[other]))
         throw Error(formatted("{}: the atom in line {} belongs to two parts of {}: {} and {}",
                               input_name(file.path), file.lines[i], option,
                               printable(parts.names[other]), printable(parts.names[number])));

@@ -167,6 +167,8 @@ int perform_interface(const Arguments& arguments) {
       append_csv(report_interfaces(options, input, files));
     } catch (const StrictError& error) {
       errors = error.lines;
+    } catch (const ClosedPipe&) {
+      throw;
     } catch (const Error& error) {
       errors.push_back(message_with_file(error, options.inputs[input]));
     }

@@ -121,10 +121,12 @@ std::string no_interface_text(const InterfaceOptions& options, const InterfaceFi
   if (!file.interfaces.empty() || !options.ligand.empty() || !options.groups.by_chain) return "";
   std::set<std::string_view> chains;
   for (const AtomLabel& label : file.file.labels) chains.insert(label.chain);
-  return chains.size() > 1
-             ? "no chains touch each other\n"
-             : "the file has a single chain; --ligand NAME, --groups and, for PDB and mmCIF "
-               "files,\n--assembly ID choose other sides\n";
+  if (chains.size() > 1)
+    return options.min_area > 0
+               ? formatted("no interface has {} A^2, the area of --area-cutoff\n", options.min_area)
+               : "no chains touch each other\n";
+  return "the file has a single chain; --ligand NAME, --groups and, for PDB and mmCIF "
+         "files,\n--assembly ID choose other sides\n";
 }
 
 std::string interface_report(const InterfaceOptions& options, const InterfaceFile& file) {

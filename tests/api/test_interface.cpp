@@ -189,11 +189,19 @@ TEST_CASE("interface: groups, ligands and cutoffs choose what is measured") {
   const Complex box;
   const Outcome groups = box.run({"interface", "dimer.pqr", "--groups", "A+C", "ligand:HEM"});
   CHECK(contains(groups.out, fmt::format("A,C and HEM: SAS interface area {:.4f}", lost_sas())));
+  // Beside a side of ligands, a side of chains is without them, in any order.
+  write_file(box.directory() / "one.pqr",
+             atom_line(1, " N", "ALA", 'A', 0) + atom_line(2, " C1", "HEM", 'A', distance));
+  for (const Arguments& sides : {Arguments{"A", "ligand:HEM"}, Arguments{"ligand:HEM", "A"}}) {
+    const Outcome one = box.run({"interface", "one.pqr", "--groups", sides[0], sides[1]});
+    CHECK(contains(one.out, fmt::format("SAS interface area {:.4f}", lost_sas())));
+  }
   const Outcome ligand = box.run({"interface", "dimer.pqr", "--ligand", "HEM"});
   CHECK(contains(ligand.out, "B:HEM 2 and all other atoms: SAS interface area"));
   const Outcome cut = box.run({"interface", "dimer.pqr", "--area-cutoff", "300"});
   CHECK(cut.code == 0);
   CHECK(contains(cut.out, "0 interfaces"));
+  CHECK(contains(cut.out, "no interface has 300 A^2, the area of --area-cutoff\n"));
   const Outcome residues = box.run({"interface", "dimer.pqr", "--residue-cutoff", "300"});
   CHECK(contains(residues.out, "  A: 0 residues\n"));
   // `measure --parts` takes the same parts.
@@ -214,8 +222,8 @@ TEST_CASE("interface: errors say what is wrong") {
                  "dimer.pqr: no atoms of chain X, which --groups names; the chains are A, B, C"));
   CHECK(contains(error({"interface", "dimer.pqr", "--ligand", "STI"}),
                  "no atoms of residue STI, which --ligand names; the residues are HEM, ALA, GLY"));
-  CHECK(contains(error({"interface", "dimer.pqr", "--groups", "B", "ligand:HEM"}),
-                 "dimer.pqr: the atom in line 2 belongs to two parts of --groups: B and HEM"));
+  CHECK(contains(error({"interface", "dimer.pqr", "--groups", "ligand", "ligand:HEM"}),
+                 "dimer.pqr: the atom in line 2 belongs to two parts of --groups: ligand and HEM"));
   CHECK(contains(error({"interface", "dimer.pqr", "--groups", "//A", "B"}),
                  "selections such as //A (--groups) need a PDB or mmCIF file"));
   CHECK(contains(error({"interface", "none.pdb"}), "cannot open none.pdb"));

@@ -94,9 +94,12 @@ TEST_CASE("a closed pipe is an error, not a signal", "[cli]") {
 
 TEST_CASE("a closed pipe ends what only prints without a message", "[cli]") {
   for (const Arguments& arguments :
-       {Arguments{"measure", "pair.xyzr", "-q"}, Arguments{"--help"}, Arguments{"--version"},
-        Arguments{"diff", "--help"}, Arguments{"msms", "--help"}}) {
+       {Arguments{"measure", "pair.xyzr", "-q"}, Arguments{"interface", "pair.pqr"},
+        Arguments{"--help"}, Arguments{"--version"}, Arguments{"diff", "--help"},
+        Arguments{"msms", "--help"}}) {
     const Sandbox sandbox;
+    write_file(sandbox.directory() / "pair.pqr",
+               "ATOM 1 N ALA A 1 0 0 0 0 1.5\nATOM 2 N ALA B 1 3 0 0 0 1.5\n");
     INFO(Sandbox::command(arguments));
     REQUIRE(shell("cd " + shell_quoted(sandbox.directory().string()) +
                   " && mkfifo go && { cat go; " + Sandbox::command(arguments) +
