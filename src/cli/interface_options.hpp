@@ -18,7 +18,7 @@ namespace eses::detail::cli {
 /// areas as B-factors.
 enum class InterfaceTable { report, interfaces, residues, atoms, pdb, cif };
 
-/// A table of `--write` or `--table`. That of the file NAME.pdb is written to NAME and `ending`.
+/// A table of `--write` or `--table`. The table of NAME.pdb is written to NAME + `ending`.
 struct NamedInterfaceTable {
   std::string_view name, ending;
   InterfaceTable table;

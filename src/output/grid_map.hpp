@@ -30,12 +30,13 @@ class GridMap {
   /// row in the region. Several threads may call it for different rows.
   void add_rows(std::int64_t first_row, std::span<const std::uint64_t> words);
 
-  /// Writes the file after all rows have been added. Calls `check` many times and from all threads.
+  /// Writes the file after all rows have been added. Calls `check` many times, also from several
+  /// threads at the same time.
   void write(OutputFile& file, int threads, const std::function<void()>& check);
 
   /// Number of 64-bit words of a row along x.
   static std::int64_t words_of_row(MapQuantity quantity, const GridIndex& size);
-  /// Bytes of these words.
+  /// Bytes of a row.
   static std::uint64_t row_bytes(MapQuantity quantity, const GridIndex& size);
   /// Typical size of a compressed map of a surface with so many crossings.
   static std::uint64_t typical_compressed_bytes(const MapChoice& map, const GridRegion& region,

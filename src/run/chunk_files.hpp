@@ -23,15 +23,16 @@ class ChunkFiles {
   void finish(const SweepSums& sums);
 
  private:
+  struct Text {
+    std::unique_ptr<ScratchFile> file;  // null if the chunk does not have the text
+    TextChecksum checksum;
+  };
+
   WriteAt create(ChunkText which);
   void add_map(MapQuantity quantity);
 
   PlannedRun& run_;
   PlaneChunk chunk_;
-  struct Text {
-    std::unique_ptr<ScratchFile> file;  // null if the chunk does not have the text
-    TextChecksum checksum;
-  };
   std::array<Text, chunk_text_count> texts_;
   Sinks sinks_;
 };

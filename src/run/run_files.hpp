@@ -29,7 +29,8 @@ class RunFiles {
   /// The sink of a sweep in place.
   Sink& sink() { return sinks_; }
 
-  // `check` is called repeatedly, and may end the run by an exception.
+  // `check` is called repeatedly, also from several threads at the same time, and may end the run
+  // by an exception.
 
   /// Takes the contents of all chunks, in place of those of a sweep.
   void join(Merge& chunks, const std::function<void()>& check);

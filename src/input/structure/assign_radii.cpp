@@ -99,7 +99,7 @@ class AtomKinds {
   double unknown_radius_;
   const std::vector<int>& guessed_;
   const gemmi::Residue* residue_ = nullptr;  // of the last atom
-  std::string_view standard_;                // the standard residue of this one
+  std::string_view standard_;                // the standard residue of `residue_`
   std::string key_;
   std::unordered_map<std::string, std::size_t> indices_;
   std::vector<AtomKind> kinds_;

@@ -54,7 +54,7 @@ struct StructureDocument : gemmi::cif::Document {
   std::uint64_t value_count = 0;          ///< number of values of loops
   bool keeps_values = false;              ///< whether the values of the current loop are kept
   std::vector<std::uint64_t> atom_lines;  ///< line numbers of the rows of the table of atoms
-  std::size_t rest = 0;                   ///< bytes of the text from the first of these rows on
+  std::size_t rest = 0;                   ///< bytes of the text from the first row of atoms on
 };
 
 /// Makes room for the values of the table of atoms when its second row begins, as if all rows were
