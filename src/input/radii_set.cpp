@@ -1,7 +1,12 @@
 #include "input/radii_set.hpp"
 
+#include <fmt/ranges.h>
+
 #include <cstdint>
 #include <filesystem>
+#include <span>
+#include <string>
+#include <string_view>
 #include <system_error>
 #include <unordered_map>
 #include <utility>
@@ -210,9 +215,11 @@ RadiiSet find_radii_set(const std::string& name_or_file) {
     if (std::filesystem::exists(name_or_file, ignored)) throw;
     const std::vector<std::string> names{"protor", "bondi", "msms", "naccess", "oons", "occupancy"};
     const std::string_view meant = closest_name(lower_case(name_or_file), names);
-    throw Error(formatted("radii: expected {}, or a file in FreeSASA's configuration format: {}{}",
-                          named_radii, error.what(),
-                          meant.empty() ? "" : formatted("; did you mean {}?", meant)));
+    const auto all_but_last = std::span(names).first(names.size() - 1);
+    throw Error(
+        formatted("radii: expected {} or {}, or a file in FreeSASA's configuration format: {}{}",
+                  fmt::join(all_but_last, ", "), names.back(), error.what(),
+                  meant.empty() ? "" : formatted("; did you mean {}?", meant)));
   }
 }
 

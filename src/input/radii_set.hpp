@@ -46,9 +46,6 @@ struct RadiiSet {
 /// Maximum radius in a file, and of the option for atoms without a radius.
 inline constexpr double max_set_radius = 1000;  // angstrom
 
-/// Names of the built-in sets, for messages.
-inline constexpr std::string_view named_radii = "protor, bondi, msms, naccess, oons or occupancy";
-
 /// Returns a built-in set, or nothing for other names.
 std::optional<RadiiSet> named_radii_set(std::string_view name);
 
