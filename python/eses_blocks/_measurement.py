@@ -482,6 +482,8 @@ def measure(molecule: Any, radii: Any = None, *, probe_radius: float = 1.4, repo
         _molecule.require_number(name, value)
     found, select = _molecule._read(molecule, radii, waters, hydrogens, unknown_radius, frame, options)
     reported = None if report is None else select.mask(report, "report")
+    if reported is not None and not reported[found.kept].any():
+        raise ValueError(f"report: all {int(reported.sum())} atoms are left out; see select, waters and hydrogens")
     surface = _core.Surface(found.centers, found.radii, probe_radius, fill_cavities=fill_cavities, threads=threads)
     _molecule.remember_files(surface, *found.files)
     remember_molecule(surface, found.kept, select)

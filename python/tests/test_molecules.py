@@ -404,6 +404,12 @@ def test_report_keeps_what_blocks(pdb, expected):
         eses.measure(([[0, 0, 0]], [1.5]), report="protein")
 
 
+def test_report_of_atoms_that_are_left_out_is_refused(pdb):
+    structure = pytest.importorskip("Bio.PDB").PDBParser(QUIET=True).get_structure("x", pdb)
+    with pytest.raises(ValueError, match="report: all 1 atoms are left out"):
+        eses.measure(structure, select="//A", report=[11])
+
+
 def test_structures_with_areas(pdb, tmp_path):
     result = eses.measure(pdb)
     for name in ("areas.pdb", "areas.cif"):
