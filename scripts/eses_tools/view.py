@@ -17,6 +17,7 @@ from eses_tools import quiet_interrupt  # before the modules that take time to l
 
 import argparse
 import csv
+import io
 import json
 import math
 import pathlib
@@ -37,6 +38,9 @@ MAX_NAMES = 8  # of residues in a message
 LONGEST_MOVE = 0.9  # angstrom, of heavy atoms by PDB2PQR
 AREAS = {"ses": "ses_area", "sas": "sas_area", "vdw": "ses_area"}  # columns of atoms, by the surface
 SURFACE_ONLY = {"--allow-far-atoms"}  # arguments after -- that the areas do not take
+# Titles of the columns of --table that say which atom or residue a row is about. The page knows the same.
+TABLE_KEYS = {"serial": ("serial", "atom_serial"),
+              "number": ("residue_number", "resi", "resid", "auth_seq_id", "number")}
 TRIANGLES_PER_CELL = 3  # of surface whose area is the square of the spacing
 
 
@@ -424,6 +428,22 @@ def complete_options(parser, options):
     options.title = options.title or ", ".join(path.name for path in options.files)
 
 
+def read_colors(path, molecules):
+    """Returns the text of --table, which must name an atom or residue of the molecules."""
+    text = path.read_text(encoding="utf-8-sig", errors="replace")
+    rows = list(csv.DictReader(io.StringIO(text)))
+    titles = {title.strip().lower(): title for title in (rows[0] if rows else ()) if title}
+    keys = {key: titles[name] for key, names in TABLE_KEYS.items() for name in names if name in titles}
+    if not keys:
+        raise Failed(f"{path}: no column serial or residue_number with values")
+    atoms = [molecule.atoms for molecule in molecules if molecule.atoms is not None]
+    known = ({str(serial) for one in atoms for serial in one.serial} if "serial" in keys
+             else {number for one in atoms for _, number, _ in one.residues or ()})
+    if not known & {(row[keys.get("serial", keys.get("number"))] or "").strip() for row in rows}:
+        raise Failed(f"{path}: names no atom or residue of {', '.join(one.name for one in molecules)}")
+    return text
+
+
 def main():
     options = parse()
     read = [*options.files, *(options.potential or ()), *([options.table] if options.table else [])]
@@ -435,8 +455,7 @@ def main():
         describe_build(options.program)
     molecules = make_molecules(options)
     show("writing the page")
-    table = options.table and (options.table.name, options.table.read_text(encoding="utf-8",
-                                                                           errors="replace"))
+    table = options.table and (options.table.name, read_colors(options.table, molecules))
     text = page.make_page(molecules, options.title, options.color, options.atoms, options.opacity,
                           options.potential_limit, table)
     with complete_file(options.output, encoding="utf-8") as target:

@@ -310,6 +310,12 @@ class Files(TestCase):
         table.write_text("serial,</script>\n1,2\n")
         self.assertDone(run_view(self.atoms, "--table", table, "-o", self.page))
         self.assertEqual(data_of(self.page)[0]["table"]["text"], table.read_text())
+        for wrong, message in (("a,b\n1,2\n", "no column serial or residue_number"), ("", "no column"),
+                               ("serial,b\n999,2\n", "names no atom or residue of ")):
+            table.write_text(wrong)
+            done = run_view(self.atoms, "--table", table, "-o", self.page)
+            self.assertDone(done, code=1)
+            self.assertIn(f"t.csv: {message}", done.stderr)
         done = run_view(self.atoms, "--table", self.folder / "none.csv", "-o", self.page)
         self.assertDone(done, 1)
         self.assertIn("none.csv: no such file", done.stderr)
