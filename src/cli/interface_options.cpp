@@ -109,23 +109,15 @@ void add_interface_options(CLI::App& app, InterfaceOptions& options, InputChoice
   add_value(app, "--table", "NAME", "print one of these tables in place of the report",
             options.table,
             Format<InterfaceTable>{interface_table_in, "one of interfaces,residues,atoms,pdb,cif"});
-  add_value(app, "-o,--output-dir", "DIR", "directory of the tables, created if missing [.]",
-            options.output_directory, any_text("a directory"))
-      ->needs("--write");
-  add_value(app, "--csv", "FILE",
-            "write the interfaces of all files as a table; - prints it\nin place of the report",
-            options.csv, any_text("a file"));
+  add_table_files(
+      app, options,
+      "write the interfaces of all files as a table; - prints it\nin place of the report");
   add_last_options(app, options);
 }
 
 /// Throws UsageError if outputs exclude each other.
 void check_outputs(const InterfaceOptions& options) {
-  if (options.output_directory == "-")
-    throw UsageError("--output-dir is '-', but tables need a directory; print one with --table");
-  const bool has_table = options.table != InterfaceTable::report;
-  if (options.prints_csv && (options.json || has_table))
-    throw UsageError(
-        formatted("--csv - cannot be combined with {}", options.json ? "--json" : "--table"));
+  check_table_files(options, options.table != InterfaceTable::report);
   const bool has_atoms =
       options.table == InterfaceTable::pdb || options.table == InterfaceTable::cif;
   if (has_atoms && options.inputs.size() > 1)

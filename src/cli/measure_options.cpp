@@ -231,12 +231,8 @@ void add_measure_options(CLI::App& app, MeasureCommandOptions& options, InputCho
             one_of<AreaReference>({{"tien", AreaReference::tien},
                                    {"miller", AreaReference::miller},
                                    {"sander", AreaReference::sander}}));
-  add_value(app, "-o,--output-dir", "DIR", "directory of the tables, created if missing [.]",
-            options.output_directory, any_text("a directory"))
-      ->needs("--write");
-  add_value(app, "--csv", "FILE",
-            "write the results of all files as a table; - prints it in\nplace of the report",
-            options.csv, any_text("a file"));
+  add_table_files(app, options,
+                  "write the results of all files as a table; - prints it in\nplace of the report");
   add_last_options(app, options, &options.all_models);
 }
 
@@ -262,11 +258,7 @@ void check_surfaces(const MeasureCommandOptions& options) {
 /// Throws UsageError if an option cannot be used with these files.
 void check(const CLI::App& app, const MeasureCommandOptions& options) {
   refuse_repeated_chains(options.parts, "--parts");
-  if (options.output_directory == "-")
-    throw UsageError("--output-dir is '-', but tables need a directory; print one with --table");
-  if (options.prints_csv && (options.json || options.printed_table != nullptr))
-    throw UsageError(
-        formatted("--csv - cannot be combined with {}", options.json ? "--json" : "--table"));
+  check_table_files(options, options.printed_table != nullptr);
   const bool has_many = options.inputs.size() > 1 || options.all_models;
   if (options.printed_table != nullptr && has_many)
     throw UsageError("--table prints the table of a single file; use --write");

@@ -10,10 +10,12 @@
 #include <string_view>
 #include <vector>
 
+#include "cli/arguments.hpp"
 #include "cli/interruption.hpp"
 #include "output/file_path.hpp"
 #include "output/output_directory.hpp"
 #include "output/output_file.hpp"
+#include "system/formatted.hpp"
 
 namespace eses::detail::cli {
 
@@ -23,6 +25,26 @@ std::string table_name(const std::filesystem::path& input, std::string_view endi
 
 /// Returns whether a name is that of standard output, also as a file.
 bool is_standard_output(const std::string& name);
+
+/// Adds --output-dir and --csv to a command that has --write.
+template <class Options>
+void add_table_files(CLI::App& app, Options& options, const std::string& csv_description) {
+  add_value(app, "-o,--output-dir", "DIR", "directory of the tables, created if missing [.]",
+            options.output_directory, any_text("a directory"))
+      ->needs("--write");
+  add_value(app, "--csv", "FILE", csv_description, options.csv, any_text("a file"));
+}
+
+/// Throws UsageError if --output-dir is standard output, or if the table of --csv is printed and
+/// so is another output: JSON, or with `has_table` the table of --table.
+template <class Options>
+void check_table_files(const Options& options, bool has_table) {
+  if (options.output_directory == "-")
+    throw UsageError("--output-dir is '-', but tables need a directory; print one with --table");
+  if (options.prints_csv && (options.json || has_table))
+    throw UsageError(
+        formatted("--csv - cannot be combined with {}", options.json ? "--json" : "--table"));
+}
 
 /// Returns the files that a command reads: inputs, the file of --radii, and that of --files-from.
 std::vector<ReadFile> files_that_are_read(std::span<const std::filesystem::path> inputs,
