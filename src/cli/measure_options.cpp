@@ -167,7 +167,7 @@ void check_pocket_options(const CLI::App& app, const MeasureCommandOptions& opti
   refuse_without(app, {"--large-probe", "--spacing", "--min-pocket-volume", "--allow-far-atoms"},
                  options.need_pockets(), "--pockets or --write pockets");
   refuse_without(app, {"--at"}, options.need_pockets() || options.need_cavities(),
-                 "--pockets or --cavities");
+                 "--pockets, --cavities, or a table of pockets or cavities");
   if (!options.need_pockets()) return;
   try {
     require_valid(options.pocket_options, options.probe_radius);

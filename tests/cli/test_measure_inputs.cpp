@@ -40,7 +40,7 @@ TEST_CASE("measure: folders and lists stand for their files") {
           0);
   const Outcome noted = box.run({"measure", "structures"});
   CHECK(contains(noted.err,
-                 "note: left out 2 files of areas that measure has written, such as "
+                 "note: left out 2 files of areas that --write has written, such as "
                  "structures/a.areas.cif; name a file to measure it"));
   CHECK(box.run({"measure", "structures", "-q"}).err.empty());
   CHECK(files({"measure", "structures/a.areas.pdb", "two.xyzr", "-q"}) ==
@@ -126,6 +126,8 @@ TEST_CASE("measure: bad requests are refused") {
   for (const std::string option : {"--large-probe", "--spacing", "--min-pocket-volume"})
     check_usage_error(box, {"measure", "two.xyzr", option, "1"},
                       option + " needs --pockets or --write pockets");
+  check_usage_error(box, {"measure", "two.xyzr", "--write", "pieces", "--at", "1,2,3"},
+                    "--at needs --pockets, --cavities, or a table of pockets or cavities");
   check_usage_error(box, {"measure", "two.xyzr", "--pockets", "--large-probe", "1.4"},
                     "the radius of the large probe must be more than that of the probe, 1.4, and "
                     "at most 1000 angstrom, and is 1.4");
