@@ -66,7 +66,7 @@ std::vector<fs::path> files_in(const fs::path& folder, bool is_quiet) {
   const std::string left_out =
       areas == files.end()
           ? ""
-          : formatted("{} of areas that measure has written, such as {}",
+          : formatted("{} of areas that --write has written, such as {}",
                       counted(files.end() - areas, "file"), one_line(areas->string()));
   files.erase(areas, files.end());
   if (files.empty())

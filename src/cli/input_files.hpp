@@ -17,7 +17,7 @@ struct InputChoice {
 
   /// Returns the files, with those in the lines of the list, and with each folder replaced by the
   /// files in it whose names have a suffix of PDB, mmCIF, PQR or xyzr, in the order of their names.
-  /// Files of areas that `measure` has written are left out of folders, with a note unless
+  /// Files of areas that `--write` has written are left out of folders, with a note unless
   /// `is_quiet`. Throws UsageError if there are none, or if standard input is one of several, and
   /// Error if a list or folder cannot be read or is empty.
   std::vector<std::filesystem::path> files(bool is_quiet) const;

@@ -69,9 +69,17 @@ void add_format(CLI::App& app, AtomFormat& format, const std::string& descriptio
                                                  {"pqr", AtomFormat::pqr},
                                                  {"pdb", AtomFormat::pdb},
                                                  {"mmcif", AtomFormat::mmcif}});
-  known.expected +=
-      ", the format of the input; outputs of 'eses-blocks measure' are chosen by --csv, --json and "
-      "--table";
+  known.read = [read = known.read, expected = known.expected](const std::string& text) {
+    const std::optional<AtomFormat> found = read(text);
+    constexpr std::array<std::string_view, 7> outputs{"csv", "json", "jsonl", "tsv",
+                                                      "rsa", "seq",  "res"};
+    if (!found && std::ranges::find(outputs, text) != outputs.end())
+      refuse("--format", text,
+             expected +
+                 ", the format of the input; outputs of 'eses-blocks measure' are chosen by "
+                 "--csv, --json and --table");
+    return found;
+  };
   add_value(app, "--format", "NAME", description, format, known);
 }
 

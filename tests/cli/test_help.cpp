@@ -164,8 +164,7 @@ TEST_CASE("mistyped options and commands have suggestions", "[cli]") {
       {{"msms", "-if", "pair.xyzr", "-of", "-density", "3"},
        "-of needs a value before -density; for a file of this name, write ./-density"},
       {{"measure", "pair.xyzr", "--format", "-q"},
-       "--format is '-q', expected auto, xyzr, pqr, pdb or mmcif, the format of the input; "
-       "outputs of 'eses-blocks measure' are chosen by --csv, --json and --table"},
+       "--format is '-q', expected auto, xyzr, pqr, pdb or mmcif"},
       {{"--", "pair.xyzr", "--mesh", "a.ply"},
        "PROBE is '--mesh', expected a number from 0.01 to 1000, in angstrom; options must come "
        "before '--' and FILE"},

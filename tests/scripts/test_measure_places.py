@@ -219,7 +219,7 @@ class Interfaces(Case):
         atoms = [line for line in lines if line.startswith(("ATOM", "HETATM"))]
         self.assertAlmostEqual(sum(float(line[60:66]) for line in atoms), lost, delta=0.006 * len(atoms))
         done = self.call("measure", out, code=1)  # has only files of areas
-        self.assertIn("besides 2 files of areas that measure has written", done.stderr)
+        self.assertIn("besides 2 files of areas that --write has written", done.stderr)
 
     def test_csv(self):
         path, missing, table = self.file("a.pdb", peptide()), str(self.folder / "no.pdb"), self.folder / "all.csv"
