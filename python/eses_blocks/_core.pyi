@@ -335,7 +335,7 @@ class Surface:
     def __init__(
         self,
         centers: Any,
-        radii: Optional[npt.ArrayLike] = None,
+        radii: Union[npt.ArrayLike, _Path, None] = None,
         probe_radius: Optional[float] = None,
         *,
         surface: Literal["ses", "sas", "vdw"] = "ses",

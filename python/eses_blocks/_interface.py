@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import functools
 import os
-from typing import Any, Iterator, Optional, Sequence, Union, overload
+from typing import Any, Iterator, Optional, Sequence, overload
 
 import numpy as np
 
@@ -197,6 +197,7 @@ def interface(molecule: Any, first: Any, second: Any = None, radii: Any = None, 
     ValueError
         If a part has no atoms, if the parts share atoms, or as ``measure``.
     """
+    _molecule.require_known(options, interface)
     for name, value in (("probe_radius", probe_radius), ("frame", frame), ("threads", threads)):
         _molecule.require_number(name, value)
     found, select = _molecule._read(molecule, radii, waters, hydrogens, unknown_radius, frame, options)
@@ -239,6 +240,9 @@ def interfaces(molecule: Any, radii: Any = None, *, probe_radius: float = 1.4, w
     TypeError, ValueError
         As ``measure``.
     """
+    _molecule.require_known(options, interfaces)
+    for name, value in (("probe_radius", probe_radius), ("frame", frame), ("threads", threads)):
+        _molecule.require_number(name, value)
     found, _ = _molecule._read(molecule, radii, waters, hydrogens, unknown_radius, frame, options)
     names = list(dict.fromkeys(found.chain.tolist()))
     numbers = {name: k for k, name in enumerate(names)}

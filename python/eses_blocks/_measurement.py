@@ -402,7 +402,7 @@ def _measure_models(molecule: Any, radii: Any, models: Union[str, Iterable[int]]
     if not _molecule.is_file(molecule):
         raise TypeError("models: only files have models; give frame= for one frame of a trajectory")
     text, name, layout = _molecule.read_content(molecule, options.get("format", "auto"))
-    if models != "all" and (isinstance(models, str) or not hasattr(models, "__iter__")):
+    if (isinstance(models, str) and models != "all") or not hasattr(models, "__iter__"):
         raise ValueError(f"models must be 'all' or numbers, not {models!r}")
     numbers = model_numbers(text, layout) if isinstance(models, str) else [int(number) for number in models]
     options = {**options, "format": layout}
@@ -469,6 +469,7 @@ def measure(molecule: Any, radii: Any = None, *, probe_radius: float = 1.4, repo
     ValueError
         If it has no coordinates, if an atom has no radius, or if an argument is not valid.
     """
+    _molecule.require_known(options, measure)
     if reference not in REFERENCES:
         raise ValueError(f"reference must be one of {', '.join(REFERENCES)}, not {reference!r}")
     if models is not None:

@@ -5,10 +5,11 @@ from __future__ import annotations
 import dataclasses
 import difflib
 import gzip
+import inspect
 import os
 import re
 import weakref
-from typing import Any, Optional, Union
+from typing import Any, Callable, Optional, Union
 
 import numpy as np
 import numpy.typing as npt
@@ -128,6 +129,15 @@ def require_number(name: str, value: Any) -> None:
         raise TypeError(f"{name} must be a number, not {value!r:.80}")
 
 
+def require_known(options: dict[str, Any], caller: Callable[..., Any]) -> None:
+    """Raises TypeError for an argument that files do not have. The message names a similar argument of the caller,
+    whose first parameter is the molecule and whose last one is ``options``."""
+    known = [*list(inspect.signature(caller).parameters)[1:-1], *_FILE_OPTIONS]
+    for name in sorted(set(options) - set(_FILE_OPTIONS)):
+        meant = [each for each in known if each.startswith(name)] or difflib.get_close_matches(name, known, 1, 0.7)
+        raise TypeError(f"unknown argument {name!r}" + (f"; did you mean {meant[0]}?" if meant else ""))
+
+
 def is_file(found: Any) -> bool:
     """Whether an object is a path, an open file, or the bytes or text of a file."""
     return isinstance(found, (str, bytes, bytearray, memoryview, os.PathLike)) or hasattr(found, "read")
@@ -180,6 +190,10 @@ def _read_file(found: Any, radii: str, unknown: Optional[float], waters: bool, h
                options: dict[str, Any]) -> _Source:
     """Reads a path, an open file, or the bytes or text of a file."""
     given = _FILE_OPTIONS | options
+    if given["select"] is None:
+        given["select"] = ""
+    if not isinstance(given["select"], str):
+        raise TypeError(f"select must be a text for files, not {given['select']!r:.80}")
     data: Any = None
     if _is_path(found):
         name = name_of(found)
@@ -247,11 +261,6 @@ def _of_atoms(atoms: _core.Atoms) -> _Source:
 
 def _source_of(found: Any, radii: Any, unknown: Optional[float], waters: bool, hydrogens: str, frame: int,
                options: dict[str, Any]) -> _Source:
-    for name in sorted(set(options) - set(_FILE_OPTIONS)):
-        known = ["probe_radius", "radii", "report", "surfaces", "waters", "unknown_radius", "reference", "derivatives",
-                 *_FILE_OPTIONS]
-        meant = [each for each in known if each.startswith(name)] or difflib.get_close_matches(name, known, 1)
-        raise TypeError(f"unknown argument {name!r}" + (f"; did you mean {meant[0]}?" if meant else ""))
     files: tuple[str, ...] = ()
     if _is_path(found):
         found = os.fsdecode(found)
@@ -398,6 +407,7 @@ def read_molecule(molecule: Any, radii: Any = None, *, waters: bool = False, hyd
     ValueError
         If it has no coordinates, if an atom has no radius, or if the content of a file is not valid.
     """
+    require_known(options, read_molecule)
     return _read(molecule, radii, waters, hydrogens, unknown_radius, frame, options)[0]
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import warnings
 import weakref
 from typing import Any, Callable, Iterable, NamedTuple, Optional
 
@@ -58,6 +59,10 @@ class Selector:
         mask.flags.writeable = False
         return mask
 
+    def without_file(self) -> Selector:
+        """Returns a selector by the columns of names, or by the library of the molecule."""
+        return self if self._has_own_syntax else Selector(self._names)
+
     def ligand(self, text: str) -> bool:
         """Whether a selection is that of ligands by their names, or of all."""
         return text.startswith(_LIGAND) or (text == "ligand" and text not in self._names.chain)
@@ -96,6 +101,8 @@ class Selector:
         except (OSError, MemoryError):
             raise
         except Exception as error:  # those of other libraries
+            if text.isdigit():
+                raise ValueError(f"{what}: no chain or residue {text!r}; {self._contents()}") from error
             message = str(error).removeprefix("selection: ").replace(": --select: ", ": ")
             raise ValueError(f"{what}: {message}") from error
         missing = next(name for name in chains if name not in known)
@@ -135,8 +142,8 @@ _molecule_of: weakref.WeakKeyDictionary[_core.Surface, tuple[Any, Selector]] = w
 
 
 def remember_molecule(surface: _core.Surface, kept: Any, selector: Selector) -> None:
-    """Remembers the molecule of a surface, whose atoms are the kept ones."""
-    _molecule_of[surface] = (kept, selector)
+    """Remembers the molecule of a surface, whose atoms are the kept ones. Its selections do not read a file again."""
+    _molecule_of[surface] = (kept, selector.without_file())
 
 
 def find_at(surface: _core.Surface, method: str, text: str, options: dict[str, Any]) -> list[dict[str, Any]]:
@@ -153,8 +160,10 @@ def find_at(surface: _core.Surface, method: str, text: str, options: dict[str, A
     others = np.flatnonzero(~chosen)
     if not len(others):
         raise ValueError(f"at: there are no atoms besides {text!r}")
-    rest = _core.Surface(surface.centers[others], surface.radii[others], surface.probe_radius,
-                         fill_cavities=surface.fill_cavities)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # the surface has already warned of its atoms
+        rest = _core.Surface(surface.centers[others], surface.radii[others], surface.probe_radius,
+                             fill_cavities=surface.fill_cavities, threads=options["threads"])
     found: list[dict[str, Any]] = getattr(rest, method)(balls=(surface.centers[chosen], surface.radii[chosen]), **options)
     for each in found:
         each["atoms"] = others[each["atoms"]]

@@ -239,8 +239,8 @@ void construct_surface(py::detail::value_and_holder& self, const py::object& cen
                        ThreadCount threads) {
   py::object its_centers = centers, its_radii = radii, files = py::tuple();
   py::object molecule, selector;
-  // A molecule of another library, or a file, perhaps with the name of a set of radii.
-  if (radii.is_none() || py::isinstance<py::str>(radii)) {
+  // A molecule of another library, or a file, perhaps with the name or the path of a set of radii.
+  if (radii.is_none() || py::isinstance<py::str>(radii) || py::hasattr(radii, "__fspath__")) {
     const py::tuple found =
         py::module_::import("eses_blocks._molecule").attr("read_with_selector")(centers, radii);
     molecule = found[0];

@@ -124,6 +124,7 @@ def test_models_of_a_file(tmp_path):
     found = eses.measure(path, models="all", unknown_radius=1.5)
     assert [each.sas_area for each in found] == expected
     assert [each.sas_area for each in eses.measure(str(path), models=[7, 1], unknown_radius=1.5)] == expected[::-2]
+    assert [each.sas_area for each in eses.measure(path, models=np.array([7, 1]), unknown_radius=1.5)] == expected[::-2]
     assert [each.sas_area for each in eses.measure(models_text(), models=iter((2,)), unknown_radius=1.5)] == expected[1:2]
     with open(path, "rb") as opened:
         assert [each.sas_area for each in eses.measure(opened, models="all", unknown_radius=1.5)] == expected

@@ -149,6 +149,13 @@ def test_errors_name_what_is_wrong_and_what_exists(path, text, message):
             eses.measure(opened(library, path), report=text)
 
 
+def test_digits_are_residues_or_an_unknown_chain(path):
+    for library in ("path", "Atoms", "gemmi", "MDAnalysis"):
+        with pytest.raises(ValueError, match=r"^report: no .*'99'; the chains are A \(residues 10 to 10\)"):
+            eses.measure(opened(library, path), report="99")
+    assert reported(eses.measure(path, report="10")) == ["ALA"]
+
+
 def test_errors_of_other_arguments(path):
     for report, error, message in ((3.5, TypeError, "must be a selection, a mask or indices"),
                                    ([0.5], TypeError, "must be a selection"), ({}, TypeError, "must be a selection"),
@@ -182,9 +189,10 @@ def test_pockets_of_a_ligand(tmp_path):
             found = surface.pockets(4.0, at=text)
             assert len(found) == 1 and found[0]["volume"] == expected[0]["volume"]
             assert found[0]["atoms"].tolist() == expected[0]["atoms"].tolist()
-    mask = np.flatnonzero(atoms.labels.residue_number == "40")
-    assert [each["volume"] for each in surfaces[0].pockets(4.0, at="//A/40")] == \
-        [each["volume"] for each in surfaces[0].pockets(4.0, atoms=mask)]
+    mask = np.flatnonzero(atoms.labels.residue_number == "118")
+    empty = eses.measure(path, select="//A").surface
+    expected = [each["volume"] for each in empty.pockets(4.0, atoms=mask)]
+    assert expected and [each["volume"] for each in empty.pockets(4.0, at="//A/118")] == expected
     assert surfaces[0].cavities(at="ligand:LIG") == []
     with pytest.raises(ValueError, match="at: no residue 'STI'; the residues are LIG, ALA"):
         surfaces[0].pockets(at="ligand:STI")
@@ -194,6 +202,18 @@ def test_pockets_of_a_ligand(tmp_path):
         surfaces[0].pockets(at="ligand", atoms=[0])
     with pytest.raises(ValueError, match="the surface has no names of atoms"):
         eses.Surface(atoms.centers, atoms.radii).pockets(at="ligand:LIG")
+    path.unlink()  # surfaces do not read their file again
+    assert [each["volume"] for each in empty.pockets(4.0, at="//A/118")] == expected
+    assert surfaces[0].pockets(4.0, at="//A/118") == []
+
+
+def test_pockets_of_a_ligand_do_not_repeat_warnings_of_the_surface(path):
+    path.write_text(TEXT.replace("11.639   6.071  -5.147", "11.104   6.134  -6.504"))
+    with pytest.warns(UserWarning):
+        surface = eses.Surface(path)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        surface.pockets(3.0, at="ligand:ZN")
 
 
 def test_names_of_pqr_files():

@@ -21,16 +21,28 @@ def fixture_path(tmp_path):
 @pytest.mark.parametrize(("arguments", "error", "message"), [
     ({"probe": 1.2}, TypeError, "^unknown argument 'probe'; did you mean probe_radius"),
     ({"water": True}, TypeError, "^unknown argument 'water'; did you mean waters"),
+    ({"threds": 1}, TypeError, "^unknown argument 'threds'; did you mean threads"),
+    ({"fill": 1}, TypeError, "^unknown argument 'fill'; did you mean fill_cavities"),
     ({"zzz": 1}, TypeError, "^unknown argument 'zzz'$"),
     ({"probe_radius": "1.4"}, TypeError, "^probe_radius must be a number, not '1.4'"),
     ({"threads": "all"}, TypeError, "^threads must be a number"),
     ({"unknown_radius": "x"}, TypeError, "^unknown_radius must be a number"),
     ({"hydrogens": True}, ValueError, "^hydrogens must be 'auto', 'keep' or 'drop', not True"),
     ({"models": 5}, ValueError, "^models must be 'all' or numbers, not 5"),
+    ({"select": [0]}, TypeError, r"^select must be a text for files, not \[0\]$"),
 ])
 def test_arguments(path, arguments, error, message):
     with pytest.raises(error, match=message):
         eses.measure(path, **arguments)
+
+
+def test_arguments_of_other_functions_are_not_suggested(path):
+    for call, name in ((eses.read_molecule, "probe_radius"), (eses.interfaces, "surfaces"), (eses.interfaces, "report"),
+                       (lambda found, **options: eses.interface(found, "A", **options), "report")):
+        with pytest.raises(TypeError, match=f"^unknown argument '{name}'$"):
+            call(path, **{name: 1})
+    with pytest.raises(TypeError, match="^threads must be a number, not 'x'"):
+        eses.interfaces(path, threads="x")
 
 
 def test_files(path, tmp_path):
@@ -43,6 +55,10 @@ def test_files(path, tmp_path):
     assert eses.Surface(path, "bondi").radii.tolist() == eses.measure(path, "bondi").molecule.radii.tolist()
     with pytest.raises(ValueError, match="did you mean bondi"):
         eses.Surface(path, "bodni")
+    radii = tmp_path / "my.config"
+    radii.write_text("types:\nT 3.5 apolar\natoms:\nANY ZN T\n")
+    assert eses.Surface(path, radii).radii.tolist() == eses.measure(path, radii).molecule.radii.tolist()
+    assert eses.measure(path, select=None).sas_area == eses.measure(path).sas_area
 
 
 def test_objects(path):
