@@ -5,7 +5,7 @@ Each tool is a module with a function start(). They need only the program; numpy
 where a tool needs them. `python -m eses_tools view ...` starts a tool, too.
 """
 
-# Of pages that show surfaces: colours of the surface, and drawings of atoms.
+# Colours of the surface and drawings of atoms in pages.
 SCHEMES = ("patch", "atom", "element", "chain", "residue", "area", "component", "potential", "file",
            "plain")
 STYLES = ("none", "sticks", "balls", "spheres")

@@ -331,8 +331,10 @@ def cut(points, normals, triangles, labels, heights_of):
         for other in {0, 1, 2} - {corner}:
             shares = clipped(shares, row_dot(shares, (heights[..., corner] - heights[..., other])[:, None]))
         made = count + shares.shape[1] * numpy.arange(len(mixed))[:, None]
-        fans = [numpy.stack([made[:, 0], made[:, 0] + k, made[:, 0] + k + 1], axis=1)
-                [is_new & (numpy.abs(numpy.linalg.det(shares[:, [0, k, k + 1]])) > MIN_SHARE)] for k in range(1, shares.shape[1] - 1)]
+        fans = []
+        for k in range(1, shares.shape[1] - 1):
+            is_kept = is_new & (numpy.abs(numpy.linalg.det(shares[:, [0, k, k + 1]])) > MIN_SHARE)
+            fans.append(numpy.stack([made[:, 0], made[:, 0] + k, made[:, 0] + k + 1], axis=1)[is_kept])
         parts.append((numpy.einsum("tmc,tcx->tmx", shares, points[mixed]).reshape(-1, 3),
                       numpy.einsum("tmc,tcx->tmx", shares, normals[mixed]).reshape(-1, 3), numpy.concatenate(fans),
                       numpy.repeat(mixed[:, corner], shares.shape[1])))

@@ -173,7 +173,7 @@ def atoms_file(folder, index):
 
 
 def written_files(folder, molecules):
-    """Returns the files that are written in place, whatever they are, for this number of molecules."""
+    """Returns the files that are overwritten without a temporary name, for this number of molecules."""
     return [folder / name for name in (INPUT, LOG, ENERGIES)] + [atoms_file(folder, index) for index in range(molecules)]
 
 

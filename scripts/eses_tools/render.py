@@ -531,11 +531,12 @@ def draw_apart(options):
                 process = context.Process(target=send_picture, args=(options, sending, log.fileno()))
                 process.start()
             sending.close()
-            found = receiving.recv()
-        except EOFError:
-            process.join()
-            log.seek(0)
-            raise Failed(message_of_end(process.exitcode, log.read())) from None
+            try:
+                found = receiving.recv()
+            except (EOFError, OSError):  # the process has sent nothing, or a part
+                process.join()
+                log.seek(0)
+                raise Failed(message_of_end(process.exitcode, log.read())) from None
         finally:
             if process and process.pid:
                 process.kill()

@@ -398,9 +398,14 @@ class Signals(TestCase):
             with self.subTest(more=more):
                 done = run("render", mesh, "-o", self.folder / "a.png",
                            env={**os.environ, "TMPDIR": str(scratch), **more})
-                self.assertEqual(done.returncode, 1, done.stderr)
-                self.assertRegex(done.stderr, r"^render: no picture: VTK ended with .* on the display :9999.*\n$")
-                self.assertFalse((self.folder / "a.png").exists())
+                picture = self.folder / "a.png"
+                if done.returncode == 0:  # VTK 9.4 and later may draw without the display
+                    self.assertTrue(picture.read_bytes().endswith(b"IEND\xaeB`\x82"))
+                    picture.unlink()
+                else:
+                    self.assertEqual(done.returncode, 1, done.stderr)
+                    self.assertRegex(done.stderr, r"^render: no picture: VTK ended with .* on the display :9999.*\n$")
+                    self.assertFalse(picture.exists())
                 self.assertEqual(list(scratch.iterdir()), [])
                 self.assertEqual(self.processes(scratch), [])
 

@@ -3,12 +3,17 @@
 import colorsys
 import importlib.util
 import math
+import os
+import signal
 import struct
 import subprocess
 import unittest
+import unittest.mock
 import zlib
 
 from support import DATA, PROGRAM, SCRIPTS, TestCase, can_draw, interpreter_of, write_map
+
+from eses_tools import common, render  # after support, which makes the modules of the scripts known
 
 SCRIPT = SCRIPTS / "render"
 
@@ -291,6 +296,17 @@ class Borders(TestCase):
             a, b, c = (points[triangles[:, corner]] for corner in range(3))
             return numpy.linalg.norm(numpy.cross(b - a, c - a), axis=1).sum() / 2
         self.assertAlmostEqual(area(points, triangles), area(mesh.points.astype(float), mesh.triangles), delta=0.01)
+
+
+class PicturesOfAnotherProcess(TestCase):
+    def test_a_process_that_is_killed_while_it_sends_is_a_message(self):
+        def send_a_part(_options, target, _log):
+            os.write(target.fileno(), struct.pack("!i", 1000) + b"a part")
+            os.kill(os.getpid(), signal.SIGKILL)
+
+        with unittest.mock.patch.object(render, "send_picture", send_a_part):
+            with self.assertRaisesRegex(common.Failed, "^no picture: VTK ended with SIGKILL on the display "):
+                render.draw_apart(None)
 
 
 if __name__ == "__main__":
