@@ -28,7 +28,8 @@ class Outputs(TestCase):
         self.charged = self.folder / "ion.pqr"
         self.charged.write_text("ATOM 1 C ION 1 0 0 0 1.00 2.00\n")
         self.run_program(self.atoms, "-q", "--write", "none", "--mesh", self.mesh, "--spacing", "0.8")
-        self.run_program("measure", self.atoms, "-q", "--csv", self.table)
+        self.atom_table = self.folder / "c60.atoms.csv"
+        self.run_program("measure", self.atoms, "-q", "--csv", self.table, "--write", "atoms", "-o", self.folder)
         self.potential = write_map(self.folder / "x.dx", 5)
 
     def run_program(self, *arguments):
@@ -44,7 +45,8 @@ class Outputs(TestCase):
         if can_import(SCRIPTS / "view", "numpy"):
             yield "view", [self.atoms, "--program", PROGRAM], "-o", self.atoms
             yield "view", [self.mesh, "--potential", self.potential], "-o", self.potential
-            yield "view", [self.mesh, "--table", self.table], "-o", self.table
+            yield ("view", [self.atoms, "--table", self.atom_table, "--program", PROGRAM], "-o",
+                   self.atom_table)
         if can_draw():
             yield "render", [self.mesh, "--size", 40], "-o", self.mesh
             yield "render", [self.mesh, "--potential", self.potential, "--size", 40], "-o", self.potential
