@@ -53,6 +53,7 @@ struct Diagnostic {
     /// Line of the file, from 1, if it is not an atom that is suspicious; 0 otherwise.
     std::uint64_t line = 0;
 
+    /// Compares all members.
     friend bool operator==(const Example&, const Example&) = default;
   };
   /// The largest number of examples.
@@ -62,6 +63,7 @@ struct Diagnostic {
   std::uint64_t count = 0;                          ///< Number of atoms with this diagnostic.
   std::vector<Example> examples;  ///< The first of these atoms, ascending by `atom`.
 
+  /// Compares all members.
   friend bool operator==(const Diagnostic&, const Diagnostic&) = default;
 };
 

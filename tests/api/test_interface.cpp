@@ -222,8 +222,8 @@ TEST_CASE("interface: errors say what is wrong") {
                  "dimer.pqr: no atoms of chain X, which --groups names; the chains are A, B, C"));
   CHECK(contains(error({"interface", "dimer.pqr", "--ligand", "STI"}),
                  "no atoms of residue STI, which --ligand names; the residues are HEM, ALA, GLY"));
-  CHECK(contains(error({"interface", "dimer.pqr", "--groups", "ligand", "ligand:HEM"}),
-                 "dimer.pqr: the atom in line 2 belongs to two parts of --groups: ligand and HEM"));
+  CHECK(contains(error({"interface", "dimer.pqr", "--groups", "ligand:HEM", "ligand:HEM"}),
+                 "dimer.pqr: the atom in line 2 belongs to two parts of --groups: HEM and HEM"));
   CHECK(contains(error({"interface", "dimer.pqr", "--groups", "//A", "B"}),
                  "selections such as //A (--groups) need a PDB or mmCIF file"));
   CHECK(contains(error({"interface", "none.pdb"}), "cannot open none.pdb"));
