@@ -92,7 +92,7 @@ std::vector<std::string> ligands_first(std::vector<std::string> residues) {
 
 /// Returns whether a part of chains leaves atoms to another part, as its ligands.
 bool gives_ligands_to(const PartSelector& part, const PartSelector& other) {
-  return !part.chains.empty() && (other.all_ligands || !other.ligand.empty());
+  return !part.chains.empty() && other.is_ligand();
 }
 
 ComplexParts divide_by_chain(std::span<const AtomLabel> labels) {

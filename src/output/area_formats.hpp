@@ -32,7 +32,7 @@ void append_res(const MeasuredAtoms& atoms, BufferedText& text);
 /// The atoms as a PDB file with SAS areas as B-factors and radii as occupancies, as FreeSASA prints
 /// them.
 void append_pdb(const MeasuredAtoms& atoms, BufferedText& text);
-/// The same with another first line.
+/// The PDB file of append_pdb(atoms, text) with `heading` as its first line.
 void append_pdb(std::string_view heading, const MeasuredAtoms& atoms, BufferedText& text);
 /// The atoms as an mmCIF file with SAS areas as B-factors.
 void append_cif(const MeasuredAtoms& atoms, BufferedText& text);
