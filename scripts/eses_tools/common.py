@@ -165,19 +165,26 @@ def between(least, largest, kind=float):
     return convert
 
 
+def end_on_signal(number, _):
+    """Ends the script by an exception, so that temporary files and programs that it has started go with it. The same
+    signal is ignored from now on, because a second exception would stop this and print a traceback."""
+    signal.signal(number, signal.SIG_IGN)
+    if number == signal.SIGINT:
+        raise KeyboardInterrupt
+    sys.exit(128 + number)
+
+
 def end_on_signals():
-    """Makes SIGTERM, SIGHUP and SIGQUIT end the script as Ctrl-C does: temporary files and programs
-    that it has started go with it."""
-    for number in (signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT):
-        if signal.getsignal(number) == signal.SIG_DFL:  # a signal that is ignored stays ignored
-            signal.signal(number, lambda number, _: sys.exit(128 + number))
+    """Makes Ctrl-C, SIGTERM, SIGHUP and SIGQUIT end the script by `end_on_signal`."""
+    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT):
+        # A signal that is ignored stays ignored.
+        if signal.getsignal(number) in (signal.SIG_DFL, signal.default_int_handler):
+            signal.signal(number, end_on_signal)
 
 
 def end_with(main):
     """Runs a script's main function. Turns errors into one line and an exit code."""
     try:
-        if signal.getsignal(signal.SIGINT) == signal.SIG_DFL:  # see quiet_interrupt
-            signal.signal(signal.SIGINT, signal.default_int_handler)
         end_on_signals()
         main()
     except BrokenPipeError:

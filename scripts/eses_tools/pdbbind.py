@@ -298,7 +298,7 @@ def find_all(options):
         say(f"{error.filename}: {error.strerror}")
 
     def on_areas(path):
-        print(f"{NAME}: {printable(path)} is left out: eses-blocks measure has written its areas", file=sys.stderr)
+        print(f"{NAME}: {printable(path)} is left out: eses-blocks has written its areas", file=sys.stderr)
 
     structures = find_structures(options.folder.absolute(), options.output, options.only, on_error, on_areas)
     for structure in structures:

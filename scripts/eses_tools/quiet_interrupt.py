@@ -1,6 +1,6 @@
 """Lets Ctrl-C end a script without a traceback while the script imports its modules.
 
-Scripts import this module before all others. common.end_with() restores Python's own handler.
+Scripts import this module before all others. common.end_with() makes it an exception again.
 """
 
 import signal

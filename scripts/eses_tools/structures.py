@@ -74,7 +74,7 @@ def walk(root, without, on_error):
 
 
 def is_area_file(path):
-    """Whether eses-blocks measure has written a file of areas, by its name and its first line."""
+    """Whether eses-blocks has written a file of areas, by its name and its first line."""
     heading = re.search(r"\.areas\.(pdb|cif)(\.gz)?\Z", path.name, re.IGNORECASE)
     if heading is None:
         return False
@@ -90,7 +90,7 @@ def find_structures(root, without=None, only=None, on_error=None, on_areas=None)
 
     `only` is a shell pattern for the path below the root; scripts with an option --only pass it.
     `on_error` receives the OSError of each folder that cannot be read, and `on_areas` the path of
-    each file of areas that `eses-blocks measure` has written, which is no structure. Throws Failed if two files
+    each file of areas that `eses-blocks` has written, which is no structure. Throws Failed if two files
     have the same id.
     """
     found = {}

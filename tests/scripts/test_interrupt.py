@@ -1,8 +1,10 @@
-"""Tests of Ctrl-C while a script imports its modules."""
+"""Tests of Ctrl-C while a script imports its modules, and while it ends."""
 
 import os
 import re
 import signal
+import subprocess
+import sys
 
 from support import SCRIPTS, TestCase, forget_signals, run
 
@@ -38,3 +40,24 @@ class Interrupt(TestCase):
             signal.signal(signal.SIGINT, signal.SIG_IGN)
         done = self.run_interrupted("assemble", prepare)
         self.assertIn("still here", done.stdout)
+
+    def test_second_signal_does_not_disturb_cleaning_up(self):
+        script = """import os, signal, sys, time
+from eses_tools import common
+number = int(sys.argv[1])
+def main():
+    try:
+        os.kill(os.getpid(), number)
+        time.sleep(10)
+    finally:
+        os.kill(os.getpid(), number)
+        time.sleep(0.1)
+        print("cleaned")
+common.end_with(main)
+"""
+        for number, code in ((signal.SIGINT, 130), (signal.SIGTERM, 128 + signal.SIGTERM)):
+            with self.subTest(signal=number):
+                done = subprocess.run([sys.executable, "-c", script, str(int(number))], capture_output=True, text=True,
+                                      check=False, timeout=60, preexec_fn=forget_signals,
+                                      env={**os.environ, "PYTHONPATH": str(SCRIPTS)})
+                self.assertEqual((done.returncode, done.stdout, done.stderr), (code, "cleaned\n", ""))
