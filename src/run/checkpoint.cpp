@@ -22,13 +22,11 @@ namespace eses::detail {
 namespace {
 
 // Both are written to disk.
-static_assert(sizeof(ChunkInfo) == 272);
+static_assert(sizeof(ChunkInfo) == 192);
 static_assert(sizeof(AtomSum) == 32);
 
-// Suffix of the file that marks a chunk as complete.
-constexpr char sums_suffix[] = ".sums";
-constexpr std::array<const char*, chunk_text_count> text_suffixes{
-    ".grid", ".edges", ".mesh", ".inside", ".ions", ".edges_x", ".edges_y", ".edges_z"};
+constexpr char pieces_suffix[] = ".pieces";
+constexpr char sums_suffix[] = ".sums";  // of the file that marks a chunk as complete
 
 std::string name_of(const PlaneRange& planes, std::string_view suffix) {
   return formatted("{}-{}{}", planes.begin, planes.end, suffix);
@@ -102,20 +100,6 @@ auto bytes_of(Value& value) {
 }
 
 }  // namespace
-
-void TextChecksum::add(std::span<const char> text, std::uint64_t offset) {
-  if (text.empty()) return;
-  const std::uint32_t text_checksum = checksum(text);
-  const std::lock_guard lock(mutex_);
-  parts_[offset] = {text.size(), text_checksum};
-}
-
-std::uint32_t TextChecksum::value() const {
-  uLong sum = 0;
-  for (const auto& [offset, part] : parts_)
-    sum = crc32_combine(sum, part.checksum, static_cast<z_off_t>(part.bytes));
-  return static_cast<std::uint32_t>(sum);
-}
 
 void remove_checkpoint(const std::filesystem::path& output_directory) noexcept try {
   const std::string path = path_in(output_directory, checkpoint_name);
@@ -197,22 +181,17 @@ void Checkpoint::require_same_run() const {
         path_.string()));
 }
 
-bool Checkpoint::is_complete(const PlaneRange& planes) const {
-  try {
-    const ChunkInfo info = read(planes).info;
-    for (std::size_t text = 0; text < chunk_text_count; ++text)
-      if (info.bytes[text] != size_of(path_ / name_of(planes, text_suffixes[text]))) return false;
-    return true;
-  } catch (const Error&) {
-    return false;
-  }
+bool Checkpoint::is_complete(const PlaneRange& planes) const try {
+  return read(planes).info.bytes == size_of(path_ / name_of(planes, pieces_suffix));
+} catch (const Error&) {
+  return false;
 }
 
 void Checkpoint::remove_others(std::span<const PlaneRange> complete) {
   std::set<std::string> kept;
   for (const PlaneRange& planes : complete) {
     kept.insert(name_of(planes, sums_suffix));
-    for (const char* const suffix : text_suffixes) kept.insert(name_of(planes, suffix));
+    kept.insert(name_of(planes, pieces_suffix));
   }
   std::error_code error;  // files that cannot be removed are harmless
   std::vector<std::filesystem::path> others;
@@ -250,16 +229,14 @@ void Checkpoint::write_complete(const std::string& name,
     throw Error(formatted("cannot write {}: {}", (path_ / name).string(), error.message()));
 }
 
-// Existing sums belong to an old text and are removed first.
-std::unique_ptr<ScratchFile> Checkpoint::create(const PlaneRange& planes, ChunkText text) {
+// Existing sums belong to old pieces and are removed first.
+ScratchFile Checkpoint::create(const PlaneRange& planes) {
   drop(planes);
-  const char* const suffix = text_suffixes[static_cast<std::size_t>(text)];
-  return std::make_unique<ScratchFile>(path_, name_of(planes, suffix), ScratchFile::Kept::fresh);
+  return {path_, name_of(planes, pieces_suffix), ScratchFile::Kept::fresh};
 }
 
-std::unique_ptr<ScratchFile> Checkpoint::open(const PlaneRange& planes, ChunkText text) const {
-  const char* const suffix = text_suffixes[static_cast<std::size_t>(text)];
-  return std::make_unique<ScratchFile>(path_, name_of(planes, suffix), ScratchFile::Kept::existing);
+ScratchFile Checkpoint::open(const PlaneRange& planes) const {
+  return {path_, name_of(planes, pieces_suffix), ScratchFile::Kept::existing};
 }
 
 std::string Checkpoint::sums_path(const PlaneRange& planes) const {

@@ -14,7 +14,7 @@
 
 #include "eses/error.hpp"
 #include "output/output_files.hpp"
-#include "run/chunk_files.hpp"
+#include "run/chunk_file.hpp"
 #include "run/exact_measures.hpp"
 #include "run/merge.hpp"
 #include "run/progress_report.hpp"
@@ -99,8 +99,8 @@ std::optional<SweepSums> sweep_ranges(PlannedRun& run, std::span<const PlaneRang
   SlabSweep slab(run, ranges, files.mesh(), callbacks, report);
   if (run.is_in_place) return slab.sweep(ranges.front(), files.sink(), summary);
   for (const PlaneRange& planes : ranges) {
-    ChunkFiles chunk(run, planes);
-    const SweepSums sums = slab.sweep(planes, chunk.sink(), summary);
+    ChunkFile chunk(run, planes);
+    const SweepSums sums = slab.sweep(planes, chunk, summary);
     if (sums.fault_count == 0) chunk.finish(sums);
   }
   return std::nullopt;
@@ -146,7 +146,7 @@ void finish(PlannedRun& run, std::optional<SweepSums>& swept, RunFiles& files,
   set_results(run, sums, summary);
   if (result.exact && summary.verification) verify_volume(run, check, summary);
   if (has_faults(summary)) return;
-  if (merge) files.join(*merge, check);
+  if (merge) merge->replay(files.sink());
   files.finish(check, summary);
 }
 

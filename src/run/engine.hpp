@@ -2,11 +2,11 @@
 /// The engine: one run, from the plan of planned_run.hpp to its files and its summary.
 ///
 /// A run is a sweep over ranges of planes that delivers rows, crossings and triangles in canonical
-/// order. A single process has one range and writes its texts directly to the output files.
-/// Otherwise the texts of each range go into a chunk of a checkpoint, and the first process merges
-/// all chunks into the output files at the end. There are several ranges if the run can be resumed,
-/// or if there are several MPI ranks, each with its slab of planes. The bytes of the files do not
-/// depend on the ranges.
+/// order. A single process has one range and writes its pieces directly to the output files.
+/// Otherwise the pieces of each range go into a chunk of a checkpoint, and the first process passes
+/// those of all chunks to the output files at the end. There are several ranges if the run can be
+/// resumed, or if there are several MPI ranks, each with its slab of planes. The bytes of the files
+/// do not depend on the ranges.
 
 #include <cstdint>
 #include <optional>

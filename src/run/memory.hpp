@@ -39,7 +39,6 @@ struct MemoryBudget {
   LabelTotals labels = {};   ///< totals of the labels that the process has read
   bool has_groups = false;   ///< whether chains and residues of atoms are numbered
   CallerMemory caller = {};  ///< memory that the caller needs for the results
-  bool is_in_place = true;   ///< whether texts are written directly to the output files
 };
 
 /// Returns what the outputs need of each block besides points and crossings.

@@ -1,12 +1,8 @@
 #include "run/merge.hpp"
 
-#include <algorithm>
-#include <cstring>
-#include <memory>
 #include <utility>
 
 #include "eses/error.hpp"
-#include "output/grid_map.hpp"
 #include "output/mesh_writer.hpp"
 #include "run/piece_bytes.hpp"
 #include "system/formatted.hpp"
@@ -14,8 +10,13 @@
 namespace eses::detail {
 namespace {
 
-// Bytes that are read at a time. The run can end after each part.
-constexpr std::uint64_t bytes_per_read = std::uint64_t{1} << 22;
+[[noreturn]] void refuse_damaged(const PlaneRange& planes, const PlannedRun& run) {
+  run.checkpoint->drop(planes);
+  throw Error(
+      formatted("cannot resume: the checkpoint of planes {} to {} is damaged; the next run "
+                "that is resumed computes them again",
+                planes.begin, planes.end - 1));
+}
 
 }  // namespace
 
@@ -36,63 +37,25 @@ Merge::Merge(PlannedRun& run, std::function<void()> check) : run_(run), check_(s
   mesh::require_vertex_count(sums_.mesh.vertices);
 }
 
-void Merge::require_sound(const PlaneChunk& chunk, ChunkText text, std::uint32_t checksum) const {
-  if (checksum == chunk.info.checksums[static_cast<std::size_t>(text)]) return;
-  run_.checkpoint->drop(chunk.info.planes);
-  throw Error(
-      formatted("cannot resume: the checkpoint of planes {} to {} is damaged; the next run "
-                "that is resumed computes them again",
-                chunk.info.planes.begin, chunk.info.planes.end - 1));
-}
-
-// Calls `take(bytes, offset)` for parts of a chunk's text, whose lengths are multiples of `unit`.
-// Throws Error at the end if the text is damaged. Closes its file, as the number of open files is
-// limited.
-template <class Take>
-void Merge::read(const PlaneChunk& chunk, ChunkText text, std::uint64_t unit, Take&& take) const {
-  const std::uint64_t length = chunk.info.bytes_of(text);
-  if (length == 0) return;
-  const std::uint64_t step = std::max<std::uint64_t>(1, bytes_per_read / unit) * unit;
-  const std::unique_ptr<ScratchFile> file = run_.checkpoint->open(chunk.info.planes, text);
-  TextChecksum checksum;
-  std::vector<char> part;
-  for (std::uint64_t offset = 0; offset < length; offset += part.size()) {
-    check_();
-    part.resize(std::min(step, length - offset));
-    file->read_at(part, offset);
-    checksum.add(part, offset);
-    take(std::span<const char>(part), offset);
-  }
-  require_sound(chunk, text, checksum.value());
-}
-
-void Merge::write_text(OutputFile& file, ChunkText text) {
-  for (const PlaneChunk& chunk : chunks_)
-    read(chunk, text, 1, [&](std::span<const char> part, std::uint64_t) { file.append(part); });
-}
-
-void Merge::add_rows(GridMap& map) {
+void Merge::replay(Sink& sink) {
   const GridRegion& region = run_.plan.tiling.region;
-  const ChunkText text = text_of(map.quantity());
-  const std::uint64_t row_bytes = GridMap::row_bytes(map.quantity(), region.size());
-  std::vector<std::uint64_t> words;
-  for (const PlaneChunk& chunk : chunks_) {
-    const std::int64_t first_row = (chunk.info.planes.begin - region.begin[2]) * region.size()[1];
-    read(chunk, text, row_bytes, [&](std::span<const char> bytes, std::uint64_t offset) {
-      words.resize(bytes.size() / sizeof(std::uint64_t));
-      std::memcpy(words.data(), bytes.data(), bytes.size());
-      map.add_rows(first_row + static_cast<std::int64_t>(offset / row_bytes), words);
-    });
-  }
-}
-
-void Merge::add_pieces(RunMesh& mesh) {
   std::uint64_t first_vertex = 0;
-  for (const PlaneChunk& chunk : chunks_) {
-    PieceReader reader(first_vertex, [&](const mesh::MeshPiece& piece) { mesh.add(piece); });
-    read(chunk, ChunkText::mesh, 1,
-         [&](std::span<const char> bytes, std::uint64_t) { reader.add(bytes); });
-    first_vertex += chunk.info.sums.mesh.vertices;
+  Piece piece;
+  for (const auto& [info, atom_sums] : chunks_) {
+    const ScratchFile file = run_.checkpoint->open(info.planes);
+    for (std::uint64_t offset = 0; offset < info.bytes; offset += length_of(piece.head)) {
+      check_();
+      if (!read_piece(file, offset, info.bytes, piece)) refuse_damaged(info.planes, run_);
+      // The chunk counts rows and vertices from its own first ones; vertices below it have negative
+      // numbers, modulo 2^64.
+      piece.first_row += (info.planes.begin - region.begin[2]) * region.size()[1];
+      for (mesh::Triangle& triangle : piece.mesh.triangles)
+        for (std::uint64_t& vertex : triangle) vertex += first_vertex;
+      sink.prepare(piece);
+      sink.place(piece);
+      sink.store(piece);
+    }
+    first_vertex += info.sums.mesh.vertices;
   }
 }
 

@@ -1,19 +1,17 @@
 #pragma once
-/// Step 3 of a run: merging the chunks of all processes into the output files, by one process.
+/// Step 3 of a run: the chunks of all processes become the output files, by one process.
 
 #include <cstdint>
 #include <functional>
 #include <vector>
 
-#include "output/grid_map.hpp"
-#include "output/output_file.hpp"
 #include "run/checkpoint.hpp"
 #include "run/planned_run.hpp"
-#include "run/run_mesh.hpp"
+#include "run/sink.hpp"
 
 namespace eses::detail {
 
-/// The merge of all chunks of a checkpoint.
+/// The chunks of a checkpoint, all together.
 class Merge {
  public:
   /// Reads the sums of all chunks. `check` is called repeatedly, and may end the run by an
@@ -23,18 +21,11 @@ class Merge {
 
   /// The sums of all chunks, with the area share of each atom of the file.
   SweepSums& sums() { return sums_; }
-  /// Adds the pieces of all chunks to the mesh.
-  void add_pieces(RunMesh& mesh);
-  /// Adds the rows of all chunks to a map.
-  void add_rows(GridMap& map);
-  /// Copies the texts of all chunks to a file.
-  void write_text(OutputFile& file, ChunkText text);
+  /// Passes the pieces of all chunks to a sink, as one sweep over the region would. Throws Error if
+  /// a chunk is damaged.
+  void replay(Sink& sink);
 
  private:
-  template <class Take>
-  void read(const PlaneChunk& chunk, ChunkText text, std::uint64_t unit, Take&& take) const;
-  void require_sound(const PlaneChunk& chunk, ChunkText text, std::uint32_t checksum) const;
-
   PlannedRun& run_;
   std::function<void()> check_;
   std::vector<PlaneChunk> chunks_;  // sorted by planes

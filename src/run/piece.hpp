@@ -26,6 +26,16 @@ struct PieceText {
   std::uint64_t offset = 0;  ///< see Sink::place
 };
 
+/// The beginning of a piece in a chunk on disk: the lengths of its lists, and what they do not
+/// have.
+struct PieceHead {
+  std::uint64_t checksum = 0;  ///< crc32 of the other fields and the lists
+  std::int64_t first_row = 0;  ///< see Piece
+  std::uint64_t vertex_count = 0;
+  /// Length of each list in bytes: both texts, the rows of each map, and four lists of the mesh.
+  std::array<std::uint64_t, 6 + map_quantities> bytes{};
+};
+
 /// The results of consecutive rows in canonical order.
 struct Piece {
   PieceText grid, edges;       ///< for grid_info.txt and intersection_info.txt
@@ -34,7 +44,8 @@ struct Piece {
   std::array<std::vector<std::uint64_t>, map_quantities> map_rows;
   mesh::MeshPiece mesh;
   mesh::MeshFile::Texts mesh_texts;  ///< see RunMesh
-  PieceText mesh_bytes;              ///< see ChunkFiles
+  PieceHead head;                    ///< see ChunkFile
+  std::uint64_t offset_in_chunk = 0;
 };
 
 /// The contents of the pieces and blocks of a sweep.

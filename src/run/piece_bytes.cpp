@@ -1,102 +1,109 @@
 #include "run/piece_bytes.hpp"
 
-#include <algorithm>
-#include <array>
-#include <cstdint>
-#include <cstring>
+#include <zlib.h>
 
-#include "output/file.hpp"
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "system/gzip.hpp"
 
 namespace eses::detail {
 namespace {
 
-// The lengths of the lists of a piece.
-struct PieceHead {
-  std::uint64_t vertex_count = 0, vertices = 0, triangles = 0, patches = 0, corners = 0;
-};
-
-// A triangle whose vertices are numbered from the first vertex of the chunk.
-using ChunkTriangle = std::array<std::int32_t, 3>;
+std::span<const char> bytes_of(const TextBuffer& text) { return text.text(); }
 
 template <class Value>
-void append(TextBuffer& bytes, std::span<const Value> values) {
-  if (values.empty()) return;
-  char* const out = bytes.reserve(values.size_bytes());
-  std::memcpy(out, values.data(), values.size_bytes());
-  bytes.advance_to(out + values.size_bytes());
+std::span<const char> bytes_of(const std::vector<Value>& list) {
+  return as_chars(std::span(list));
+}
+
+// Gives a list this length in bytes. Returns its memory.
+std::span<char> resize(TextBuffer& text, std::uint64_t bytes) {
+  text.clear();
+  char* const begin = text.reserve(bytes);
+  text.advance_to(begin + bytes);
+  return {begin, bytes};
 }
 
 template <class Value>
-const char* read(const char* from, std::uint64_t count, std::vector<Value>& values) {
-  values.resize(count);
-  if (count > 0) std::memcpy(values.data(), from, count * sizeof(Value));
-  return from + count * sizeof(Value);
+std::span<char> resize(std::vector<Value>& list, std::uint64_t bytes) {
+  list.resize(bytes / sizeof(Value));
+  return as_chars(std::span(list));
 }
 
-std::size_t length_of(const PieceHead& head) {
-  return sizeof head + head.vertices * sizeof(mesh::FileVertex) +
-         head.triangles * sizeof(ChunkTriangle) + head.patches +
-         head.corners * sizeof(mesh::TrianglePoints);
+// Calls `visit` for the lists of a piece and their lengths, in the order of the file.
+template <class SomePiece, class Head, class Visit>
+void for_each_list(SomePiece& piece, Head& head, Visit&& visit) {
+  std::size_t next = 0;
+  visit(piece.grid.buffer, head.bytes[next++]);
+  visit(piece.edges.buffer, head.bytes[next++]);
+  for (auto& rows : piece.map_rows) visit(rows, head.bytes[next++]);
+  visit(piece.mesh.vertices, head.bytes[next++]);
+  visit(piece.mesh.triangles, head.bytes[next++]);
+  visit(piece.mesh.triangle_patches, head.bytes[next++]);
+  visit(piece.mesh.corners, head.bytes[next++]);
+}
+
+std::uint64_t checksum_of(const Piece& piece, PieceHead head) {
+  head.checksum = 0;
+  const auto add = [](uLong sum, std::span<const char> bytes) {
+    return bytes.empty() ? sum : crc32_z(sum, zlib_bytes(bytes), bytes.size());
+  };
+  uLong sum = add(0, as_chars(std::span(&std::as_const(head), 1)));
+  for_each_list(piece, head, [&](const auto& list, auto&) { sum = add(sum, bytes_of(list)); });
+  return sum;
 }
 
 }  // namespace
 
-void append_piece(TextBuffer& bytes, const mesh::MeshPiece& piece) {
-  const PieceHead head{piece.vertex_count, piece.vertices.size(), piece.triangles.size(),
-                       piece.triangle_patches.size(), piece.corners.size()};
-  if (head.vertex_count == 0 && head.triangles == 0) return;
-  append(bytes, std::span(&head, 1));
-  append(bytes, std::span(piece.vertices));
-  std::vector<ChunkTriangle> triangles;
-  triangles.reserve(piece.triangles.size());
-  for (const auto& [a, b, c] : piece.triangles)
-    triangles.push_back(
-        {static_cast<std::int32_t>(a), static_cast<std::int32_t>(b), static_cast<std::int32_t>(c)});
-  append(bytes, std::span<const ChunkTriangle>(triangles));
-  append(bytes, std::span(piece.triangle_patches));
-  append(bytes, std::span(piece.corners));
+PieceHead head_of(const Piece& piece) {
+  PieceHead head{.first_row = piece.first_row, .vertex_count = piece.mesh.vertex_count};
+  for_each_list(piece, head,
+                [](const auto& list, std::uint64_t& bytes) { bytes = bytes_of(list).size(); });
+  head.checksum = checksum_of(piece, head);
+  return head;
+}
+
+std::uint64_t length_of(const PieceHead& head) {
+  std::uint64_t length = sizeof head;
+  for (const std::uint64_t bytes : head.bytes) length += bytes;
+  return length;
+}
+
+void write_piece(const Piece& piece, File& file, std::uint64_t offset) {
+  const auto write = [&](std::span<const char> bytes) {
+    if (!bytes.empty()) file.write_at(bytes, offset);
+    offset += bytes.size();
+  };
+  write(as_chars(std::span(&piece.head, 1)));
+  for_each_list(piece, piece.head, [&](const auto& list, auto&) { write(bytes_of(list)); });
+}
+
+bool read_piece(const File& file, std::uint64_t offset, std::uint64_t end, Piece& piece) {
+  PieceHead& head = piece.head;
+  if (end - offset < sizeof head) return false;
+  file.read_at(as_chars(std::span(&head, 1)), offset);
+  offset += sizeof head;
+  // A damaged head may have any lengths.
+  for (std::uint64_t left = end - offset; const std::uint64_t bytes : head.bytes) {
+    if (bytes > left) return false;
+    left -= bytes;
+  }
+  piece.first_row = head.first_row;
+  piece.mesh.vertex_count = head.vertex_count;
+  for_each_list(piece, head, [&](auto& list, std::uint64_t bytes) {
+    if (const std::span<char> memory = resize(list, bytes); !memory.empty())
+      file.read_at(memory, offset);
+    offset += bytes;
+  });
+  return head.checksum == checksum_of(piece, head);
 }
 
 double piece_bytes_per_vertex(const mesh::PieceContents& contents) {
-  const std::size_t triangle = sizeof(ChunkTriangle) + (contents.triangle_patches ? 1 : 0) +
+  const std::size_t triangle = sizeof(mesh::Triangle) + (contents.triangle_patches ? 1 : 0) +
                                (contents.corners ? sizeof(mesh::TrianglePoints) : 0);
   return static_cast<double>((contents.vertices ? sizeof(mesh::FileVertex) : 0) + 2 * triangle);
-}
-
-void PieceReader::add(std::span<const char> bytes) {
-  if (!rest_.empty()) {
-    const std::size_t length = rest_.size();
-    rest_.resize(length + bytes.size());
-    std::copy(bytes.begin(), bytes.end(), rest_.begin() + static_cast<std::ptrdiff_t>(length));
-    bytes = rest_;
-  }
-  while (const std::size_t length = add_piece(bytes)) bytes = bytes.subspan(length);
-  std::vector<char>(bytes.begin(), bytes.end()).swap(rest_);
-}
-
-// Takes the first piece of `bytes`, and returns its length, or 0 if it is not complete.
-std::size_t PieceReader::add_piece(std::span<const char> bytes) {
-  PieceHead head;
-  if (bytes.size() < sizeof head) return 0;
-  std::memcpy(&head, bytes.data(), sizeof head);
-  // A damaged chunk may have any numbers here.
-  if (std::max({head.vertices, head.triangles, head.patches, head.corners}) > bytes.size() ||
-      bytes.size() < length_of(head))
-    return 0;
-  piece_.vertex_count = head.vertex_count;
-  std::vector<ChunkTriangle> triangles;
-  const char* next = read(bytes.data() + sizeof head, head.vertices, piece_.vertices);
-  next = read(next, head.triangles, triangles);
-  next = read(next, head.patches, piece_.triangle_patches);
-  read(next, head.corners, piece_.corners);
-  const auto number = [this](std::int32_t in_chunk) {
-    return first_vertex_ + static_cast<std::uint64_t>(std::int64_t{in_chunk});
-  };
-  piece_.triangles.clear();
-  for (const auto& [a, b, c] : triangles)
-    piece_.triangles.push_back({number(a), number(b), number(c)});
-  take_(piece_);
-  return length_of(head);
 }
 
 }  // namespace eses::detail

@@ -217,15 +217,12 @@ double exact_measure_bytes(std::size_t atoms) {
   return static_cast<double>(atoms) * (face_bytes + sizeof(Atom) + index_bytes);
 }
 
-// Returns the memory of all maps in bytes. With chunks, one map after the other is made.
-double map_bytes(const Outputs& outputs, const Plan& plan, bool is_in_place) {
-  double sum = 0, largest = 0;
-  for (const MapChoice& map : chosen_maps(outputs)) {
-    const double bytes = GridMap::memory_bytes(map, plan.tiling.region, plan.crossings);
-    sum += bytes;
-    largest = std::max(largest, bytes);
-  }
-  return is_in_place ? sum : largest;
+// Returns the memory of all maps in bytes.
+double map_bytes(const Outputs& outputs, const Plan& plan) {
+  double sum = 0;
+  for (const MapChoice& map : chosen_maps(outputs))
+    sum += GridMap::memory_bytes(map, plan.tiling.region, plan.crossings);
+  return sum;
 }
 
 // Chooses the fastest schedule that exceeds neither the limit nor the available memory.
@@ -243,8 +240,7 @@ void choose_schedule(const SurfaceSurvey& survey, const MemoryBudget& budget,
   };
   const double always = static_cast<double>(budget.held) +
                         budget.caller.per_point * static_cast<double>(region.point_count()) +
-                        budget.caller.per_crossing * plan.crossings +
-                        map_bytes(outputs, plan, budget.is_in_place) +
+                        budget.caller.per_crossing * plan.crossings + map_bytes(outputs, plan) +
                         (p.exact ? exact_measure_bytes(survey.atom_count()) : 0);
   double smallest = std::numeric_limits<double>::infinity();
   for (const Schedule& schedule : possible_schedules(plan.grid, region, p, survey)) {

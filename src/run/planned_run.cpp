@@ -154,8 +154,7 @@ void plan_slab(std::uint64_t sharing, const Processes& processes, PlannedRun& ru
                    .held = processes.mpi_memory() + held_bytes(run),
                    .labels = run.labels,
                    .has_groups = run.groups.are_known,
-                   .caller = request.caller_memory,
-                   .is_in_place = run.is_in_place},
+                   .caller = request.caller_memory},
                   run.slab.molecule, request.outputs, run.slab_plan);
   };
   try {

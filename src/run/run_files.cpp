@@ -77,27 +77,25 @@ RunFiles::RunFiles(PlannedRun& run, bool is_first) : run_(run) {
     files_ =
         std::make_unique<OutputFiles>(request.outputs, request.output_directory, run.plan.files);
   if (request.outputs.mesh) mesh_.emplace(run, files_.get());
-  if (run.is_in_place) add_sinks();
 }
 
-void RunFiles::add_sinks() {
-  const auto add_text = [&](RunFile which, PieceText Piece::*text) {
-    sinks_.add(std::make_unique<PieceTextSink>(
-        text, [&to = file(which)](std::span<const char> bytes, std::uint64_t offset) {
-          to.write_at(bytes, offset);
-        }));
-  };
-  if (run_.request.outputs.grid) add_text(RunFile::grid, &Piece::grid);
-  if (run_.request.outputs.edges) add_text(RunFile::edges, &Piece::edges);
-  for (const MapChoice& choice : chosen_maps(run_.request.outputs)) {
+Sink& RunFiles::sink() {
+  if (sinks_) return *sinks_;
+  sinks_.emplace();
+  const Outputs& outputs = run_.request.outputs;
+  if (outputs.grid) sinks_->add(std::make_unique<PieceTextSink>(&Piece::grid, file(RunFile::grid)));
+  if (outputs.edges)
+    sinks_->add(std::make_unique<PieceTextSink>(&Piece::edges, file(RunFile::edges)));
+  for (const MapChoice& choice : chosen_maps(outputs)) {
     GridMap& map = maps_.emplace_back(choice, run_.plan.parameters.surface(), run_.plan.grid,
                                       run_.plan.tiling.region);
-    sinks_.add(std::make_unique<MapSink>(
+    sinks_->add(std::make_unique<MapSink>(
         map.quantity(), [&map](std::int64_t first_row, std::span<const std::uint64_t> words) {
           map.add_rows(first_row, words);
         }));
   }
-  if (mesh_) sinks_.add(*mesh_);
+  if (mesh_) sinks_->add(*mesh_);
+  return *sinks_;
 }
 
 void RunFiles::write(GridMap& map, const std::function<void()>& check) {
@@ -126,18 +124,6 @@ void RunFiles::complete_gzip(RunFile which) {
   OutputFile* const text = files_->find(which);
   if (text != nullptr && run_.request.outputs.gzip && text->size() == 0)
     text->append(Gzip().member({}));
-}
-
-void RunFiles::join(Merge& chunks, const std::function<void()>& check) {
-  const Outputs& outputs = run_.request.outputs;
-  if (outputs.grid) chunks.write_text(file(RunFile::grid), ChunkText::grid);
-  if (outputs.edges) chunks.write_text(file(RunFile::edges), ChunkText::edges);
-  for (const MapChoice& choice : chosen_maps(outputs)) {
-    GridMap map(choice, run_.plan.parameters.surface(), run_.plan.grid, run_.plan.tiling.region);
-    chunks.add_rows(map);
-    write(map, check);
-  }
-  if (mesh_) chunks.add_pieces(*mesh_);
 }
 
 void RunFiles::finish(const std::function<void()>& check, Summary& summary) {

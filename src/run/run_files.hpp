@@ -10,7 +10,6 @@
 
 #include "output/grid_map.hpp"
 #include "output/output_files.hpp"
-#include "run/merge.hpp"
 #include "run/planned_run.hpp"
 #include "run/run_mesh.hpp"
 #include "run/sink.hpp"
@@ -26,21 +25,18 @@ class RunFiles {
 
   /// The mesh, or null if there is none.
   RunMesh* mesh() { return mesh_ ? &*mesh_ : nullptr; }
-  /// The sink of a sweep in place.
-  Sink& sink() { return sinks_; }
+  /// Returns the sink of all pieces in the first process. The first call makes the maps.
+  Sink& sink();
 
   // `check` is called repeatedly, also from several threads at the same time, and may end the run
   // by an exception.
 
-  /// Takes the contents of all chunks, in place of those of a sweep.
-  void join(Merge& chunks, const std::function<void()>& check);
   /// Finishes the mesh, completes all files, and gives them their final names. Sets the number of
   /// written bytes and the counts of the mesh in the summary, whose areas are written.
   void finish(const std::function<void()>& check, Summary& summary);
 
  private:
   OutputFile& file(RunFile which) { return *files_->find(which); }
-  void add_sinks();
   void write(GridMap& map, const std::function<void()>& check);
   void write_areas_of(std::span<const double> areas, const std::function<void()>& check);
   void write_box();
@@ -50,8 +46,8 @@ class RunFiles {
   PlannedRun& run_;
   std::unique_ptr<OutputFiles> files_;
   std::optional<RunMesh> mesh_;
-  Sinks sinks_;
-  std::deque<GridMap> maps_;  // of a sweep in place
+  std::optional<Sinks> sinks_;
+  std::deque<GridMap> maps_;
 };
 
 }  // namespace eses::detail

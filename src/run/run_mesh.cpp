@@ -74,13 +74,6 @@ void RunMesh::store(const Piece& piece) {
   if (!filter_) file_->write(piece.mesh_texts);
 }
 
-void RunMesh::add(const mesh::MeshPiece& piece) {
-  if (filter_)
-    filter_->add(piece);
-  else
-    file_->add(piece);
-}
-
 void RunMesh::finish(Summary& summary) {
   if (filter_) {
     const Stopwatch finishing;

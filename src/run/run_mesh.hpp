@@ -17,7 +17,7 @@
 namespace eses::detail {
 
 /// The mesh of a run. The first process writes its file, and has its `files`; they are null in the
-/// others, which only make pieces. It is the sink of a sweep that writes directly to the file.
+/// others, which only make pieces.
 class RunMesh final : public Sink {
  public:
   /// Keeps a reference to `run`. Writes the header of the file.
@@ -32,8 +32,6 @@ class RunMesh final : public Sink {
   void prepare(Piece& piece) override;
   void place(Piece& piece) override;
   void store(const Piece& piece) override;
-  /// Adds the next piece, from a chunk. One thread alone may call it.
-  void add(const mesh::MeshPiece& piece);
   /// Finishes the mesh after all pieces were added. Sets its counts and angles in the summary.
   void finish(Summary& summary);
   /// Completes the file after `finish`.

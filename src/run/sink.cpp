@@ -26,7 +26,7 @@ void PieceTextSink::place(Piece& piece) {
 
 void PieceTextSink::store(const Piece& piece) {
   const PieceText& text = piece.*text_;
-  write_at_(text.buffer.text(), text.offset);
+  file_.write_at(text.buffer.text(), text.offset);
 }
 
 void MapSink::store(const Piece& piece) {

@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "output/file.hpp"
 #include "run/piece.hpp"
 
 namespace eses::detail {
@@ -54,20 +55,17 @@ class Sinks final : public Sink {
   std::vector<std::unique_ptr<Sink>> owned_;
 };
 
-/// Writes bytes at an offset. Several threads may call it for disjoint ranges.
-using WriteAt = std::function<void(std::span<const char> bytes, std::uint64_t offset)>;
-
 /// Writes a text of the pieces.
-class PieceTextSink : public Sink {
+class PieceTextSink final : public Sink {
  public:
-  PieceTextSink(PieceText Piece::*text, WriteAt write_at)
-      : text_(text), write_at_(std::move(write_at)) {}
+  /// Keeps a reference to `file`.
+  PieceTextSink(PieceText Piece::*text, File& file) : text_(text), file_(file) {}
   void place(Piece& piece) override;
   void store(const Piece& piece) override;
 
  private:
   PieceText Piece::*text_;
-  WriteAt write_at_;
+  File& file_;
   std::uint64_t size_ = 0;  // of all pieces
 };
 

@@ -84,40 +84,25 @@ class Resume(FaultTest):
             self.assertEqual(second[name], time_)
 
     @needs_library
-    def test_altered_text_is_found_and_computed_again(self):
-        """An altered text of the same length is found."""
+    def test_altered_pieces_are_found_and_computed_again(self):
+        """An altered byte of any text, map or mesh is found, whose length is the same."""
         arguments = (*RUN, "--inside", "map.dx", "--mesh", self.output / "mesh.ply")
         self.assertDone(self.run_program(*arguments))
         reference = self.contents()
-        for suffix in (".grid", ".edges", ".inside", ".mesh"):
-            with self.subTest(suffix=suffix):
+        for place in (0.01, 0.3, 0.6, 0.99):
+            with self.subTest(place=place):
                 self.put({})
                 self.assertTrue(self.cut_off(70, *arguments))
                 folder = self.output / CHECKPOINT
-                path = max((folder / name.replace(".sums", suffix) for name in self.chunks()),
-                           key=lambda text: text.stat().st_size)
-                text = path.read_bytes()
-                path.write_bytes(text[:-2] + bytes([text[-2] ^ 1]) + text[-1:])
+                path = max((folder / name.replace(".sums", ".pieces") for name in self.chunks()),
+                           key=lambda pieces: pieces.stat().st_size)
+                pieces = bytearray(path.read_bytes())
+                pieces[int(place * len(pieces))] ^= 1
+                path.write_bytes(pieces)
                 self.assertFailed(self.run_program(*arguments, "--resume"), "damaged")
                 self.assertEqual([n for n in self.all_files() if not n.startswith(".")], [])
                 self.assertDone(self.run_program(*arguments, "--resume"))
                 self.assertEqual(self.contents(), reference)
-
-    @needs_library
-    def test_missing_empty_text_is_accepted(self):
-        """A missing text that was empty is no fault, for example of a slab without surface."""
-        arguments = (SMALL, "-q", "--spacing", "0.4", "-b", "3", "--margin", "4", "--write", "edges")
-        self.assertDone(self.run_program(*arguments))
-        reference = self.contents()
-        self.put({})
-        self.assertTrue(self.cut_off(60, *arguments))
-        empty = [name for name in self.all_files(self.output / CHECKPOINT)
-                 if name.endswith(".edges") and (self.output / CHECKPOINT / name).stat().st_size == 0]
-        self.assertGreater(len(empty), 0)
-        for name in empty:
-            (self.output / CHECKPOINT / name).unlink()
-        self.assertDone(self.run_program(*arguments, "--resume"))
-        self.assertEqual(self.contents(), reference)
 
     @needs_library
     def test_run_killed_while_chunks_are_removed_is_continued(self):
@@ -139,10 +124,10 @@ class Resume(FaultTest):
         """Incomplete chunks are removed. Otherwise those of other blocks would stay forever."""
         for block in ("9", "11", "13"):
             self.cut_off(14, SMALL, "-q", "--spacing", "0.4", "-b", block, "-t", "2")
-        texts = {name.split(".")[0] for name in self.all_files(self.output / CHECKPOINT)
-                 if name.endswith((".grid", ".edges"))}
+        pieces = {name.removesuffix(".pieces") for name in self.all_files(self.output / CHECKPOINT)
+                  if name.endswith(".pieces")}
         complete = {name.removesuffix(".sums") for name in self.chunks()}
-        self.assertLessEqual(len(texts - complete), 1)
+        self.assertLessEqual(len(pieces - complete), 1)
         self.assertSame()
 
     @needs_library
@@ -184,7 +169,8 @@ class Resume(FaultTest):
     def test_damaged_chunks_are_computed_again(self):
         for suffix, damage in ((".sums", lambda old: old[:-1]), (".sums", lambda old: old + b"x"),
                                (".sums", lambda old: old[:40] + bytes([old[40] ^ 1]) + old[41:]),
-                               (".grid", lambda old: old[:-5]), (".edges", lambda old: old + b"x")):
+                               (".pieces", lambda old: old[:-5]),
+                               (".pieces", lambda old: old + b"x"), (".pieces", lambda old: b"")):
             with self.subTest(suffix=suffix):
                 self.assertTrue(self.cut_off(20))
                 path = self.output / CHECKPOINT / (self.chunks()[-1].removesuffix(".sums") + suffix)

@@ -1,16 +1,14 @@
 // Tests of dividing a run among processes and of merging its parts, without other processes.
 
-#include <zlib.h>
-
 #include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <numeric>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "catch.hpp"
@@ -31,17 +29,40 @@ namespace {
 using Places = std::vector<std::size_t>;
 using Ranges = std::vector<PlaneRange>;
 
-// Makes a complete chunk with these texts.
-void put_chunk(Checkpoint& checkpoint, const PlaneRange& planes, const std::string& grid,
+// Makes a complete chunk. `pieces` is any text: only a merge reads it.
+void put_chunk(Checkpoint& checkpoint, const PlaneRange& planes, const std::string& pieces,
                std::vector<AtomSum> sums) {
   PlaneChunk chunk;
   chunk.info.planes = planes;
-  chunk.info.bytes = {grid.size(), 0};
+  chunk.info.bytes = pieces.size();
   chunk.info.sums.totals.crossings = {1, 2, 3};
   chunk.info.sums.totals.points.inside = 7;
   chunk.atom_sums = std::move(sums);
-  checkpoint.create(planes, ChunkText::grid)->append(grid);
+  checkpoint.create(planes).append(pieces);
   checkpoint.finish(chunk);
+}
+
+void append_text(TextBuffer& buffer, std::string_view text) {
+  buffer.advance_to(std::copy(text.begin(), text.end(), buffer.reserve(text.size())));
+}
+
+std::string text_of(const TextBuffer& buffer) {
+  return {buffer.text().begin(), buffer.text().end()};
+}
+
+// Returns a piece with something in each list.
+Piece make_piece() {
+  Piece piece;
+  piece.first_row = 7;
+  append_text(piece.grid.buffer, "1 2 3\n");
+  append_text(piece.edges.buffer, "an edge\n");
+  for (std::size_t map = 0; map < map_quantities; ++map) piece.map_rows[map].assign(map, 5 + map);
+  piece.mesh.vertex_count = 2;
+  piece.mesh.vertices = {{{1, 2, 3}, {0, 0, 1}, {.lower = {4, 5, 6}, .axis = 2, .patch = 3}}, {}};
+  piece.mesh.triangles = {{std::uint64_t{0} - 3, 5, 2'000'000'000}};
+  piece.mesh.triangle_patches = {2};
+  piece.mesh.corners = {{Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}}};
+  return piece;
 }
 
 }  // namespace
@@ -113,20 +134,20 @@ TEST_CASE("complete chunks are kept", "[processes]") {
   put_chunk(checkpoint, {10, 20}, "text",
             {{5, FileIndex{3}}, {AreaShare{1} << 100, FileIndex{4000000000}}});
   put_chunk(checkpoint, {0, 4}, "", {});
-  checkpoint.create({4, 10}, ChunkText::grid);  // incomplete
+  checkpoint.create({4, 10});  // incomplete
   CHECK(checkpoint.complete() == Ranges{{0, 4}, {10, 20}});
 
   Checkpoint later(directory.path(), "one run", Checkpoint::Chunks::kept);
   CHECK(later.complete() == Ranges{{0, 4}, {10, 20}});
   const PlaneChunk chunk = later.read({10, 20});
-  CHECK(chunk.info.bytes[0] == 4);
+  CHECK(chunk.info.bytes == 4);
   CHECK(chunk.info.sums.totals.crossings[2] == 3);
   CHECK(chunk.info.sums.totals.points.inside == 7);
   REQUIRE(chunk.atom_sums.size() == 2);
   CHECK(chunk.atom_sums[1].atom == FileIndex{4000000000});
   CHECK((chunk.atom_sums[1].share == AreaShare{1} << 100));
   std::string text(4, ' ');
-  later.open({10, 20}, ChunkText::grid)->read_at(text, 0);
+  later.open({10, 20}).read_at(text, 0);
   CHECK(text == "text");
 
   CHECK_THROWS_AS(Checkpoint(directory.path(), "another run", Checkpoint::Chunks::kept).complete(),
@@ -143,7 +164,7 @@ TEST_CASE("incomplete chunks are computed again", "[processes]") {
     put_chunk(checkpoint, {begin, begin + 10}, "some text", {{1, FileIndex{2}}, {3, FileIndex{4}}});
   const auto path = [&](const char* name) { return directory.path() / checkpoint_name / name; };
   std::filesystem::resize_file(path("0-10.sums"), 100);
-  std::filesystem::resize_file(path("10-20.grid"), 5);
+  std::filesystem::resize_file(path("10-20.pieces"), 5);
   const std::string sums = read_bytes(path("20-30.sums"));
   for (const std::size_t place : {std::size_t{3}, std::size_t{40}, sums.size() - 40}) {
     std::string damaged = sums;
@@ -153,28 +174,10 @@ TEST_CASE("incomplete chunks are computed again", "[processes]") {
   }
   std::ofstream(path("20-30.sums"), std::ios::binary) << sums;
   CHECK(checkpoint.complete() == Ranges{{20, 30}, {30, 40}});
-  checkpoint.create({20, 30}, ChunkText::grid);  // started again
+  checkpoint.create({20, 30});  // started again
   CHECK(checkpoint.complete() == Ranges{{30, 40}});
   checkpoint.remove();
   CHECK(!std::filesystem::exists(directory.path() / checkpoint_name));
-}
-
-TEST_CASE("a text's checksum does not depend on its parts", "[processes]") {
-  const std::string text = "The surface is where the probe's ball touches it from outside.";
-  std::vector<std::uint32_t> sums;
-  for (const std::size_t part : {text.size(), std::size_t{1}, std::size_t{7}}) {
-    TextChecksum checksum;
-    std::vector<std::size_t> begins;
-    for (std::size_t begin = 0; begin < text.size(); begin += part) begins.push_back(begin);
-    std::reverse(begins.begin(), begins.end());
-    for (const std::size_t begin : begins)
-      checksum.add(std::span(text).subspan(begin, std::min(part, text.size() - begin)), begin);
-    sums.push_back(checksum.value());
-  }
-  CHECK(sums[0] ==
-        crc32(0, reinterpret_cast<const Bytef*>(text.data()), static_cast<uInt>(text.size())));
-  CHECK(sums[1] == sums[0]);
-  CHECK(sums[2] == sums[0]);
 }
 
 TEST_CASE("temporary chunks are removed with the checkpoint", "[processes]") {
@@ -196,7 +199,7 @@ TEST_CASE("incomplete chunks of another run are ignored", "[processes]") {
   Checkpoint checkpoint(directory.path(), "one run", Checkpoint::Chunks::kept);
   checkpoint.lock();
   checkpoint.prepare();
-  checkpoint.create({0, 4}, ChunkText::grid);
+  checkpoint.create({0, 4});
   CHECK(Checkpoint(directory.path(), "another run", Checkpoint::Chunks::kept).complete().empty());
 }
 
@@ -246,31 +249,53 @@ TEST_CASE("chunks that overlap are refused", "[processes]") {
   CHECK_THROWS_AS(checkpoint.complete(), Error);
 }
 
-TEST_CASE("pieces of a chunk get the vertex numbers of the whole mesh", "[processes][mesh]") {
-  mesh::MeshPiece piece;
-  piece.vertex_count = 2;
-  piece.vertices = {{{1, 2, 3}, {0, 0, 1}, {.lower = {4, 5, 6}, .axis = 2, .patch = 3}}, {}};
-  piece.triangles = {{std::uint64_t{0} - 3, 5, 2'000'000'000}};
-  piece.triangle_patches = {2};
-  piece.corners = {{Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}}};
-  TextBuffer bytes;
-  append_piece(bytes, {});
-  CHECK(bytes.text().empty());
-  append_piece(bytes, piece);
-  append_piece(bytes, piece);
-  int count = 0;
-  PieceReader reader(10, [&](const mesh::MeshPiece& read) {
-    ++count;
-    CHECK(read.vertex_count == 2);
-    REQUIRE(read.vertices.size() == 2);
-    CHECK(read.vertices[0].position == Vec3{1, 2, 3});
-    CHECK(read.vertices[0].labels.lower == std::array<std::int32_t, 3>{4, 5, 6});
-    CHECK(read.triangles == std::vector<mesh::Triangle>{{7, 15, 2'000'000'010}});
-    CHECK(read.triangle_patches == piece.triangle_patches);
-    CHECK(read.corners == piece.corners);
-  });
-  for (const char& byte : bytes.text()) reader.add({&byte, 1});
-  CHECK(count == 2);
+TEST_CASE("a piece on disk is the same", "[processes][mesh]") {
+  Piece piece = make_piece();
+  piece.head = head_of(piece);
+  Piece empty;
+  empty.head = head_of(empty);
+  ScratchFile file;
+  const std::uint64_t first = length_of(empty.head), end = first + length_of(piece.head);
+  write_piece(empty, file, 0);
+  write_piece(piece, file, first);
+  CHECK(file.size() == end);
+  Piece read = make_piece();
+  REQUIRE(read_piece(file, 0, end, read));
+  CHECK(read.grid.buffer.text().empty());
+  CHECK(read.mesh.vertices.empty());
+  REQUIRE(read_piece(file, first, end, read));
+  CHECK(read.first_row == 7);
+  CHECK(text_of(read.grid.buffer) == "1 2 3\n");
+  CHECK(text_of(read.edges.buffer) == "an edge\n");
+  CHECK(read.map_rows == piece.map_rows);
+  CHECK(read.mesh.vertex_count == 2);
+  REQUIRE(read.mesh.vertices.size() == 2);
+  CHECK(read.mesh.vertices[0].position == Vec3{1, 2, 3});
+  CHECK(read.mesh.vertices[0].labels.lower == std::array<std::int32_t, 3>{4, 5, 6});
+  CHECK(read.mesh.triangles == piece.mesh.triangles);
+  CHECK(read.mesh.triangle_patches == piece.mesh.triangle_patches);
+  CHECK(read.mesh.corners == piece.mesh.corners);
+}
+
+TEST_CASE("each damaged byte of a piece is noticed", "[processes]") {
+  Piece piece = make_piece(), read;
+  piece.head = head_of(piece);
+  const std::uint64_t end = length_of(piece.head);
+  ScratchFile file;
+  write_piece(piece, file, 0);
+  std::string bytes(end, ' ');
+  file.read_at(bytes, 0);
+  for (std::size_t i = 0; i < bytes.size(); ++i) {
+    std::string damaged = bytes;
+    damaged[i] = static_cast<char>(damaged[i] ^ 64);
+    file.write_at(damaged, 0);
+    INFO(i);
+    CHECK(!read_piece(file, 0, end, read));
+  }
+  file.write_at(bytes, 0);
+  CHECK(read_piece(file, 0, end, read));
+  CHECK(!read_piece(file, 0, end - 1, read));
+  CHECK(!read_piece(file, 0, 10, read));
 }
 
 }  // namespace eses::detail::test
