@@ -11,8 +11,8 @@
 #include "api/surface_access.hpp"
 #include "eses/error.hpp"
 #include "eses/maps.hpp"
-#include "grid/inside_fraction.hpp"
 #include "grid/make_grid.hpp"
+#include "grid/map_rows.hpp"
 #include "output/grid_map.hpp"
 #include "run/engine.hpp"
 #include "run/planned_run.hpp"
@@ -94,18 +94,23 @@ Summary solve(PlannedRun& run, const detail::Callbacks& callbacks) {
   return std::move(summary);
 }
 
-// Returns a sink that sets `values[row * points + x]` to `value_at(words of row, x)`.
-template <class Value, class ValueAt>
+// Returns a sink that sets the values of rows of points or edges. `value_of` returns the value of
+// an edge with this fraction inside, or of a point, whose fraction is 0 or `whole_edge`.
+template <class Value, class ValueOf>
 std::unique_ptr<detail::MapSink> map_sink(detail::MapQuantity quantity, const GridRegion& region,
-                                          std::vector<Value>& values, ValueAt value_at) {
+                                          std::vector<Value>& values, ValueOf value_of) {
   const auto points = static_cast<std::size_t>(region.size()[0]);
-  const auto row_words =
-      static_cast<std::size_t>(detail::GridMap::words_of_row(quantity, region.size()));
   return std::make_unique<detail::MapSink>(
-      quantity, [=, &values](std::int64_t first_row, std::span<const std::uint64_t> words) {
-        Value* value = values.data() + static_cast<std::size_t>(first_row) * points;
-        for (; !words.empty(); words = words.subspan(row_words))
-          for (std::size_t x = 0; x < points; ++x) *value++ = value_at(words, x);
+      quantity, [=, &values](std::int64_t first_row, const detail::MapRows& rows) {
+        const std::array<Value, 2> of_bit{value_of(0), value_of(detail::whole_edge)};
+        Value* const first = values.data() + static_cast<std::size_t>(first_row) * points;
+        Value* value = first;
+        const std::size_t row_words = (points + 63) / 64;
+        for (std::size_t row = 0; row < rows.bits.size(); row += row_words)
+          for (std::size_t x = 0; x < points; ++x)
+            *value++ = of_bit[rows.bits[row + x / 64] >> (x % 64) & 1];
+        for (const auto& [row, x, fraction] : rows.partial_edges)
+          first[row * points + x] = value_of(fraction);
       });
 }
 
@@ -417,11 +422,9 @@ std::array<std::vector<double>, 3> compute_dielectric(const Surface& surface, co
   for (std::vector<double>& list : values) clear_points(run, options, list);
   detail::Sinks sinks;
   for (const detail::MapChoice& map : detail::chosen_maps(outputs))
-    sinks.add(map_sink(
-        map.quantity, run.plan.tiling.region, values[detail::edge_axis(map.quantity)],
-        [map](std::span<const std::uint64_t> words, std::size_t x) {
-          return dielectric_of(map, detail::fraction_in(words[x / detail::fractions_per_word], x));
-        }));
+    sinks.add(map_sink(map.quantity, run.plan.tiling.region,
+                       values[detail::edge_axis(map.quantity)],
+                       [map](std::uint32_t fraction) { return dielectric_of(map, fraction); }));
   solve_maps(run, outputs, options, sinks);
   return values;
 }
@@ -434,8 +437,8 @@ std::vector<std::uint8_t> compute_ion_access(const Surface& surface, const Grid&
   std::vector<std::uint8_t> values;
   clear_points(run, options, values);
   // The bits are set for points without access.
-  const auto has_access = [](std::span<const std::uint64_t> words, std::size_t x) {
-    return static_cast<std::uint8_t>((words[x / 64] >> (x % 64) & 1) ^ 1);
+  const auto has_access = [](std::uint32_t fraction) {
+    return static_cast<std::uint8_t>(fraction == 0 ? 1 : 0);
   };
   const auto sink =
       map_sink(detail::MapQuantity::ion_access, run.plan.tiling.region, values, has_access);

@@ -9,7 +9,7 @@
 #include <optional>
 #include <utility>
 
-#include "grid/inside_fraction.hpp"
+#include "grid/map_rows.hpp"
 #include "system/formatted.hpp"
 #include "system/gzip.hpp"
 #include "system/monitor.hpp"
@@ -18,13 +18,8 @@
 namespace eses::detail {
 namespace {
 
-// 64 points along x make a cell, which has one bit for each point, or 32 words with the fractions
-// of its edges.
+// 64 points or edges along x make a cell, whose bits are a word.
 constexpr std::int64_t cell_points = 64;
-
-std::int64_t words_of_cell(MapQuantity quantity) {
-  return is_of_edges(quantity) ? cell_points / std::int64_t{fractions_per_word} : 1;
-}
 
 std::int64_t cells_along(const GridIndex& size) {
   return (size[0] + cell_points - 1) / cell_points;
@@ -60,14 +55,6 @@ GridMap::GridMap(MapChoice map, SurfaceKind surface, const Grid& grid, const Gri
       texts_(value_texts(map_)),
       bits_(static_cast<std::size_t>(cells_along(size_) * size_[1] * size_[2])) {}
 
-std::int64_t GridMap::words_of_row(MapQuantity quantity, const GridIndex& size) {
-  return words_of_cell(quantity) * cells_along(size);
-}
-
-std::uint64_t GridMap::row_bytes(MapQuantity quantity, const GridIndex& size) {
-  return sizeof(std::uint64_t) * static_cast<std::uint64_t>(words_of_row(quantity, size));
-}
-
 std::uint64_t GridMap::typical_compressed_bytes(const MapChoice& map, const GridRegion& region,
                                                 double crossings) {
   // Measured with proteins and rounded up: bytes of the header, of a value and of a crossing.
@@ -82,7 +69,7 @@ double GridMap::memory_bytes(const MapChoice& map, const GridRegion& region, dou
   // Each crossing is on an edge of one of three maps.
   const GridIndex size = region.size();
   return sizeof(std::uint64_t) * static_cast<double>(cells_along(size) * size[1] * size[2]) +
-         (is_of_edges(map.quantity) ? sizeof(PartialEdge) * crossings / 3 : 0);
+         (is_of_edges(map.quantity) ? sizeof(DxEdge) * crossings / 3 : 0);
 }
 
 double GridMap::thread_bytes(const MapChoice& map, const GridRegion& region) {
@@ -99,32 +86,15 @@ std::uint64_t GridMap::dx_index(std::int64_t x, std::int64_t row) const {
   return static_cast<std::uint64_t>((x * size_[1] + y) * size_[2] + z);
 }
 
-void GridMap::add_rows(std::int64_t first_row, std::span<const std::uint64_t> words) {
-  const auto rows = static_cast<std::size_t>(size_[1] * size_[2]);
+void GridMap::add_rows(std::int64_t first_row, const MapRows& rows) {
+  const auto all_rows = static_cast<std::size_t>(size_[1] * size_[2]);
   const auto cells = static_cast<std::size_t>(cells_along(size_));
-  std::vector<PartialEdge> partial;
-  std::size_t next = 0;
-  for (std::int64_t row = first_row; next < words.size(); ++row)
-    for (std::size_t cell = 0; cell < cells; ++cell) {
-      std::uint64_t& bits = bits_[cell * rows + static_cast<std::size_t>(row)];
-      if (!is_of_edges(map_.quantity)) {
-        bits = words[next++];
-        continue;
-      }
-      const std::int64_t x = static_cast<std::int64_t>(cell) * cell_points;
-      const std::int64_t count = std::min(cell_points, size_[0] - x);
-      for (std::int64_t i = 0; i < count; ++i) {
-        const auto edge = static_cast<std::size_t>(i);
-        const std::uint32_t fraction = fraction_in(words[next + edge / fractions_per_word], edge);
-        if (fraction == whole_edge)
-          bits |= std::uint64_t{1} << edge;
-        else if (fraction != 0)
-          partial.push_back({dx_index(x + i, row), fraction});
-      }
-      next += static_cast<std::size_t>(words_of_cell(map_.quantity));
-    }
+  for (std::size_t word = 0; word < rows.bits.size(); ++word)
+    bits_[word % cells * all_rows + static_cast<std::size_t>(first_row) + word / cells] =
+        rows.bits[word];
   const std::lock_guard lock(mutex_);
-  partial_edges_.insert(partial_edges_.end(), partial.begin(), partial.end());
+  for (const auto& [row, x, fraction] : rows.partial_edges)
+    partial_edges_.push_back({dx_index(x, first_row + row), fraction});
 }
 
 // Fills `text` with the values of a slice.
@@ -145,7 +115,7 @@ void GridMap::fill_slice(const Slice& slice, std::vector<char>& text) const {
       value[digits] = is_last ? '\n' : ' ';
       if (is_last) column = 0;
     }
-  for (auto edge = std::ranges::lower_bound(partial_edges_, begin, {}, &PartialEdge::index);
+  for (auto edge = std::ranges::lower_bound(partial_edges_, begin, {}, &DxEdge::index);
        edge != partial_edges_.end() && edge->index < begin + count; ++edge)
     fmt::format_to(text.data() + (edge->index - begin) * (digits + 1), "{:.6e}",
                    dielectric_of(map_, edge->fraction));
@@ -164,7 +134,7 @@ void GridMap::fill_plane(std::int64_t z, std::vector<char>& bytes) const {
 }
 
 void GridMap::write(OutputFile& file, int threads, const std::function<void()>& check) {
-  std::ranges::sort(partial_edges_, {}, &PartialEdge::index);
+  std::ranges::sort(partial_edges_, {}, &DxEdge::index);
   struct Scratch {
     std::vector<char> text;
     std::optional<Gzip> gzip;

@@ -25,30 +25,26 @@ class GridMap {
   GridMap(MapChoice map, SurfaceKind surface, const Grid& grid, const GridRegion& region);
 
   MapQuantity quantity() const { return map_.quantity; }
-  /// Adds consecutive rows. A row has words_of_row words: one bit for each point, or the inside
-  /// fractions of edges (see inside_fraction.hpp). `first_row` is the 0-based number of the first
-  /// row in the region. Several threads may call it for different rows.
-  void add_rows(std::int64_t first_row, std::span<const std::uint64_t> words);
+  /// Adds rows. `first_row` is the 0-based number of the first one in the region. Several threads
+  /// may call it for different rows.
+  void add_rows(std::int64_t first_row, const MapRows& rows);
 
   /// Writes the file after all rows have been added. Calls `check` many times, also from several
   /// threads at the same time.
   void write(OutputFile& file, int threads, const std::function<void()>& check);
 
-  /// Number of 64-bit words of a row along x.
-  static std::int64_t words_of_row(MapQuantity quantity, const GridIndex& size);
-  /// Bytes of a row.
-  static std::uint64_t row_bytes(MapQuantity quantity, const GridIndex& size);
   /// Typical size of a compressed map of a surface with so many crossings.
   static std::uint64_t typical_compressed_bytes(const MapChoice& map, const GridRegion& region,
                                                 double crossings);
-  /// Returns the estimated memory in bytes of a map of a surface with so many crossings.
+  /// Returns the estimated memory in bytes of a map of a surface with so many crossings, which is
+  /// also that of its rows.
   static double memory_bytes(const MapChoice& map, const GridRegion& region, double crossings);
   /// Upper bound of the memory of a thread that writes, in bytes.
   static double thread_bytes(const MapChoice& map, const GridRegion& region);
 
  private:
   // An edge that is partly inside. `index` is the index of its value in a `.dx` file.
-  struct PartialEdge {
+  struct DxEdge {
     std::uint64_t index;
     std::uint32_t fraction;
   };
@@ -67,7 +63,7 @@ class GridMap {
   // inside.
   std::vector<std::uint64_t> bits_;
   std::mutex mutex_;
-  std::deque<PartialEdge> partial_edges_;  // sorted by `write`
+  std::deque<DxEdge> partial_edges_;  // sorted by `write`
 };
 
 }  // namespace eses::detail

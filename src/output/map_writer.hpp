@@ -10,7 +10,7 @@
 
 #include "eses/grid.hpp"
 #include "eses/outputs.hpp"
-#include "grid/inside_fraction.hpp"
+#include "grid/map_rows.hpp"
 #include "output/surface_kind.hpp"
 
 namespace eses::detail {

@@ -68,14 +68,14 @@ double text_bytes(const SurfaceSurvey& survey, const Grid& grid, const GridRegio
     bytes += std::max(batch / 2, list_growth * static_cast<double>(typical_crossing_bytes) *
                                      crossings_of_batch(survey, grid, region));
   if (outputs.gzip) bytes += Gzip::state_bytes + (outputs.grid || outputs.edges ? batch : 0);
-  double map = 0;  // maps are made one after the other
-  for (const MapChoice& choice : chosen_maps(outputs)) {
-    // Rows, and a copy of each cell's words.
-    const double rows =
-        is_of_edges(choice.quantity) ? 3 * sizeof(std::uint32_t) * points : 2 * points;
-    map = std::max({map, rows, GridMap::thread_bytes(choice, region)});
+  double rows = 0, writing = 0;  // of maps, which are written one after the other
+  for (const MapChoice& map : chosen_maps(outputs)) {
+    rows += points / 8;
+    if (is_of_edges(map.quantity))
+      rows += list_growth * sizeof(PartialEdge) * crossings_of_batch(survey, grid, region);
+    writing = std::max(writing, GridMap::thread_bytes(map, region));
   }
-  bytes += map;
+  bytes += std::max(rows, writing);
   if (outputs.mesh)
     bytes += 2 * batch +  // a piece as numbers and as text
              static_cast<double>(mesh::edge_slots(row) * sizeof(mesh::EdgeVertices::value_type));

@@ -1,10 +1,9 @@
 #include "run/piece.hpp"
 
 #include <algorithm>
-#include <array>
 #include <utility>
 
-#include "grid/inside_fraction.hpp"
+#include "grid/map_rows.hpp"
 
 namespace eses::detail {
 namespace {
@@ -18,32 +17,19 @@ Extent extent_of(MapQuantity quantity) {
   return is_of_edges(quantity) ? Extent::with_halo : Extent::region;
 }
 
-// Appends the inside fractions of 64 edges, two in a word. Set bits stand for edges that are wholly
-// inside, others for edges that are wholly outside.
-void append_whole_edges(std::uint64_t bits, std::vector<std::uint64_t>& words) {
-  constexpr std::uint64_t low = whole_edge, high = std::uint64_t{whole_edge} << 32;
-  constexpr std::array<std::uint64_t, 4> pairs{0, low, high, low | high};
-  constexpr std::size_t words_of_cell = 64 / fractions_per_word;
-  const std::size_t begin = words.size();
-  words.resize(begin + words_of_cell, 0);
-  if (bits == 0) return;
-  for (std::size_t pair = 0; pair < words_of_cell; ++pair)
-    words[begin + pair] = pairs[bits >> (2 * pair) & 3];
-}
-
-// Makes rows of words from the blocks of a layer.
-class MapRows {
+// Makes rows of a map from the blocks of a layer.
+class MapRowMaker {
  public:
-  MapRows(const BlockTiling& tiling, const Layer& layer, MapQuantity quantity)
+  MapRowMaker(const BlockTiling& tiling, const Layer& layer, MapQuantity quantity)
       : tiling_(tiling),
         layer_(layer),
         quantity_(quantity),
         rows_(tiling, layer, extent_of(quantity), bits_of(quantity)) {}
 
   // These functions append row (y, z). `y` counts from the region's first row, `z` from the layer's
-  // first plane.
-  void append_points(std::int64_t y, std::int64_t z, std::vector<std::uint64_t>& words);
-  void append_edges(std::int64_t y, std::int64_t z, std::vector<std::uint64_t>& words);
+  // first plane. `row` is the number of the row among those of `edges`.
+  void append_points(std::int64_t y, std::int64_t z, std::vector<std::uint64_t>& bits);
+  void append_edges(std::int64_t y, std::int64_t z, std::uint32_t row, MapRows& edges);
 
  private:
   bool merge_upper_ends(std::int64_t y, std::int64_t z);
@@ -55,14 +41,14 @@ class MapRows {
   RowBits lower_, upper_;  // inside bits of the lower and upper ends of the edges of a row
 };
 
-void MapRows::append_points(std::int64_t y, std::int64_t z, std::vector<std::uint64_t>& words) {
+void MapRowMaker::append_points(std::int64_t y, std::int64_t z, std::vector<std::uint64_t>& bits) {
   rows_.merge_row(y, z, lower_);
-  words.insert(words.end(), lower_.begin(), lower_.end());
+  bits.insert(bits.end(), lower_.begin(), lower_.end());
 }
 
 // Merges the row of the upper ends of edges into `upper_`. Returns false if the edges would end
 // beyond the grid.
-bool MapRows::merge_upper_ends(std::int64_t y, std::int64_t z) {
+bool MapRowMaker::merge_upper_ends(std::int64_t y, std::int64_t z) {
   const std::size_t axis = edge_axis(quantity_);
   if (axis == 0) {
     for (std::size_t w = 0; w < lower_.size(); ++w)
@@ -75,42 +61,48 @@ bool MapRows::merge_upper_ends(std::int64_t y, std::int64_t z) {
   return true;
 }
 
-void MapRows::append_edges(std::int64_t y, std::int64_t z, std::vector<std::uint64_t>& words) {
+void MapRowMaker::append_edges(std::int64_t y, std::int64_t z, std::uint32_t row, MapRows& edges) {
   const auto axis = static_cast<std::uint8_t>(edge_axis(quantity_));
   rows_.merge_row(y, z, lower_);
   upper_.assign(lower_.size(), 0);
   const bool has_edges = merge_upper_ends(y, z);
-  const std::size_t begin = words.size();
+  const std::size_t begin = edges.bits.size();
   const auto cells = static_cast<std::size_t>((tiling_.region.size()[0] + 63) / 64);
   for (std::size_t cell = 0; cell < cells; ++cell)
-    append_whole_edges(has_edges ? lower_[cell] & upper_[cell] : 0, words);
+    edges.bits.push_back(has_edges ? lower_[cell] & upper_[cell] : 0);
   const BlockRow position = block_row_of(tiling_, y);
   for (std::int64_t bx = 0; bx < tiling_.blocks[0]; ++bx) {
     const BlockResult& result =
         layer_.blocks[static_cast<std::size_t>(position.by * tiling_.blocks[0] + bx)];
     if (result.fractions.edges.empty()) continue;
-    const auto row = static_cast<std::size_t>(z * result.block.owned[1] + position.y);
+    const auto row_in_block = static_cast<std::size_t>(z * result.block.owned[1] + position.y);
     const std::int64_t first_x = result.block.first[0] - tiling_.region.begin[0];
-    for (std::uint32_t e = result.fractions.row_begin[row]; e < result.fractions.row_begin[row + 1];
-         ++e) {
+    const std::vector<std::uint32_t>& row_begin = result.fractions.row_begin;
+    for (std::uint32_t e = row_begin[row_in_block]; e < row_begin[row_in_block + 1]; ++e) {
       const InsideFractions::Edge& edge = result.fractions.edges[e];
       if (edge.axis != axis) continue;
-      const auto x = static_cast<std::size_t>(first_x + edge.x);
-      set_fraction(words[begin + x / fractions_per_word], x, edge.fraction);
+      const auto x = static_cast<std::uint32_t>(first_x + edge.x);
+      std::uint64_t& bits = edges.bits[begin + x / 64];
+      const std::uint64_t bit = std::uint64_t{1} << (x % 64);
+      bits = edge.fraction == whole_edge ? bits | bit : bits & ~bit;
+      if (edge.fraction != 0 && edge.fraction != whole_edge)
+        edges.partial_edges.push_back({row, x, edge.fraction});
     }
   }
 }
 
-// Appends rows of words for GridMap from the blocks of a layer. `rows` are counted from the first
-// plane of the layer.
-void append_map_rows(const BlockTiling& tiling, const Layer& layer, MapQuantity quantity,
-                     const RowRange& rows, std::vector<std::uint64_t>& words) {
-  MapRows map_rows(tiling, layer, quantity);
+// Makes rows of a map from the blocks of a layer. `rows` are counted from the first plane of the
+// layer.
+void make_map_rows(const BlockTiling& tiling, const Layer& layer, MapQuantity quantity,
+                   const RowRange& rows, MapRows& made) {
+  made.clear();
+  MapRowMaker maker(tiling, layer, quantity);
+  std::uint32_t row = 0;
   rows.for_each(tiling.region.size()[1], [&](std::int64_t y, std::int64_t z) {
     if (is_of_edges(quantity))
-      map_rows.append_edges(y, z, words);
+      maker.append_edges(y, z, row++, made);
     else
-      map_rows.append_points(y, z, words);
+      maker.append_points(y, z, made.bits);
   });
 }
 
@@ -135,11 +127,9 @@ void PieceMaker::make(const Layer& layer, const RowRange& rows, Scratch& scratch
     compress(piece.grid.buffer, scratch);
     compress(piece.edges.buffer, scratch);
   }
-  for (const MapQuantity quantity : contents_.maps) {
-    std::vector<std::uint64_t>& words = piece.map_rows[static_cast<std::size_t>(quantity)];
-    words.clear();
-    append_map_rows(tiling_, layer, quantity, rows, words);
-  }
+  for (const MapQuantity quantity : contents_.maps)
+    make_map_rows(tiling_, layer, quantity, rows,
+                  piece.map_rows[static_cast<std::size_t>(quantity)]);
 }
 
 // Formats rows of points as text.

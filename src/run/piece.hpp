@@ -32,16 +32,15 @@ struct PieceHead {
   std::uint64_t checksum = 0;  ///< crc32 of the other fields and the lists
   std::int64_t first_row = 0;  ///< see Piece
   std::uint64_t vertex_count = 0;
-  /// Length of each list in bytes: both texts, the rows of each map, and four lists of the mesh.
-  std::array<std::uint64_t, 6 + map_quantities> bytes{};
+  /// Length of each list in bytes: both texts, two lists of each map, and four of the mesh.
+  std::array<std::uint64_t, 6 + 2 * map_quantities> bytes{};
 };
 
 /// The results of consecutive rows in canonical order.
 struct Piece {
-  PieceText grid, edges;       ///< for grid_info.txt and intersection_info.txt
-  std::int64_t first_row = 0;  ///< number of the first row in the region
-  /// Rows of words for GridMap, by MapQuantity.
-  std::array<std::vector<std::uint64_t>, map_quantities> map_rows;
+  PieceText grid, edges;                         ///< for grid_info.txt and intersection_info.txt
+  std::int64_t first_row = 0;                    ///< number of the first row in the region
+  std::array<MapRows, map_quantities> map_rows;  ///< by MapQuantity
   mesh::MeshPiece mesh;
   mesh::MeshFile::Texts mesh_texts;  ///< see RunMesh
   PieceHead head;                    ///< see ChunkFile

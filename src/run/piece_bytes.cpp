@@ -38,7 +38,10 @@ void for_each_list(SomePiece& piece, Head& head, Visit&& visit) {
   std::size_t next = 0;
   visit(piece.grid.buffer, head.bytes[next++]);
   visit(piece.edges.buffer, head.bytes[next++]);
-  for (auto& rows : piece.map_rows) visit(rows, head.bytes[next++]);
+  for (auto& rows : piece.map_rows) {
+    visit(rows.bits, head.bytes[next++]);
+    visit(rows.partial_edges, head.bytes[next++]);
+  }
   visit(piece.mesh.vertices, head.bytes[next++]);
   visit(piece.mesh.triangles, head.bytes[next++]);
   visit(piece.mesh.triangle_patches, head.bytes[next++]);

@@ -260,11 +260,9 @@ void choose_schedule(const SurfaceSurvey& survey, const MemoryBudget& budget,
 
 void expect_maps(const Outputs& outputs, bool has_chunks, const Plan& plan, FileSizes& files) {
   const GridRegion& region = plan.tiling.region;
-  const GridIndex size = region.size();
   for (const MapChoice& map : chosen_maps(outputs)) {
     if (has_chunks)
-      files.text_scratch +=
-          GridMap::row_bytes(map.quantity, size) * static_cast<std::uint64_t>(size[1] * size[2]);
+      files.text_scratch += whole_bytes(GridMap::memory_bytes(map, region, plan.crossings));
     if (!map.gzip) {
       files.maps += map_layout(map, plan.parameters.surface(), plan.grid, region).file_bytes();
       continue;

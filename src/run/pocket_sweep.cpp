@@ -143,7 +143,8 @@ class PocketSink final : public Sink {
   }
   void store(const Piece& piece) override {
     const auto set = [&](std::vector<std::uint64_t> PocketPlane::*bits, MapQuantity quantity) {
-      planes_.set(bits, rows_, piece.first_row, piece.map_rows[static_cast<std::size_t>(quantity)]);
+      planes_.set(bits, rows_, piece.first_row,
+                  piece.map_rows[static_cast<std::size_t>(quantity)].bits);
     };
     set(inside_, MapQuantity::inside);
     if (covered_ != nullptr) set(covered_, MapQuantity::ion_access);

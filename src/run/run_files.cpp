@@ -90,9 +90,8 @@ Sink& RunFiles::sink() {
     GridMap& map = maps_.emplace_back(choice, run_.plan.parameters.surface(), run_.plan.grid,
                                       run_.plan.tiling.region);
     sinks_->add(std::make_unique<MapSink>(
-        map.quantity(), [&map](std::int64_t first_row, std::span<const std::uint64_t> words) {
-          map.add_rows(first_row, words);
-        }));
+        map.quantity(),
+        [&map](std::int64_t first_row, const MapRows& rows) { map.add_rows(first_row, rows); }));
   }
   if (mesh_) sinks_->add(*mesh_);
   return *sinks_;

@@ -72,9 +72,8 @@ class PieceTextSink final : public Sink {
 /// Passes on the rows of a map.
 class MapSink final : public Sink {
  public:
-  /// Receives consecutive rows. See GridMap::add_rows. Several threads call it for different rows.
-  using TakeRows =
-      std::function<void(std::int64_t first_row, std::span<const std::uint64_t> words)>;
+  /// Receives rows. See GridMap::add_rows. Several threads call it for different rows.
+  using TakeRows = std::function<void(std::int64_t first_row, const MapRows& rows)>;
 
   MapSink(MapQuantity quantity, TakeRows take_rows)
       : quantity_(quantity), take_rows_(std::move(take_rows)) {}

@@ -1,5 +1,7 @@
 // Tests of compressed maps: they have the text of plain maps, and the plan bounds their memory.
 
+#include <array>
+#include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <string>
@@ -96,15 +98,22 @@ TEST_CASE("compressed maps with any values, from several slices", "[maps][gzip]"
       Grid grid;
       grid.spacing = 0.5;
       grid.size = size;
-      const auto per_row = static_cast<std::size_t>(GridMap::words_of_row(quantity, size));
-      const auto rows = static_cast<std::size_t>(size[1] * size[2]);
-      // Rows of one value among random ones.
-      std::vector<std::uint64_t> words;
-      for (std::size_t row = 0; row < rows; ++row) {
+      const auto rows = static_cast<std::uint32_t>(size[1] * size[2]);
+      const std::uint32_t half = rows / 2;
+      // Rows of one value among random ones, in two parts.
+      std::array<MapRows, 2> parts;
+      for (std::uint32_t row = 0; row < rows; ++row) {
+        auto& [bits, partial_edges] = parts[row < half ? 0 : 1];
+        const bool is_uniform = row < half || random.chance(0.5);
         const std::uint64_t value = random.chance(0.5) ? 0 : ~std::uint64_t{0};
-        const bool is_uniform = row < rows / 2 || random.chance(0.5);
-        for (std::size_t word = 0; word < per_row; ++word)
-          words.push_back(is_uniform ? value : random.integer(0, ~std::uint64_t{0} >> 1));
+        for (std::uint32_t x = 0; x < static_cast<std::uint32_t>(size[0]); ++x) {
+          if (x % 64 == 0)
+            bits.push_back(is_uniform ? value : random.integer(0, ~std::uint64_t{0} >> 1));
+          if (is_uniform || !is_of_edges(quantity) || random.chance(0.5)) continue;
+          bits.back() &= ~(std::uint64_t{1} << (x % 64));
+          partial_edges.push_back({row < half ? row : row - half, x,
+                                   static_cast<std::uint32_t>(random.integer(1, whole_edge - 1))});
+        }
       }
       const TemporaryDirectory directory;
       const OutputDirectory place(directory.path());
@@ -113,10 +122,8 @@ TEST_CASE("compressed maps with any values, from several slices", "[maps][gzip]"
         choice.gzip = gzip;
         OutputFile file(place, gzip ? "packed.dx.gz" : "plain.dx");
         GridMap map(choice, SurfaceKind::ses, grid, grid.whole());
-        const std::size_t half = rows / 2;
-        const std::span<const std::uint64_t> all = words;
-        map.add_rows(static_cast<std::int64_t>(half), all.subspan(half * per_row));
-        map.add_rows(0, all.first(half * per_row));
+        map.add_rows(half, parts[1]);
+        map.add_rows(0, parts[0]);
         map.write(file, 3, [] {});
         const std::uint64_t bytes = file.size();
         file.close();

@@ -228,8 +228,8 @@ TEST_CASE("rows of a map may come in any order and are transposed in several til
         const std::size_t step = 1 + rows / 7;
         for (std::size_t end = rows; end > 0;) {
           const std::size_t begin = end > step ? end - step : 0;
-          map.add_rows(static_cast<std::int64_t>(begin),
-                       std::span(words).subspan(begin * per_row, (end - begin) * per_row));
+          const auto part = std::span(words).subspan(begin * per_row, (end - begin) * per_row);
+          map.add_rows(static_cast<std::int64_t>(begin), {{part.begin(), part.end()}, {}});
           end = begin;
         }
         map.write(file, 3, [] {});
