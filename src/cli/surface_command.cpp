@@ -250,27 +250,35 @@ bool are_parts_complete(const PlannedRun& run) try {
   return false;
 }
 
+// A part of a run that is complete in the checkpoint.
+struct FinishedPart {
+  std::string text;  // the report
+  bool is_last;      // whether all parts are complete
+};
+
+// Computes a part of a run, and unlocks its chunks. Returns nothing if it has faults.
+std::optional<FinishedPart> finish_part(Report& report, const Processes& processes) {
+  run_with_progress(processes, report);
+  for (const std::string& fault : fault_lines(report.result.summary)) print_message("error", fault);
+  if (has_faults(report.result.summary)) return std::nullopt;
+  Checkpoint& checkpoint = *report.run.checkpoint;
+  const bool is_locked = checkpoint.is_locked();
+  // If it looked before, two parts that end together would each leave the join to the other.
+  checkpoint.unlock();
+  return FinishedPart{report.options.json ? json_text(report) : part_text(report, is_locked),
+                      is_locked && are_parts_complete(report.run)};
+}
+
 // Computes a part of a run. The last part joins all of them.
 int perform_part(const Options& options, const Processes& processes) {
-  std::string text;
-  bool is_last = false;
-  {
-    Report report = plan(options, processes);
-    present_plan(report);
-    if (options.request.dry_run) return exit_done;
-    run_with_progress(processes, report);
-    for (const std::string& fault : fault_lines(report.result.summary))
-      print_message("error", fault);
-    if (has_faults(report.result.summary)) return exit_failure;
-    Checkpoint& checkpoint = *report.run.checkpoint;
-    const bool is_locked = checkpoint.is_locked();
-    // If it looked before, two parts that end together would each leave the join to the other.
-    checkpoint.unlock();
-    is_last = is_locked && are_parts_complete(report.run);
-    text = options.json ? json_text(report) : part_text(report, is_locked);
-  }
-  if (is_last && join_parts(options, processes)) return exit_done;
-  if (options.json || !options.quiet) print(text);
+  std::optional<Report> report = plan(options, processes);
+  present_plan(*report);
+  if (options.request.dry_run) return exit_done;
+  const std::optional<FinishedPart> part = finish_part(*report, processes);
+  if (!part) return exit_failure;
+  report.reset();  // The join reads the atoms again.
+  if (part->is_last && join_parts(options, processes)) return exit_done;
+  if (options.json || !options.quiet) print(part->text);
   return exit_done;
 }
 
