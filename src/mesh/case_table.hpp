@@ -19,6 +19,8 @@ inline constexpr std::size_t corner_count = 8;
 inline constexpr std::size_t edge_count = 12;
 inline constexpr std::size_t case_count = 256;
 inline constexpr std::size_t max_triangles = 5;  ///< in one cell
+/// Largest number of triangles at a vertex, in the four cells at its edge.
+inline constexpr std::size_t max_vertex_triangles = 17;
 
 /// An edge of the cell, which runs along `axis` from its lower corner. Corner c has the coordinates
 /// (c & 1, c >> 1 & 1, c >> 2 & 1).

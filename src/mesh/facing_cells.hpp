@@ -18,16 +18,24 @@ inline constexpr Directions all_directions = (1U << 14U) - 1;
 
 /// Returns the directions that a triangle does not face, as they form an angle of at least 90
 /// degrees with its normal, or of so little less that rounding errors decide.
-inline Directions directions_not_faced(const TrianglePoints& t) {
-  const auto [x, y, z] = area_vector(t);
-  const double sum = x + y, difference = x - y, error = area_error(t);
+inline Directions directions_not_faced(const Vec3& a, const Vec3& b, const Vec3& c) {
+  const auto [x, y, z] = area_vector(a, b, c);
+  const double sum = x + y, difference = x - y, error = area_error(a, b, c);
   const std::array<double, 7> along{x, y, z, sum + z, sum - z, difference + z, difference - z};
-  unsigned result = 0;
+  constexpr unsigned axes = (1U << along.size()) - 1;
+  unsigned negative = 0;
+  double least = std::fabs(along[0]);
   for (std::size_t i = 0; i < along.size(); ++i) {
-    result |= static_cast<unsigned>(along[i] <= error) << i;
-    result |= static_cast<unsigned>(along[i] >= -error) << (i + along.size());
+    negative |= static_cast<unsigned>(std::signbit(along[i])) << i;
+    least = std::min(least, std::fabs(along[i]));
   }
-  return static_cast<Directions>(result);
+  // A triangle faces one of two opposite directions, unless rounding errors may decide.
+  unsigned neither = 0;
+  if (least <= error)
+    for (std::size_t i = 0; i < along.size(); ++i)
+      neither |= static_cast<unsigned>(std::fabs(along[i]) <= error) << i;
+  const unsigned positive = ~negative & axes;
+  return static_cast<Directions>(negative | neither | (positive | neither) << along.size());
 }
 
 /// The directions that triangles do not face, by cubic cells of two spacings. Cells that are far
@@ -67,14 +75,14 @@ class FacingCells {
     });
   }
 
-  /// Adds a triangle in a cell of the grid. See `add`.
-  void add_small(const TrianglePoints& t, Directions directions) {
+  /// Adds a triangle in a cell of the grid.
+  void add_small(const Vec3& a, const Vec3& b, const Vec3& c) {
     // The middle of the triangle is in the same cell of the grid, and cells have whole cells of it.
-    const Vec3 middle = (1.0 / 3) * (t[0] + t[1] + t[2]);
+    const Vec3 middle = (1.0 / 3) * (a + b + c);
     const std::int64_t z = cell_of(middle, 2);
     clear_up_to(z);
     cells_[static_cast<std::size_t>(cell_at(cell_of(middle, 0), cell_of(middle, 1), z))] |=
-        directions;
+        directions_not_faced(a, b, c);
   }
 
   /// Returns the directions that some triangle does not face, among all triangles that overlap a

@@ -20,8 +20,8 @@ bool QualityMesh::do_intersect(const Bounds& bounds) {
   const double largest =
       std::max({std::fabs(direction.x), std::fabs(direction.y), std::fabs(direction.z)});
   const auto faces_direction = [&](const Corners& triangle) {
-    const TrianglePoints t = points(triangle);
-    return dot(direction, area_vector(t)) > largest * area_error(t);
+    const auto [a, b, c] = points(triangle);
+    return dot(direction, area_vector(a, b, c)) > largest * area_error(a, b, c);
   };
   const auto is_of_graph = [&](Index face) { return faces_direction(faces_[face].vertices); };
   if (std::ranges::all_of(new_triangles_, faces_direction) &&
@@ -62,15 +62,16 @@ void QualityMesh::list_near_faces(const Bounds& bounds) {
     return wide_bounds.overlaps(Bounds(vertex.position));
   };
   // Rounding may move a vertex beyond its row or plane.
-  const auto index = [&](double coordinate, std::size_t axis, std::int64_t begin, int offset) {
+  constexpr double rounding = 0.001;
+  const auto index = [&](double coordinate, std::size_t axis, std::int64_t begin, double offset) {
     return static_cast<std::int64_t>(
-               std::floor((coordinate - grid_.origin[axis]) / grid_.spacing)) -
-           begin + offset;
+               std::floor((coordinate - grid_.origin[axis]) / grid_.spacing + offset)) -
+           begin;
   };
-  const std::int64_t low_z = index(wide_bounds.low.z, 2, 0, -1),
-                     high_z = index(wide_bounds.high.z, 2, 0, 1),
-                     low_y = index(wide_bounds.low.y, 1, region_.begin[1], -1),
-                     high_y = index(wide_bounds.high.y, 1, region_.begin[1], 1);
+  const std::int64_t low_z = index(wide_bounds.low.z, 2, 0, -rounding),
+                     high_z = index(wide_bounds.high.z, 2, 0, rounding),
+                     low_y = index(wide_bounds.low.y, 1, region_.begin[1], -rounding),
+                     high_y = index(wide_bounds.high.y, 1, region_.begin[1], rounding);
   // Within a row, the vertices are sorted by x up to a spacing.
   const double low_x = wide_bounds.low.x - grid_.spacing,
                high_x = wide_bounds.high.x + grid_.spacing;
@@ -88,7 +89,8 @@ void QualityMesh::list_near_faces(const Bounds& bounds) {
            next != end && position(next).x <= high_x; ++next) {
         const Vertex& vertex = vertices_[next];
         if (vertex.is_removed || !is_near(vertex)) continue;
-        for (Index corner = vertex.first_corner; corner != none; corner = next_corner(corner)) {
+        for (const Index corner : vertex.corners()) {
+          if (!is_in_window(corner)) continue;
           const Corners& triangle = faces_[corner >> 2].vertices;
           // The first corner that is near lists the triangle.
           const auto earlier = std::span(triangle).first(corner & 3);

@@ -19,7 +19,7 @@ int QualityMesh::window_planes() { return freeze_planes + kept_planes + max_drif
 
 double QualityMesh::memory_bytes(const GridRegion& region, double window_crossings,
                                  double more_bytes) {
-  constexpr double delivered = 1.15;  // part of the lists
+  constexpr double delivered = 1.1;  // part of the lists
   return FacingCells::memory_bytes(region) +
          delivered * window_crossings *
              (sizeof(Vertex) + sizeof(std::uint64_t) + 2 * sizeof(Face) + more_bytes);
@@ -29,18 +29,21 @@ void QualityMesh::add_vertex(const PlainVertex& vertex) {
   if (planes_.empty() || planes_.back().z != vertex.z)
     planes_.push_back({vertex.z, vertices_.end(), {}});
   auto& rows = planes_.back().rows;
-  rows.resize(static_cast<std::size_t>(vertex.y) + 1, vertices_.end());
+  const auto row_count = static_cast<std::size_t>(vertex.y) + 1;
+  if (rows.size() != row_count) rows.resize(row_count, vertices_.end());
   vertices_.push_back({.position = vertex.position,
-                       .normal = vertex.normal,
                        .z = vertex.z,
-                       .patch = static_cast<std::uint8_t>(vertex.patch)});
+                       .patch = static_cast<std::uint8_t>(vertex.patch),
+                       .normal = vertex.normal});
   new_numbers_.push_back(0);
   ++vertex_end_;
 }
 
 void QualityMesh::add_triangle(const Triangle& triangle) {
-  std::int32_t plane = std::numeric_limits<std::int32_t>::min();
-  for (const std::uint64_t number : triangle) plane = std::max(plane, at(number).z);
+  std::array<Vertex*, 3> corners;
+  for (std::size_t i = 0; i < 3; ++i) corners[i] = &vertices_[static_cast<Index>(triangle[i])];
+  const auto& [a, b, c] = corners;
+  const std::int32_t plane = std::max(std::max(a->z, b->z), c->z);
   if (!has_plane_) {
     plane_ = plane;
     frozen_ = plane - freeze_planes - 1;
@@ -52,14 +55,11 @@ void QualityMesh::add_triangle(const Triangle& triangle) {
   const Index first = 4 * faces_.end();
   Face& face = faces_.push_back({});
   face.plane = plane_;
-  TrianglePoints t;
   for (Index i = 0; i < 3; ++i) {
     face.vertices[i] = static_cast<Index>(triangle[i]);
-    Vertex& vertex = vertices_[face.vertices[i]];
-    t[i] = vertex.position;
-    link(first + i, vertex, face);
+    link(first + i, *corners[i]);
   }
-  cells_.add_small(t, directions_not_faced(t));
+  cells_.add_small(a->position, b->position, c->position);
 }
 
 void QualityMesh::finish() {
@@ -67,34 +67,25 @@ void QualityMesh::finish() {
 }
 
 // Adds a corner to the list of its vertex.
-void QualityMesh::link(Index corner, Vertex& vertex, Face& face) {
-  face.next[corner & 3] = vertex.first_corner;
-  vertex.first_corner = corner;
-  ++vertex.valence;
+void QualityMesh::link(Index corner, Vertex& vertex) {
+  vertex.corner_array[vertex.valence++] = corner;
 }
 
-void QualityMesh::link(Index corner) {
-  link(corner, vertices_[vertex_at(corner)], faces_[corner >> 2]);
-}
-
+// Removes a corner from the list of its vertex. The loop has no branch, because it would often be
+// predicted wrongly.
 void QualityMesh::unlink(Index corner) {
   Vertex& vertex = vertices_[vertex_at(corner)];
-  --vertex.valence;
-  const Index next = next_corner(corner);
-  if (vertex.first_corner == corner) {
-    vertex.first_corner = next;
-    return;
+  std::size_t kept = 0;
+  for (const Index other : vertex.corners()) {
+    vertex.corner_array[kept] = other;
+    kept += other != corner ? 1 : 0;
   }
-  Index last = vertex.first_corner;
-  while (next_corner(last) != corner) last = next_corner(last);
-  faces_[last >> 2].next[last & 3] = next;
+  vertex.valence = static_cast<std::uint8_t>(kept);
 }
 
-// Returns the squared sine of the smallest angle.
-float QualityMesh::quality_of(Index face) {
-  Face& f = faces_[face];
-  if (f.quality == unknown) f.quality = quality_of_shape(points(f.vertices));
-  return f.quality;
+float QualityMesh::computed_quality(const Face& face) const {
+  const auto [a, b, c] = face.vertices;
+  return quality_of_shape(position(a), position(b), position(c));
 }
 
 // Returns the index after the last vertex of a plane of `planes_`.
@@ -131,27 +122,24 @@ void QualityMesh::collapse_short_edges(std::int32_t plane) {
                max_squared_tiny_edge = std::pow(tiny_edge * grid_.spacing, 2);
   const auto [begin, end] = vertices_of(plane);
   for (Index vertex = begin; vertex != end; ++vertex) {
-    const auto squared_edge = [&](Index other) {
-      return squared_norm(position(other) - position(vertex));
+    const Vec3 from = position(vertex);
+    const auto squared_edge = [&](const RingCorner& at) {
+      return squared_norm(at.at_left->position - from);
     };
+    list_ring(vertex);
     double min_squared_edge = max_squared_edge;
-    for (Index corner = vertices_[vertex].first_corner; corner != none;) {
-      const Face& face = faces_[corner >> 2];
-      const Index i = corner & 3;
-      min_squared_edge = std::min(min_squared_edge, squared_edge(face.vertices[i < 2 ? i + 1 : 0]));
-      corner = face.next[i];
-    }
+    for (const RingCorner& at : ring_)
+      min_squared_edge = std::min(min_squared_edge, squared_edge(at));
     if (min_squared_edge == max_squared_edge) continue;
     operations_.clear();
     if (min_squared_edge < max_squared_tiny_edge) {
       list_ring_to_improve(vertex);
       limits_.min_quality /= 4;  // half of the angle, as the quality is a squared sine
     } else {
-      list_ring(vertex);
       limits_.min_quality = min_quality;
     }
     for (const RingCorner& at : ring_)
-      if (squared_edge(at.left) < max_squared_edge && !has_too_many_neighbors(vertex, at.left))
+      if (squared_edge(at) < max_squared_edge && !has_too_many_neighbors(vertex, at.left))
         consider_collapse(vertex, at.left);
     perform_best();
   }
@@ -226,9 +214,8 @@ bool QualityMesh::is_at_cusp(const Corners& triangle) const {
 bool QualityMesh::is_near_cusp(const Corners& triangle) const {
   for (const Index vertex : triangle) {
     if (vertices_[vertex].is_at_cusp) return true;
-    for (Index corner = vertices_[vertex].first_corner; corner != none;
-         corner = next_corner(corner))
-      if (is_at_cusp(faces_[corner >> 2].vertices)) return true;
+    for (const Index corner : vertices_[vertex].corners())
+      if (is_in_window(corner) && is_at_cusp(faces_[corner >> 2].vertices)) return true;
   }
   return false;
 }
@@ -237,11 +224,12 @@ void QualityMesh::count(Index index) {
   static const double below_20 = squared_sine(20), below_5 = squared_sine(5);
   constexpr float rounding = 1 - 1e-6F;
   const Face& face = faces_[index];
-  const TrianglePoints t = points(face.vertices);
   double quality = quality_of(index);
   // Rounding of the stored quality must not change the counts.
-  if (rounding * quality < std::max(below_20, smallest_quality_))
-    quality = squared_sine_of_smallest_angle(t, area_vector(t));
+  if (rounding * quality < std::max(below_20, smallest_quality_)) {
+    const auto [a, b, c] = points(face.vertices);
+    quality = squared_sine_of_smallest_angle(a, b, c, area_vector(a, b, c));
+  }
   smallest_quality_ = std::min(smallest_quality_, quality);
   if (is_at_cusp(face.vertices)) {
     ++quality_.at_cusps;
@@ -260,22 +248,13 @@ MeshQuality QualityMesh::quality() const {
   return result;
 }
 
-// Removes delivered triangles and their vertices from the window, when there are enough of them.
+// Removes delivered triangles and their vertices from the window. The lists of vertices keep the
+// corners of these triangles, see `is_in_window`.
 void QualityMesh::drop_delivered() {
-  constexpr Index min_share = 8;
-  const Index delivered = delivered_ - faces_.first();
-  if (min_share * delivered < faces_.end() - faces_.first()) return;
   // Delivered triangles may only share vertices of these planes with the others.
   const std::int32_t kept = plane_ - freeze_planes - kept_planes - max_drift;
   while (!planes_.empty() && planes_.front().z < kept) planes_.pop_front();
   const Index first_vertex = planes_.empty() ? vertices_.end() : planes_.front().first_vertex;
-  // Corners of delivered triangles leave the lists of their vertices.
-  const Index kept_vertices = vertices_.end() - first_vertex;
-  for (Index face = faces_.first(); face != delivered_; ++face) {
-    if (faces_[face].vertices[0] == none) continue;
-    for (Index corner = 4 * face; corner != 4 * face + 3; ++corner)
-      if (vertices_.end() - vertex_at(corner) <= kept_vertices) unlink(corner);
-  }
   vertices_.remove_before(first_vertex);
   new_numbers_.remove_before(first_vertex);
   faces_.remove_before(delivered_);

@@ -13,6 +13,7 @@
 #include "eses/grid.hpp"
 #include "eses/summary.hpp"
 #include "eses/vec3.hpp"
+#include "mesh/case_table.hpp"
 #include "mesh/facing_cells.hpp"
 #include "mesh/sliding_list.hpp"
 #include "mesh/triangle_shape.hpp"
@@ -94,21 +95,28 @@ class QualityMesh {
   using Corners = std::array<Index, 3>;
 
   struct alignas(64) Vertex {
-    Vec3 position, normal;
-    Index first_corner = none;  // head of the list of the corners at this vertex
+    Vec3 position;
     std::int32_t z = 0;
-    Index mark = 0;
-    std::uint8_t valence = 0;  // length of the list
+    std::uint8_t valence = 0;  // number of corners
     std::uint8_t patch = 1;
     bool is_removed = false;
     bool is_at_cusp = false;  // corner of a delivered triangle at a cusp
+    // Operations lead to at most `max_valence` corners.
+    std::array<Index, max_vertex_triangles> corner_array{};  // the newest one is last
+    Index mark = 0;
+    Vec3 normal;
+
+    std::span<const Index> corners() const { return std::span(corner_array).first(valence); }
   };
-  static_assert(sizeof(Vertex) == 64);  // a cache line
-  struct alignas(32) Face {
+  static_assert(sizeof(Vertex) == 128);  // two cache lines; the first one has eight corners
+  struct Face {
     Corners vertices{};       // the first one is `none` if the triangle was removed
-    Corners next{};           // next corner in the list of each vertex
     std::int32_t plane = 0;   // plane at which the triangle was added
     float quality = unknown;  // see `quality_of`
+
+    // Return the vertices after, and before, a corner of the triangle.
+    Index after(Index corner) const { return vertices[(corner & 3) < 2 ? (corner & 3) + 1 : 0]; }
+    Index before(Index corner) const { return vertices[(corner & 3) > 0 ? (corner & 3) - 1 : 2]; }
   };
   static constexpr float unknown = -1;
   struct Plane {
@@ -120,8 +128,12 @@ class QualityMesh {
     std::int32_t z = 0;
     Index first_face = 0;
   };
+  // A triangle at the centre of a ring.
   struct RingCorner {
-    Index corner, left, right;  // the corner at the centre, and the other vertices of the triangle
+    Index corner = 0;           // at the centre
+    Index left = 0, right = 0;  // the other vertices
+    Face* face = nullptr;
+    const Vertex *at_left = nullptr, *at_right = nullptr;  // the vertices `left` and `right`
   };
   struct NearFace {
     Index face = 0;
@@ -147,20 +159,32 @@ class QualityMesh {
   static Index after(Index corner) { return (corner & 3) < 2 ? corner + 1 : corner - 2; }
   static Index before(Index corner) { return (corner & 3) > 0 ? corner - 1 : corner + 2; }
   Index vertex_at(Index corner) const { return faces_[corner >> 2].vertices[corner & 3]; }
-  Index next_corner(Index corner) const { return faces_[corner >> 2].next[corner & 3]; }
   TrianglePoints points(const Corners& triangle) const {
     return {position(triangle[0]), position(triangle[1]), position(triangle[2])};
   }
-  float quality_of(Index face);
-  bool faces_outward(const Corners& triangle, const Vec3& area) const;
+  // Returns the squared sine of the smallest angle.
+  float quality_of(Face& face) const {
+    if (face.quality == unknown) face.quality = computed_quality(face);
+    return face.quality;
+  }
+  float quality_of(Index face) { return quality_of(faces_[face]); }
+  float computed_quality(const Face& face) const;
+  static double facing(const Vertex& a, const Vertex& b, const Vertex& c);
   double facing(const Corners& triangle) const;
-  bool can_change(Index vertex) const;
-  bool can_have(const Face& face, Index vertex) const;
+  bool can_change(const Vertex& vertex) const;
+  bool can_change(Index vertex) const { return can_change(vertices_[vertex]); }
+  static bool can_have(const Face& face, const Vertex& vertex);
   Index corner_across(Index corner) const;
 
-  static void link(Index corner, Vertex& vertex, Face& face);
-  void link(Index corner);
+  static void link(Index corner, Vertex& vertex);
+  void link(Index corner) { link(corner, vertices_[vertex_at(corner)]); }
   void unlink(Index corner);
+  // Returns whether the triangle of a corner is in the window. This is true of all triangles at
+  // vertices that may change, and at their neighbours.
+  bool is_in_window(Index corner) const {
+    const Index end = 4 * faces_.end();
+    return end - corner <= end - 4 * faces_.first();
+  }
 
   float best_quality() const { return operations_.empty() ? 0 : operations_.back().quality; }
   void list_ring(Index vertex);
@@ -208,8 +232,8 @@ class QualityMesh {
   FacingCells cells_;
   Index delivered_ = 0;  // the faces before this one are delivered
   std::uint64_t next_number_ = 0;
-  Index mark_ = 0;
   Index ring_center_ = none;  // vertex whose ring is listed
+  Index mark_ = 0;            // mark of the other vertices of the ring
   Limits limits_;
   MeshQuality quality_;
   double smallest_quality_ = 1;  // squared sine of the smallest angle

@@ -10,62 +10,66 @@
 
 namespace eses::detail::mesh {
 
-// Returns the smallest scalar product of the unit normal of a triangle with the normals of the
-// surface at its corners.
-double QualityMesh::facing(const Corners& triangle) const {
-  const Vec3 area = area_vector(points(triangle));
-  const double length = norm(area);
-  if (length == 0) return -1;
-  double least = length;
-  for (const Index vertex : triangle) least = std::min(least, dot(area, vertices_[vertex].normal));
-  return least / length;
+namespace {
+
+double least_facing(const Vec3& area, const Vec3& a, const Vec3& b, const Vec3& c) {
+  return std::min(std::min(dot(area, a), dot(area, b)), dot(area, c));
 }
 
-// Returns whether `facing` is at least `min_facing`. `area` is the area vector.
-bool QualityMesh::faces_outward(const Corners& triangle, const Vec3& area) const {
-  double least = std::numeric_limits<double>::max();
-  for (const Index vertex : triangle) least = std::min(least, dot(area, vertices_[vertex].normal));
-  return least > 0 && least * least >= min_facing * min_facing * squared_norm(area);
+}  // namespace
+
+// Returns the smallest scalar product of the unit normal of a triangle with the normals of the
+// surface at its corners.
+double QualityMesh::facing(const Vertex& a, const Vertex& b, const Vertex& c) {
+  const Vec3 area = area_vector(a.position, b.position, c.position);
+  const double length = norm(area);
+  if (length == 0) return -1;
+  return std::min(length, least_facing(area, a.normal, b.normal, c.normal)) / length;
+}
+
+double QualityMesh::facing(const Corners& triangle) const {
+  const auto [a, b, c] = triangle;
+  return facing(vertices_[a], vertices_[b], vertices_[c]);
 }
 
 // Whether all triangles at a vertex are in the window and may change.
-bool QualityMesh::can_change(Index vertex) const {
-  const std::int32_t z = vertices_[vertex].z;
-  return frozen_ < z && z < plane_;
+bool QualityMesh::can_change(const Vertex& vertex) const {
+  return frozen_ < vertex.z && vertex.z < plane_;
 }
 
-bool QualityMesh::can_have(const Face& face, Index vertex) const {
-  return std::abs(vertices_[vertex].z - face.plane) <= max_drift;
+// Returns whether a vertex is near enough to the plane of a triangle to become its corner.
+bool QualityMesh::can_have(const Face& face, const Vertex& vertex) {
+  return std::abs(vertex.z - face.plane) <= max_drift;
 }
 
 // Returns the corner opposite to the same edge in the other triangle at the edge, or `none`.
 QualityMesh::Index QualityMesh::corner_across(Index corner) const {
   const Index from = vertex_at(after(corner)), to = vertex_at(before(corner));
-  for (Index other = vertices_[from].first_corner; other != none; other = next_corner(other))
-    if (vertex_at(before(other)) == to) return after(other);
+  for (const Index other : vertices_[from].corners())
+    if (faces_[other >> 2].before(other) == to) return after(other);
   return none;
 }
 
-// Marks the neighbours of a vertex, and lists its corners. The list is empty if the vertex must not
-// be removed, as it is at the border of the mesh.
+// Lists the triangles at a vertex, and marks its neighbours. The list is empty if the vertex must
+// not be removed, as it is at the border of the mesh.
 void QualityMesh::list_ring(Index vertex) {
   if (ring_center_ == vertex) return;
   ring_center_ = vertex;
-  const Index mark = ++mark_;
-  ring_.resize(vertices_[vertex].valence);
-  Index corner = vertices_[vertex].first_corner;
-  for (RingCorner& at : ring_) {
-    const Face& face = faces_[corner >> 2];
-    const Index i = corner & 3;
-    at = {corner, face.vertices[i < 2 ? i + 1 : 0], face.vertices[i > 0 ? i - 1 : 2]};
-    vertices_[at.left].mark = mark;
-    corner = face.next[i];
+  ++mark_;
+  const auto corners = vertices_[vertex].corners();
+  ring_.resize(corners.size());
+  Index ends = 0;
+  auto at = ring_.rbegin();  // the newest corner is the first one
+  for (const Index corner : corners) {
+    Face& face = faces_[corner >> 2];
+    const Index left = face.after(corner), right = face.before(corner);
+    Vertex& at_left = vertices_[left];
+    at_left.mark = mark_;
+    *at++ = {corner, left, right, &face, &at_left, &vertices_[right]};
+    ends ^= left ^ right;
   }
-  for (const RingCorner& at : ring_)
-    if (vertices_[at.right].mark != mark_) {
-      ring_.clear();
-      return;
-    }
+  // The triangles form a fan. If it is closed, each neighbour is on the left and on the right.
+  if (ends != 0) ring_.clear();
 }
 
 // Lists the ring of a vertex. From now on, new triangles must be better than its worst triangle.
@@ -73,7 +77,7 @@ void QualityMesh::list_ring_to_improve(Index vertex) {
   list_ring(vertex);
   limits_.min_quality = 1;
   for (const RingCorner& at : ring_)
-    limits_.min_quality = std::min(limits_.min_quality, quality_of(at.corner >> 2));
+    limits_.min_quality = std::min(limits_.min_quality, quality_of(*at.face));
 }
 
 // Returns whether a collapse of an edge would give its end too many neighbours.
@@ -84,29 +88,35 @@ bool QualityMesh::has_too_many_neighbors(Index from, Index to) const {
 // Considers the collapse of `from`, whose ring is listed.
 void QualityMesh::consider_collapse(Index from, Index to) {
   if (ring_.size() < 3 || !can_change(to)) return;
-  // The lengths reject most candidates, and cost less than the shapes.
-  const Vec3 end = position(to);
+  const Vertex& end = vertices_[to];
+  // The lengths reject many candidates, and cost less than the shapes.
   for (const RingCorner& at : ring_)
-    if (squared_norm(position(at.left) - end) > limits_.max_squared_length && at.right != to)
+    if (squared_norm(at.at_left->position - end.position) > limits_.max_squared_length &&
+        at.right != to)
       return;
   if (!is_collapsible(to)) return;
   const float min_quality = std::max(limits_.min_quality, best_quality());
   float quality = 1;
   bool is_turned = false;
-  for (const auto& [corner, left, right] : ring_) {
-    if (left == to || right == to) continue;
-    if (!can_have(faces_[corner >> 2], to)) return;
-    const TrianglePoints t{end, position(left), position(right)};
-    const Vec3 area = area_vector(t);
-    quality = std::min(quality, quality_of_shape(t, area));
+  for (const RingCorner& at : ring_) {
+    if (at.left == to || at.right == to) continue;
+    if (!can_have(*at.face, end)) return;
+    const Vertex &left = *at.at_left, &right = *at.at_right;
+    const Vec3 area = area_vector(end.position, left.position, right.position);
+    quality =
+        std::min(quality, quality_of_shape(end.position, left.position, right.position, area));
     if (quality <= min_quality) return;
-    is_turned = is_turned || !faces_outward({to, left, right}, area);
+    // Whether `facing` is less than `min_facing`.
+    const double least = least_facing(area, end.normal, left.normal, right.normal);
+    is_turned =
+        is_turned || !(least > 0 && least * least >= min_facing * min_facing * squared_norm(area));
   }
   if (is_turned) {
     double old_facing = 1, new_facing = 1;
-    for (const auto& [corner, left, right] : ring_) {
-      old_facing = std::min(old_facing, facing(faces_[corner >> 2].vertices));
-      if (left != to && right != to) new_facing = std::min(new_facing, facing({to, left, right}));
+    for (const RingCorner& at : ring_) {
+      old_facing = std::min(old_facing, facing(at.face->vertices));
+      if (at.left != to && at.right != to)
+        new_facing = std::min(new_facing, facing(end, *at.at_left, *at.at_right));
     }
     if (new_facing < old_facing) return;
   }
@@ -136,21 +146,21 @@ void QualityMesh::consider_all_collapses(Index vertex) {
 void QualityMesh::consider_flip(Index corner) {
   const Index other = corner_across(corner);
   if (other == none) return;
-  const Index a = vertex_at(after(corner)), b = vertex_at(before(corner)), from = vertex_at(corner),
-              to = vertex_at(other);
+  const Vertex &a = vertices_[vertex_at(after(corner))], &b = vertices_[vertex_at(before(corner))],
+               &from = vertices_[vertex_at(corner)], &to = vertices_[vertex_at(other)];
   const Face &one = faces_[corner >> 2], &two = faces_[other >> 2];
-  if (from == to || !can_change(a) || !can_change(b) || !can_change(from) || !can_change(to) ||
+  if (&from == &to || !can_change(a) || !can_change(b) || !can_change(from) || !can_change(to) ||
       !can_have(one, to) || !can_have(two, from))
     return;
-  if (vertices_[from].valence >= max_valence || vertices_[to].valence >= max_valence ||
-      squared_norm(position(from) - position(to)) > limits_.max_squared_length)
+  if (from.valence >= max_valence || to.valence >= max_valence ||
+      squared_norm(from.position - to.position) > limits_.max_squared_length)
     return;
-  const Corners left{from, a, to}, right{from, to, b};
-  const float quality = std::min(quality_of_shape(points(left)), quality_of_shape(points(right)));
+  const float quality = std::min(quality_of_shape(from.position, a.position, to.position),
+                                 quality_of_shape(from.position, to.position, b.position));
   if (quality <= std::min(quality_of(corner >> 2), quality_of(other >> 2)) ||
       quality <= best_quality())
     return;
-  const double new_facing = std::min(facing(left), facing(right));
+  const double new_facing = std::min(facing(from, a, to), facing(from, to, b));
   if (new_facing < min_facing && new_facing < std::min(facing(one.vertices), facing(two.vertices)))
     return;
   operations_.push_back({quality, true, corner, other});
@@ -166,28 +176,40 @@ bool QualityMesh::perform_best() {
 // Returns whether the mesh stays a manifold if an edge at `from` is collapsed. The ring of `from`
 // is listed. The two vertices opposite to the edge must be the only common neighbours.
 bool QualityMesh::is_collapsible(Index to) const {
-  std::array<Index, 2> opposite{none, none};
-  for (const RingCorner& at : ring_) {
-    if (at.left == to) opposite[0] = at.right;
-    if (at.right == to) opposite[1] = at.left;
+  std::size_t on_left = 0, on_right = 0;  // the triangles at the edge
+  for (std::size_t i = 0; i < ring_.size(); ++i) {
+    on_left = ring_[i].left == to ? i : on_left;
+    on_right = ring_[i].right == to ? i : on_right;
   }
-  for (const Index vertex : opposite)
-    if (vertex == none || vertices_[vertex].valence < 4) return false;
-  for (Index corner = vertices_[to].first_corner; corner != none;) {
+  const Vertex *one = ring_[on_left].at_right, *other = ring_[on_right].at_left;
+  if (one->valence < 4 || other->valence < 4) return false;
+  const auto corners = vertices_[to].corners();
+  int common = 0;
+  Index ends = 0;
+  for (const Index corner : corners) {
     const Face& face = faces_[corner >> 2];
-    for (const Index vertex : face.vertices)
-      if (vertices_[vertex].mark == mark_ && vertex != opposite[0] && vertex != opposite[1] &&
-          vertex != to)
-        return false;
-    corner = face.next[corner & 3];
+    const Index left = face.after(corner), right = face.before(corner);
+    common += vertices_[left].mark == mark_ ? 1 : 0;
+    ends ^= left ^ right;
   }
-  return true;
+  // Each neighbour is on the left of one triangle, except at the border of the mesh.
+  if (ends == 0) return common == 2;
+  const auto is_other_common = [&](Index vertex) {
+    const Vertex& at = vertices_[vertex];
+    return at.mark == mark_ && &at != one && &at != other;
+  };
+  return std::ranges::none_of(corners, [&](Index corner) {
+    const Face& face = faces_[corner >> 2];
+    return is_other_common(face.after(corner)) || is_other_common(face.before(corner));
+  });
 }
 
 // Returns whether an edge connects two vertices.
 bool QualityMesh::are_neighbors(Index one, Index other) const {
-  for (Index corner = vertices_[one].first_corner; corner != none; corner = next_corner(corner))
-    if (vertex_at(after(corner)) == other || vertex_at(before(corner)) == other) return true;
+  for (const Index corner : vertices_[one].corners()) {
+    const Face& face = faces_[corner >> 2];
+    if (face.after(corner) == other || face.before(corner) == other) return true;
+  }
   return false;
 }
 
@@ -212,15 +234,15 @@ bool QualityMesh::perform(const Operation& operation) {
     for (const Index vertex : {a, b, q}) bounds.extend(position(vertex));
   } else {
     list_ring(from);
-    for (const auto& [corner, left, right] : ring_) {
-      old_faces_.push_back(corner >> 2);
-      bounds.extend(position(left));
-      if (left != to && right != to) new_triangles_.push_back({to, left, right});
+    for (const RingCorner& at : ring_) {
+      old_faces_.push_back(at.corner >> 2);
+      bounds.extend(at.at_left->position);
+      if (at.left != to && at.right != to) new_triangles_.push_back({to, at.left, at.right});
     }
   }
   Directions not_faced = 0;
-  for (const Corners& triangle : new_triangles_)
-    not_faced |= directions_not_faced(points(triangle));
+  for (const auto& [a, b, c] : new_triangles_)
+    not_faced |= directions_not_faced(position(a), position(b), position(c));
   if ((not_faced | cells_.within(bounds)) == all_directions && do_intersect(bounds)) return false;
   cells_.add(bounds, not_faced);
   if (is_flip) {
@@ -231,22 +253,21 @@ bool QualityMesh::perform(const Operation& operation) {
   return true;
 }
 
+// Collapses an edge at `from`, whose ring is listed.
 void QualityMesh::collapse(Index from, Index to) {
-  for (Index corner = vertices_[from].first_corner, next = none; corner != none; corner = next) {
-    next = next_corner(corner);
-    Face& face = faces_[corner >> 2];
-    if (vertex_at(after(corner)) == to || vertex_at(before(corner)) == to) {
-      unlink(after(corner));
-      unlink(before(corner));
-      face.vertices[0] = none;
+  Vertex& end = vertices_[to];
+  for (const RingCorner& at : ring_) {
+    if (at.left == to || at.right == to) {
+      unlink(after(at.corner));
+      unlink(before(at.corner));
+      at.face->vertices[0] = none;
     } else {
-      face.vertices[corner & 3] = to;
-      face.quality = unknown;
-      link(corner);
+      at.face->vertices[at.corner & 3] = to;
+      at.face->quality = unknown;
+      link(at.corner, end);
     }
   }
   Vertex& removed = vertices_[from];
-  removed.first_corner = none;
   removed.valence = 0;
   removed.is_removed = true;
   ring_center_ = none;

@@ -49,11 +49,11 @@ inline double squared_sine(double angle) {
 
 /// Returns the quality of a triangle: the squared sine of its smallest angle. `area` is its area
 /// vector.
-inline float quality_of_shape(const TrianglePoints& t, const Vec3& area) {
-  return static_cast<float>(squared_sine_of_smallest_angle(t, area));
+inline float quality_of_shape(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& area) {
+  return static_cast<float>(squared_sine_of_smallest_angle(a, b, c, area));
 }
-inline float quality_of_shape(const TrianglePoints& t) {
-  return quality_of_shape(t, area_vector(t));
+inline float quality_of_shape(const Vec3& a, const Vec3& b, const Vec3& c) {
+  return quality_of_shape(a, b, c, area_vector(a, b, c));
 }
 
 }  // namespace eses::detail::mesh

@@ -33,26 +33,27 @@ struct Bounds {
 
 /// Returns a vector perpendicular to a triangle, whose length is twice the area. It points to the
 /// side from which the corners are counterclockwise.
-inline Vec3 area_vector(const TrianglePoints& t) { return cross(t[1] - t[0], t[2] - t[0]); }
+inline Vec3 area_vector(const Vec3& a, const Vec3& b, const Vec3& c) { return cross(b - a, c - a); }
+inline Vec3 area_vector(const TrianglePoints& t) { return area_vector(t[0], t[1], t[2]); }
 
 /// Returns the squared sine of the smallest angle of a triangle, which is at most 60 degrees, or 0
 /// if two corners coincide. The angle is between the two longest sides. `area` is the area vector.
-inline double squared_sine_of_smallest_angle(const TrianglePoints& t, const Vec3& area) {
-  const double a = squared_norm(t[1] - t[0]), b = squared_norm(t[2] - t[1]),
-               c = squared_norm(t[0] - t[2]);
-  const double product = a * b * c;
-  return product > 0 ? squared_norm(area) * std::min({a, b, c}) / product : 0;
+inline double squared_sine_of_smallest_angle(const Vec3& a, const Vec3& b, const Vec3& c,
+                                             const Vec3& area) {
+  const double ab = squared_norm(b - a), bc = squared_norm(c - b), ca = squared_norm(a - c);
+  const double product = ab * bc * ca;
+  return product > 0 ? squared_norm(area) * std::min(std::min(ab, bc), ca) / product : 0;
 }
 
 /// Returns a bound of the rounding errors of the scalar product of `area_vector` and any vector
 /// whose components are at most 1: each product of two components has a relative error of 7 / 2
 /// epsilon.
-inline double area_error(const TrianglePoints& t) {
+inline double area_error(const Vec3& a, const Vec3& b, const Vec3& c) {
   constexpr double relative_error = 4 * std::numeric_limits<double>::epsilon();
   const auto length = [](const Vec3& v) {
     return std::fabs(v.x) + std::fabs(v.y) + std::fabs(v.z);
   };
-  return relative_error * length(t[1] - t[0]) * length(t[2] - t[0]);
+  return relative_error * length(b - a) * length(c - a);
 }
 
 /// Returns the sign of the volume of the tetrahedron a, b, c, d, or 0 if rounding errors may decide

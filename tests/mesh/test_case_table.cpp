@@ -1,5 +1,6 @@
 /// Tests of the table of cases of the mesh, and of meshes of any points.
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
@@ -38,6 +39,33 @@ int faces_of(const Segment& segment) {
   for (std::size_t axis = 0; axis < 3; ++axis)
     for (const std::size_t side : {0U, 1U})
       count += lies_in_face(segment.first, axis, side) && lies_in_face(segment.second, axis, side);
+  return count;
+}
+
+/// Returns the number of triangles at the middle edge of four cells that share it. Bit
+/// 9 * i + 3 * j + k of `points` is set if the point at i along the edge, and at j and k along the
+/// next two axes, is inside. The result is 0 if the edge has no vertex.
+std::size_t triangles_at_edge(std::size_t axis, std::size_t points) {
+  const std::size_t j_axis = (axis + 1) % 3, k_axis = (axis + 2) % 3;
+  std::size_t count = 0;
+  for (std::size_t cell = 0; cell < 4; ++cell) {
+    const std::size_t j = cell & 1, k = cell >> 1;
+    std::size_t inside = 0;
+    for (std::size_t corner = 0; corner < mesh::corner_count; ++corner) {
+      const std::size_t point =
+          9 * (corner >> axis & 1) + 3 * (j + (corner >> j_axis & 1)) + k + (corner >> k_axis & 1);
+      inside |= (points >> point & 1) << corner;
+    }
+    const std::size_t lower = (1 - j) << j_axis | (1 - k) << k_axis;
+    const auto edge =
+        static_cast<std::size_t>(std::ranges::find_if(mesh::cell_edges,
+                                                      [&](const mesh::CellEdge& e) {
+                                                        return e.axis == axis && e.corner == lower;
+                                                      }) -
+                                 mesh::cell_edges.begin());
+    for (const mesh::CellTriangle& t : mesh::case_table()[inside].all())
+      count += static_cast<std::size_t>(std::ranges::count(t, edge));
+  }
   return count;
 }
 
@@ -220,6 +248,15 @@ TEST_CASE("mesh: cells that share a face have the same segments in it", "[mesh]"
       CHECK(upper[corners] == reversed);
     }
   }
+}
+
+TEST_CASE("mesh: a vertex has at most 17 triangles, whatever the points around its edge are",
+          "[mesh]") {
+  std::size_t most = 0;
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    for (std::size_t points = 0; points < std::size_t{1} << 18U; ++points)
+      most = std::max(most, triangles_at_edge(axis, points));
+  CHECK(most == mesh::max_vertex_triangles);
 }
 
 TEST_CASE("mesh: the mesh of any points is closed, oriented and 2-manifold", "[mesh]") {
