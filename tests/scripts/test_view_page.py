@@ -259,6 +259,31 @@ class Page(TestCase):
         self.assertGreater(dark, 500)  # scale bar and text
         self.assertGreater(blue, 500)  # the square of the legend
 
+    def test_legends_of_saved_pictures_are_beside_the_molecule(self):
+        """The picture without its legend is the left part of the whole one."""
+        self.open(self.atoms, "--color", "patch")
+        bare, widths, squares, are_equal = self.ask("""
+          const bytes = (picture, width) =>
+            picture.getContext("2d").getImageData(0, 0, width, picture.height).data;
+          const many = Array.from({ length: 99 }, (_, i) => [`chain ${i}`, [1, 2, 3 + i]]);
+          const gradient = { stops: [[0, 0, 0], [255, 255, 255]], ticks: ["-1", "0", "1"], title: "t" };
+          const legends = [viewer.legend(), { entries: [], gradient }, { entries: many, gradient }];
+          const pictures = legends.map((legend) => {
+            viewer.legend = () => legend;
+            return viewer.picture();
+          });
+          viewer.legend = () => ({ entries: [] });
+          const bare = viewer.picture(), left = bytes(bare, bare.width);
+          const squares = new Set(), all = bytes(pictures[2], pictures[2].width);
+          for (let i = 0; i < all.length; i += 4)
+            if (all[i] === 1 && all[i + 1] === 2) squares.add(all[i + 2]);
+          return [bare.width, pictures.map(({ width }) => width), squares.size, pictures.map((picture) =>
+            bytes(picture, bare.width).every((byte, i) => byte === left[i]))]""")
+        self.assertEqual(are_equal, [True] * 3)
+        self.assertEqual(squares, 99)
+        self.assertLess(bare, min(widths))
+        self.assertGreater(widths[2] - bare, 2 * (widths[0] - bare))  # several columns
+
     def test_columns_of_tables_are_colours(self):
         """Negative and positive values of two residues, of which the second is named by its chain."""
         table = self.folder / "t.csv"
