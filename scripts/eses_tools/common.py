@@ -237,6 +237,11 @@ def printable(text):
     return "".join(c if c.isprintable() else "?" for c in text)
 
 
+def counted(count, noun):
+    """Returns a count with its noun, such as 1 frame or 2 frames."""
+    return f"{count} {noun}{'' if count == 1 else 's'}"
+
+
 def printable_lines(text):
     """Returns printable() of each line."""
     return "\n".join(map(printable, str(text).split("\n")))

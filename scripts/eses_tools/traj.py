@@ -31,7 +31,7 @@ import shutil
 import time
 import warnings
 
-from eses_tools.common import (IS_INSTALLED, NAME, PROJECT, Failed, Parser, at_least, complete_file, end_with,
+from eses_tools.common import (IS_INSTALLED, NAME, PROJECT, Failed, Parser, at_least, complete_file, counted, end_with,
                                positive, printable, require_kind, require_output, say, show)
 
 LEVELS = ("frame", "chain", "residue")
@@ -172,8 +172,8 @@ def description(measured):
     notes = [f"radii {measured.radii.name}"]
     if len(measured.radii.guessed):
         notes.append(f"{len(measured.radii.guessed)} radii or elements guessed")
-    notes += [f"{count} atoms left out: {what}" for what, count in measured.left_out.items()]
-    return f"{len(measured.molecule.kept)} atoms; {'; '.join(notes)}"
+    notes += [f"{counted(count, 'atom')} left out: {what}" for what, count in measured.left_out.items()]
+    return f"{counted(len(measured.molecule.kept), 'atom')}; {'; '.join(notes)}"
 
 
 # ------------------------------------------------------------------------------------- measuring
@@ -411,9 +411,9 @@ def main():
     with opened(options, identity_of(eses.__version__, frames, options), plan) as finished:
         say(plan.note)
         if finished.count:
-            say(f"{finished.count} frames were finished before")
+            say(f"{counted(finished.count, 'frame')} finished before")
         measure_all(eses, universe, plan, frames, options, finished)
-    say(f"{len(frames)} frames, {plan.rows * len(frames)} rows")
+    say(f"{counted(len(frames), 'frame')}, {counted(plan.rows * len(frames), 'row')}")
 
 
 def start():
