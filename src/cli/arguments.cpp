@@ -304,6 +304,19 @@ void parse(CLI::App& app, const Arguments& arguments, std::string_view positiona
   refuse_extras(app, positionals);
 }
 
+std::string given_options(const CLI::App& app, std::initializer_list<std::string_view> left_out) {
+  std::string text;
+  for (const CLI::Option* const option : app.get_options()) {
+    const std::string name = option->get_name();
+    const bool is_left_out = std::ranges::find(left_out, name) != left_out.end();
+    if (option->count() == 0 || option->get_positional() || is_left_out) continue;
+    text += name + "\n";
+    for (const std::string& value : option->results())
+      text += formatted("{} {}\n", value.size(), value);
+  }
+  return text;
+}
+
 void refuse_without(const CLI::App& app, std::initializer_list<const char*> options,
                     bool has_needed, std::string_view needed) {
   if (has_needed) return;

@@ -71,23 +71,81 @@ std::vector<std::string> ligands_first(std::vector<std::string> residues) {
   return residues;
 }
 
+/// Returns what a name of a chain that no atom has was probably meant for: the name or the number
+/// of a residue, also in the notations of other programs, such as A:57 or LYS57.
+std::string advice_for_chain(const DividedFile& file, const std::string& name) {
+  const std::size_t last = name.find_last_not_of("0123456789");
+  const std::string number = last == std::string::npos ? name : name.substr(last + 1);
+  const std::string chain = name.substr(0, name.find(':'));
+  const AtomLabel* found = nullptr;
+  for (const AtomLabel& label : file.labels) {
+    if (label.residue == name) return formatted("; residue {0} is ligand:{0}", name);
+    if (number.empty() || label.residue_number != number) continue;
+    if (found == nullptr || (found->chain != chain && label.chain == chain)) found = &label;
+  }
+  return found == nullptr ? "" : formatted("; residue {1} is //{0}/{1}", found->chain, number);
+}
+
+/// Returns what a name of a ligand that no atom has was probably meant for.
+std::string advice_for_ligand(const DividedFile& file, const std::string& name) {
+  for (const AtomLabel& label : file.labels) {
+    if (lower_case(label.residue) == lower_case(name))
+      return formatted("; did you mean {}?", label.residue);
+    if (label.residue_number == name)
+      return formatted("; residue {1} is {0}/{1}", label.chain, name);
+  }
+  return "";
+}
+
 /// Throws Error about a name that no atom has.
 [[noreturn]] void refuse_unknown(const DividedFile& file, std::string_view what,
                                  const std::string& name, std::string_view option,
-                                 std::string AtomLabel::*names) {
-  std::vector<std::string> known = different(file.labels, names);
-  if (names == &AtomLabel::residue) known = ligands_first(std::move(known));
-  std::string advice;
-  if (names == &AtomLabel::chain)
-    for (const AtomLabel& label : file.labels)
-      if (label.residue_number == name || label.residue == name) {
-        advice = label.residue == name ? formatted("; residue {0} is ligand:{0}", name)
-                                       : formatted("; residue {1} is //{0}/{1}", label.chain, name);
-        break;
-      }
+                                 const std::vector<std::string>& known, const std::string& advice) {
   throw Error(formatted("{}: no atoms of {} {}, which {} names; the {}s are {}{}",
                         input_name(file.path), what, printable(name), option, what, list_of(known),
                         advice));
+}
+
+/// Returns whether the name of a ligand is a selection in gemmi's syntax. Otherwise it is NAME,
+/// CHAIN/NUMBER or CHAIN/NAME.
+bool is_selection(std::string_view ligand) {
+  return ligand.starts_with('/') || std::ranges::count(ligand, '/') > 1 ||
+         ligand.find_first_of("([;") != std::string_view::npos;
+}
+
+/// Returns whether an atom belongs to a ligand whose name is no selection.
+bool is_in_ligand(const AtomLabel& label, std::string_view ligand) {
+  const std::size_t slash = ligand.find('/');
+  if (slash == std::string_view::npos) return label.residue == ligand;
+  const std::string_view residue = ligand.substr(slash + 1);
+  return label.chain == ligand.substr(0, slash) &&
+         (label.residue_number == residue || label.residue == residue);
+}
+
+/// Returns CHAIN/NUMBER of the residues that are no amino acids and nucleotides, with their names.
+std::vector<std::string> numbered_ligands(std::span<const AtomLabel> labels) {
+  std::vector<std::string> names;
+  residue_runs(labels).for_each([&](const AtomLabel& label, std::size_t, std::size_t) {
+    if (!is_named_polymer(label.residue))
+      names.push_back(formatted("{}/{} ({})", label.chain, label.residue_number, label.residue));
+  });
+  return names;
+}
+
+/// Returns whether each atom of the file belongs to a ligand. Throws Error if none does.
+std::vector<bool> atoms_of_ligand(const std::string& ligand, const DividedFile& file,
+                                  std::string_view option) {
+  if (is_selection(ligand)) return selected(ligand, file, option);
+  std::vector<bool> is_in;
+  for (const AtomLabel& label : file.labels) is_in.push_back(is_in_ligand(label, ligand));
+  if (std::ranges::find(is_in, true) != is_in.end()) return is_in;
+  const std::vector<std::string> numbered = ligand.find('/') == std::string::npos
+                                                ? std::vector<std::string>()
+                                                : numbered_ligands(file.labels);
+  if (!numbered.empty()) refuse_unknown(file, "ligand", ligand, option, numbered, "");
+  refuse_unknown(file, "residue", ligand, option,
+                 ligands_first(different(file.labels, &AtomLabel::residue)),
+                 advice_for_ligand(file, ligand));
 }
 
 /// Returns whether a part of chains leaves atoms to another part, as its ligands.
@@ -117,15 +175,15 @@ std::string name_of(const PartSelector& part) {
 std::vector<bool> atoms_in(const PartSelector& part, const DividedFile& file,
                            std::string_view option) {
   std::vector<bool> is_in(file.labels.size());
-  const auto add = [&](std::string_view what, const std::string& name,
-                       std::string AtomLabel::*member) {
+  for (const std::string& chain : part.chains) {
     bool is_found = false;
     for (std::size_t i = 0; i < is_in.size(); ++i)
-      if (file.labels[i].*member == name) is_in[i] = is_found = true;
-    if (!is_found) refuse_unknown(file, what, name, option, member);
-  };
-  if (!part.ligand.empty()) add("residue", part.ligand, &AtomLabel::residue);
-  for (const std::string& chain : part.chains) add("chain", chain, &AtomLabel::chain);
+      if (file.labels[i].chain == chain) is_in[i] = is_found = true;
+    if (!is_found)
+      refuse_unknown(file, "chain", chain, option, different(file.labels, &AtomLabel::chain),
+                     advice_for_chain(file, chain));
+  }
+  if (!part.ligand.empty()) is_in = atoms_of_ligand(part.ligand, file, option);
   if (!part.selection.empty()) is_in = selected(part.selection, file, option);
   if (part.all_ligands) is_in = find_ligand_atoms(file.labels);
   if (std::ranges::find(is_in, true) == is_in.end())
@@ -135,7 +193,7 @@ std::vector<bool> atoms_in(const PartSelector& part, const DividedFile& file,
 }
 
 std::optional<PartSelector> part_selector_in(std::string_view text) {
-  PartSelector part;
+  PartSelector part{.text = std::string(text)};
   if (text.starts_with(ligand_prefix)) {
     part.ligand = text.substr(ligand_prefix.size());
     return part.ligand.empty() ? std::nullopt : std::optional(part);
@@ -187,16 +245,16 @@ ComplexParts divide(const PartChoice& choice, const DividedFile& file, std::stri
 }
 
 std::vector<ComplexParts> divide_by_ligand(const std::string& ligand, const DividedFile& file) {
+  const std::vector<bool> is_in = atoms_of_ligand(ligand, file, "--ligand");
   std::vector<ComplexParts> divisions;
   residue_runs(file.labels)
       .for_each([&](const AtomLabel& label, std::size_t begin, std::size_t end) {
-        if (label.residue != ligand) return;
-        ComplexParts& parts = divisions.emplace_back();
-        parts.names = {residue_name(label), "all other atoms"};
-        parts.part_of_atom.assign(file.labels.size(), 1);
-        std::ranges::fill(std::span(parts.part_of_atom).subspan(begin, end - begin), 0U);
+        std::vector<std::uint32_t> part_of_atom(file.labels.size(), 1);
+        for (std::size_t i = begin; i < end; ++i)
+          if (is_in[i]) part_of_atom[i] = 0;
+        if (std::ranges::find(part_of_atom, 0U) == part_of_atom.end()) return;
+        divisions.push_back({{residue_name(label), "all other atoms"}, std::move(part_of_atom)});
       });
-  if (divisions.empty()) refuse_unknown(file, "residue", ligand, "--ligand", &AtomLabel::residue);
   return divisions;
 }
 

@@ -17,10 +17,11 @@ namespace eses::detail::cli {
 
 /// The atoms of a part, as the command line names them. One of the members is chosen.
 struct PartSelector {
-  std::vector<std::string> chains;
-  std::string ligand;        ///< name of a residue, such as HEM
-  std::string selection;     ///< in gemmi's syntax, such as //A/10-20
-  bool all_ligands = false;  ///< all residues of find_ligand_atoms
+  std::string text = {};  ///< as it was given
+  std::vector<std::string> chains = {};
+  std::string ligand = {};     ///< a residue: NAME, CHAIN/NUMBER, CHAIN/NAME, or a selection
+  std::string selection = {};  ///< in gemmi's syntax, such as //A/10-20
+  bool all_ligands = false;    ///< all residues of find_ligand_atoms
 
   bool is_ligand() const { return all_ligands || !ligand.empty(); }
 };
@@ -35,9 +36,11 @@ struct PartChoice {
 
 /// Description of the texts that part_selector_in accepts, for messages.
 inline constexpr std::string_view part_texts =
-    "chains such as A or A+B, ligand:NAME, ligand, or a selection such as //A/10-20";
+    "chains such as A or A+B, ligand:NAME, ligand:CHAIN/NUMBER, ligand, or a selection such as "
+    "//A/10-20";
 
-/// Returns the part of a text: `A,B` or `A+B` for chains, `ligand:HEM`, `ligand` for all ligands,
+/// Returns the part of a text: `A,B` or `A+B` for chains, `ligand:` with the name of a residue
+/// (see PartSelector::ligand), `ligand` for all ligands,
 /// or a selection, which has a slash, a bracket or a semicolon. Nothing if the text is none of
 /// these.
 std::optional<PartSelector> part_selector_in(std::string_view text);
@@ -72,8 +75,8 @@ std::vector<bool> atoms_in(const PartSelector& part, const DividedFile& file,
 /// The message names the option.
 ComplexParts divide(const PartChoice& choice, const DividedFile& file, std::string_view option);
 
-/// Returns, for each residue with the name of a ligand, its division from all other atoms. The
-/// first part is the residue. Throws Error if there is none.
+/// Returns, for each residue of a ligand, its division from all other atoms. The first part is the
+/// residue. Throws Error if there is none. See PartSelector::ligand for the name.
 std::vector<ComplexParts> divide_by_ligand(const std::string& ligand, const DividedFile& file);
 
 }  // namespace eses::detail::cli

@@ -19,6 +19,7 @@
 #include "eses/interface.hpp"
 #include "eses/radii.hpp"
 #include "eses/read_atoms.hpp"
+#include "input/text_source.hpp"
 #include "output/area_table_writer.hpp"
 #include "system/formatted.hpp"
 
@@ -81,7 +82,8 @@ std::vector<std::string> names_of_tables(const InterfaceOptions& options, std::s
 }
 
 TableChoice files_to_write(const InterfaceOptions& options) {
-  TableChoice choice{options.output_directory, {}, options.csv};
+  TableChoice choice{options.output_directory, {}, options.csv, {}};
+  if (options.inputs.size() > 1) choice.resumed = options.resumed;
   for (std::size_t input = 0; input < options.inputs.size(); ++input)
     for (const std::string& name : names_of_tables(options, input)) choice.names.push_back(name);
   return choice;
@@ -129,14 +131,29 @@ std::string failure_row(const std::filesystem::path& path, const std::string& er
                    csv_field(error));
 }
 
-/// Measures an input and writes and prints its interfaces. Returns its rows of --csv.
-std::string report_interfaces(const InterfaceOptions& options, std::size_t input,
-                              TableFiles& files) {
+/// Measures an input and writes its tables.
+InputResult measure_input(const InterfaceOptions& options, std::size_t input, TableFiles& files) {
   const InterfaceFile file = read_interfaces(options, input, [&files] { files.check(); });
   write_tables(options, input, file, files);
-  print(printed_text(options, input, file));
-  return interface_rows(options, InterfaceTable::interfaces, file,
-                        csv_field(file.path.string()) + ",", ",");
+  const bool has_report = options.table == InterfaceTable::report && !options.prints_csv;
+  if (file.interfaces.empty() && !has_report && !options.quiet)
+    print_message("note",
+                  formatted("{}: {}", input_name(file.path), no_interface_reason(options, file)));
+  return {printed_text(options, input, file),
+          interface_rows(options, InterfaceTable::interfaces, file,
+                         csv_field(file.path.string()) + ",", ",")};
+}
+
+/// Prints the interfaces of an input, which an earlier run may have kept. Returns its rows of
+/// --csv.
+std::string report_interfaces(const InterfaceOptions& options, std::size_t input,
+                              TableFiles& files) {
+  const std::vector<std::string> names = names_of_tables(options, input);
+  const ResumedInput resumed = files.resume(options.inputs[input], options.structure.model, names);
+  InputResult result = resumed.result ? *resumed.result : measure_input(options, input, files);
+  if (!resumed.result) files.keep(resumed, names, result);
+  print(result.printed);
+  return std::move(result.rows);
 }
 
 /// Prints the heading of a table of several files.
@@ -178,7 +195,7 @@ int perform_interface(const Arguments& arguments) {
       print(failure_json(options.inputs[input], errors.front()));
     has_errors = has_errors || !errors.empty();
   }
-  files.finish();
+  files.finish(has_errors, options.quiet);
   return has_errors ? exit_failure : exit_done;
 }
 

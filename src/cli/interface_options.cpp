@@ -31,7 +31,7 @@ file. Nothing is sampled. Units are square angstrom.
 
 Groups and their atoms:
   A+B            chains A and B
-  ligand:STI     all residues named STI
+  ligand:STI     all residues named STI; ligand:A/401 is residue 401 of chain A
   ligand         all residues of several atoms that are no amino acids, nucleotides or waters
   //A/10-50      a selection in gemmi's syntax, for PDB and mmCIF files
 
@@ -75,17 +75,18 @@ void add_interface_options(CLI::App& app, InterfaceOptions& options, InputChoice
                .details = interface_details,
                .common = {"--groups", "--ligand", "--probe-radius", "--area-cutoff",
                           "--residue-cutoff", "--table", "--write", "--output-dir", "--csv",
-                          "--radii", "--model", "--waters", "--no-hetatm", "--chains", "--select",
-                          "--threads", "--quiet", "--json"}});
+                          "--resume", "--radii", "--model", "--waters", "--no-hetatm", "--chains",
+                          "--select", "--threads", "--quiet", "--json"}});
   begin_group(app, "Interfaces");
   add_input_files(app, "input files (PDB, mmCIF or PQR), or folders of them; - for\nstandard input",
                   inputs);
   add_parts(app, "--groups", "GROUP GROUP", "the two sides, such as A+B C [each chain is a side]",
             options.groups.parts)
       ->expected(2);
-  add_value(app, "--ligand", "NAME",
-            "each residue of this name against all other atoms of the\nfile", options.ligand,
-            any_text("the name of a residue, such as HEM"));
+  add_value(app, "--ligand", "LIGAND",
+            "each residue of this name (STI), this residue (A/401), or\n"
+            "each of a selection, against all other atoms of the file",
+            options.ligand, any_text("a residue, such as HEM or A/401, or a selection"));
   add_value(app, "--probe-radius", "ANGSTROM",
             formatted("radius of the solvent probe [{}]", options.probe_radius),
             options.probe_radius, length_between(min_probe_radius, max_probe_radius));
@@ -136,6 +137,7 @@ InterfaceOptions parse_interface_arguments(const Arguments& arguments) {
   options.groups.by_chain = options.groups.parts.empty();
   options.inputs = inputs.files(options.quiet);
   options.list = inputs.list;
+  options.resumed = resume_identity(app, options.resume, options.structure.radii);
   options.prints_csv = is_standard_output(options.csv);
   if (options.prints_csv) options.csv.clear();
   check_outputs(options);
@@ -150,7 +152,8 @@ InterfaceOptions parse_interface_arguments(const Arguments& arguments) {
   if (!options.groups.by_chain && options.groups.parts.size() != 2)
     throw UsageError("--groups needs two sides, such as --groups A+B C");
   if (!options.ligand.empty() && !options.groups.by_chain)
-    throw UsageError("--ligand cannot be combined with --groups; use --groups ligand:NAME A");
+    throw UsageError(formatted(
+        "--ligand cannot be combined with --groups; use --groups ligand:{} A", options.ligand));
   return options;
 }
 

@@ -116,19 +116,6 @@ std::string lost_line(const char* surface, const BuriedArea& area,
                    lost_text(area.second, area.second_alone));
 }
 
-/// Returns why there may be no interface.
-std::string no_interface_text(const InterfaceOptions& options, const InterfaceFile& file) {
-  if (!file.interfaces.empty() || !options.ligand.empty() || !options.groups.by_chain) return "";
-  std::set<std::string_view> chains;
-  for (const AtomLabel& label : file.file.labels) chains.insert(label.chain);
-  if (chains.size() > 1)
-    return options.min_area > 0
-               ? formatted("no interface has {} A^2, the area of --area-cutoff\n", options.min_area)
-               : "no chains touch each other\n";
-  return "the file has a single chain; --ligand NAME, --groups and, for PDB and mmCIF "
-         "files,\n--assembly ID choose other sides\n";
-}
-
 std::string interface_report(const InterfaceOptions& options, const InterfaceFile& file) {
   std::string text;
   if (!options.quiet) {
@@ -137,7 +124,7 @@ std::string interface_report(const InterfaceOptions& options, const InterfaceFil
     if (file.file.structure) text += structure_text(*file.file.structure);
     text += formatted("{} (square angstrom; interface area: half of what both sides lose)\n",
                       counted(file.interfaces.size(), "interface"));
-    text += no_interface_text(options, file);
+    if (file.interfaces.empty()) text += no_interface_reason(options, file) + "\n";
   }
   for (const NamedInterface& interface : file.interfaces) {
     const Interface& areas = interface.areas;
@@ -280,6 +267,20 @@ std::string interface_json(const InterfaceOptions& options, const InterfaceFile&
 }
 
 }  // namespace
+
+std::string no_interface_reason(const InterfaceOptions& options, const InterfaceFile& file) {
+  std::set<std::string_view> chains;
+  for (const AtomLabel& label : file.file.labels) chains.insert(label.chain);
+  const bool is_by_chain = options.groups.by_chain && options.ligand.empty();
+  if (is_by_chain && chains.size() == 1)
+    return "the file has a single chain; --ligand NAME, --groups and --assembly ID choose other "
+           "sides";
+  if (options.min_area > 0)
+    return formatted("no interface has {} A^2, the area of --area-cutoff", options.min_area);
+  if (is_by_chain) return "no chains touch each other";
+  return options.ligand.empty() ? "the two sides do not touch each other"
+                                : "the ligand touches no other atoms";
+}
 
 std::string interface_heading(InterfaceTable table) {
   const AtomLabel label;

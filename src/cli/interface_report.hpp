@@ -31,6 +31,9 @@ struct InterfaceFile {
   std::vector<NamedInterface> interfaces;  ///< without those below InterfaceOptions::min_area
 };
 
+/// Returns why a file has no interfaces.
+std::string no_interface_reason(const InterfaceOptions& options, const InterfaceFile& file);
+
 /// Returns the heading of a table as CSV; empty for the report and for files of atoms.
 std::string interface_heading(InterfaceTable table);
 

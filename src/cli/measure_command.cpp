@@ -43,18 +43,27 @@ bool is_table(std::string_view name) {
                              [&](const Table& table) { return name.ends_with(table.ending); });
 }
 
-TableChoice files_to_write(const MeasureCommandOptions& options) {
-  TableChoice choice{options.output_directory, {}, options.csv};
+/// Returns the names of the tables of an input.
+std::vector<std::string> names_of_tables(const MeasureCommandOptions& options, std::size_t input) {
+  std::vector<std::string> names;
   for (const Table* const table : options.written_tables)
-    for (std::size_t input = 0; input < options.inputs.size(); ++input)
-      choice.names.push_back(name_of(options, input, *table));
+    names.push_back(name_of(options, input, *table));
+  return names;
+}
+
+TableChoice files_to_write(const MeasureCommandOptions& options) {
+  TableChoice choice{options.output_directory, {}, options.csv, {}};
+  if (options.inputs.size() > 1) choice.resumed = options.resumed;
+  for (std::size_t input = 0; input < options.inputs.size(); ++input)
+    for (std::string& name : names_of_tables(options, input))
+      choice.names.push_back(std::move(name));
   return choice;
 }
 
 /// The outcome of a file.
 struct Outcome {
   std::string text, csv;
-  std::vector<std::string> warnings, errors;
+  std::vector<std::string> notes, warnings, errors;
 };
 
 /// Prints outcomes in the order of the files, and writes or prints the table of `--csv`.
@@ -99,7 +108,10 @@ class Reporter {
   }
 
   void report(const Outcome& outcome) {
-    if (files_ == 1 || !outcome.warnings.empty() || !outcome.errors.empty()) progress_.clear();
+    if (files_ == 1 || !outcome.notes.empty() || !outcome.warnings.empty() ||
+        !outcome.errors.empty())
+      progress_.clear();
+    for (const std::string& note : outcome.notes) print_message("note", note);
     for (const std::string& warning : outcome.warnings) print_message("warning", warning);
     for (const std::string& error : outcome.errors) print_message("error", error);
     if (!outcome.text.empty() && !prints_csv_) print(outcome.text);
@@ -175,8 +187,8 @@ Outcome with_failure(const MeasureCommandOptions& options, std::size_t input, Ou
   return outcome;
 }
 
-Outcome outcome_of(const MeasureCommandOptions& options, std::size_t input, int threads,
-                   const CheckCallback& check, const TableFiles& files) {
+Outcome measured_outcome(const MeasureCommandOptions& options, std::size_t input, int threads,
+                         const CheckCallback& check, const TableFiles& files) {
   Outcome outcome;
   try {
     const MeasuredFile file = measure_file(options, input, threads, check);
@@ -187,12 +199,24 @@ Outcome outcome_of(const MeasureCommandOptions& options, std::size_t input, int 
     write_tables(options, input, file, files);
     outcome.text = measured_text(options, file);
     outcome.csv = measure_csv_line(options, file);
+    if (!options.quiet) outcome.notes = empty_table_notes(options, file);
   } catch (const Error& error) {
     outcome.errors.push_back(input_message(error, options, input));
   } catch (const std::invalid_argument& error) {
     outcome.errors.push_back(input_message(error, options, input));
   }
   return outcome.errors.empty() ? outcome : with_failure(options, input, std::move(outcome));
+}
+
+/// Returns the outcome that an earlier run has kept, or measures the input.
+Outcome outcome_of(const MeasureCommandOptions& options, std::size_t input, int threads,
+                   const CheckCallback& check, TableFiles& files) {
+  const std::vector<std::string> names = names_of_tables(options, input);
+  const ResumedInput resumed = files.resume(options.inputs[input], options.model_of(input), names);
+  if (resumed.result) return {resumed.result->printed, resumed.result->rows, {}, {}, {}};
+  Outcome outcome = measured_outcome(options, input, threads, check, files);
+  if (outcome.errors.empty()) files.keep(resumed, names, {outcome.text, outcome.csv});
+  return outcome;
 }
 
 /// Replaces each input by its models, if each is measured. Files that cannot be read stay, so that
@@ -238,7 +262,7 @@ int perform_measure(const Arguments& arguments) {
     check();
     reporter.take(i, outcome_of(options, i, atom_threads, check, files));
   });
-  files.finish();
+  files.finish(reporter.has_errors(), options.quiet);
   return reporter.has_errors() ? exit_failure : exit_done;
 }
 

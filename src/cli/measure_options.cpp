@@ -56,6 +56,7 @@ More examples:
   eses-blocks measure 1crn.pdb --pockets             pockets that a probe of 3 does not reach
   eses-blocks measure 1iep.pdb --pockets --at ligand:STI   the pocket of a ligand
   eses-blocks measure 1crn.pdb --like freesasa       atoms and radii as another program
+  eses-blocks measure -r all --csv all.csv --resume  many files, after an interruption, too
   eses-blocks measure 1crn.pdb --probe-radius 0      van der Waals surface
   To compute the surface of a file called measure: eses-blocks ./measure
 
@@ -121,8 +122,12 @@ std::optional<PlaceChoice> place_in(const std::string& text) {
     place.box = {box->low, box->high};
     return place;
   }
+  // Several numbers are no names of chains, but a point or box that lacks some.
+  const std::vector<std::string> fields = split(text, ',');
+  const auto numbers = std::ranges::count_if(
+      fields, [](const std::string& field) { return whole_text<double>(field).has_value(); });
   const std::optional<PartSelector> part = part_selector_in(text);
-  if (!part) return std::nullopt;
+  if (!part || numbers > 1) return std::nullopt;
   place.part = *part;
   return place;
 }
@@ -180,10 +185,10 @@ void add_measure_options(CLI::App& app, MeasureCommandOptions& options, InputCho
   set_up(app, {.usage = "eses-blocks measure [OPTIONS] FILE...",
                .examples = measure_examples,
                .details = measure_details,
-               .common = {"--probe-radius", "--surface", "--parts", "--report", "--cavities",
-                          "--pockets", "--at", "--table", "--write", "--output-dir", "--csv",
-                          "--like", "--radii", "--model", "--waters", "--no-hetatm", "--chains",
-                          "--quiet", "--json"}});
+               .common = {"--probe-radius", "--surface",   "--parts",  "--report", "--cavities",
+                          "--pockets",      "--at",        "--table",  "--write",  "--output-dir",
+                          "--csv",          "--resume",    "--like",   "--radii",  "--model",
+                          "--waters",       "--no-hetatm", "--chains", "--quiet",  "--json"}});
   begin_group(app, "Surface");
   add_input_files(app, "files or folders (xyzr, PQR, PDB, mmCIF); - for standard input", inputs);
   add_value(app, "--probe-radius,--probe-in", "ANGSTROM",
@@ -191,9 +196,7 @@ void add_measure_options(CLI::App& app, MeasureCommandOptions& options, InputCho
             options.probe_radius,
             Format<double>{probe_radius_in, formatted("0, or a number from {} to {}, in angstrom",
                                                       min_probe_radius, max_probe_radius)});
-  add_value(app, "--surface", "LIST",
-            "surfaces to measure: some of ses,sas,vdw, or all; the SAS\n"
-            "alone is measured much faster [all]",
+  add_value(app, "--surface", "LIST", "some of ses,sas,vdw, or all; sas alone is much faster [all]",
             options.surfaces, Format<SurfaceChoice>{surfaces_in, "some of ses,sas,vdw, or all"});
   add_value(app, "--parts", "LIST",
             "measure also the parts of a complex and the areas that\n"
@@ -261,7 +264,8 @@ void check(const CLI::App& app, const MeasureCommandOptions& options) {
   check_table_files(options, options.printed_table != nullptr);
   const bool has_many = options.inputs.size() > 1 || options.all_models;
   if (options.printed_table != nullptr && has_many)
-    throw UsageError("--table prints the table of a single file; use --write");
+    throw UsageError(formatted("--table prints the table of a single file or model; use --write {}",
+                               options.printed_table->name));
   const bool has_place_of_atoms = options.at && !options.at->point && !options.at->box;
   for (const std::filesystem::path& path : options.inputs) {
     const InputFile input{path, options.format};
@@ -290,6 +294,7 @@ MeasureCommandOptions parse_measure_arguments(const Arguments& arguments) {
   parse(app, arguments, "FILE...");
   options.inputs = inputs.files(options.quiet);
   options.list = inputs.list;
+  options.resumed = resume_identity(app, options.resume, options.structure.radii);
   options.prints_csv = is_standard_output(options.csv);
   if (options.prints_csv) options.csv.clear();
   options.pocket_options.probe_radius = options.probe_radius;

@@ -100,7 +100,9 @@ struct MeasureCommandOptions {
   std::filesystem::path output_directory = ".";   ///< of the tables
   std::filesystem::path csv;                      ///< file of --csv; empty if there is none
   bool prints_csv = false;  ///< whether the table of --csv is printed in place of the report
-  int threads = 0;          ///< 0 means all available processors
+  bool resume = false;
+  std::optional<std::string> resumed;  ///< see resume_identity
+  int threads = 0;                     ///< 0 means all available processors
   bool json = false;
   bool quiet = false;
   bool strict = false;  ///< whether warnings are errors

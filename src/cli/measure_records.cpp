@@ -76,6 +76,14 @@ Json piece_json(const MeasuredAtoms& atoms, const Piece& piece) {
           {"first_atom", piece.atoms.empty() ? 0 : serial_number(atoms, piece.atoms.front())}};
 }
 
+/// Returns the members of a pocket that concern its place.
+Json place_json(const PlacedPocket& placed) {
+  return {{"low", placed.low},
+          {"high", placed.high},
+          {"depth", placed.depth},
+          {"volume_at_place", placed.volume_at_place}};
+}
+
 Json pocket_json(const MeasuredAtoms& atoms, const Pocket& pocket) {
   Json item{{"volume", pocket.volume},         {"probe_center_volume", pocket.probe_center_volume},
             {"mouth_area", pocket.mouth_area}, {"mouths", pocket.mouth_count},
@@ -111,7 +119,15 @@ void append_pockets(const MeasuredAtoms& atoms, BufferedText& text) {
     record["residues"] = residues_of(atoms, pocket.atoms);
     return record;
   };
-  append_records("pocket", atoms.pockets, row, text);
+  const auto placed_row = [&](const PlacedPocket& placed) {
+    Json record = row(placed.pocket);
+    record.update(place_json(placed));
+    return record;
+  };
+  if (atoms.placed_pockets)
+    append_records("pocket", *atoms.placed_pockets, placed_row, text);
+  else
+    append_records("pocket", atoms.pockets, row, text);
 }
 
 }  // namespace eses::detail::cli

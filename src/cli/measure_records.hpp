@@ -10,6 +10,7 @@ namespace eses::detail::cli {
 Json cavity_json(const MeasuredAtoms& atoms, const Cavity& cavity);
 Json piece_json(const MeasuredAtoms& atoms, const Piece& piece);
 Json pocket_json(const MeasuredAtoms& atoms, const Pocket& pocket);
+Json place_json(const PlacedPocket& placed);
 
 /// Append a whole table.
 void append_cavities(const MeasuredAtoms& atoms, BufferedText& text);

@@ -128,7 +128,15 @@ std::string point_text(Vec3 point) {
   return formatted("{:.3f},{:.3f},{:.3f}", point.x, point.y, point.z);
 }
 
-std::string cavities_text(const MeasuredFile& file) {
+/// Returns why there is no cavity, at a place if there is one.
+std::string no_cavity_reason(const MeasureCommandOptions& options, const MeasuredFile& file) {
+  const std::size_t count = file.measures.cavities.size();
+  return count == 0
+             ? formatted("no cavity holds a probe of {} angstrom", options.probe_radius)
+             : formatted("no cavity has a probe centre at the place; all {} are elsewhere", count);
+}
+
+std::string cavities_text(const MeasureCommandOptions& options, const MeasuredFile& file) {
   const Measures& measures = file.measures;
   std::string text =
       formatted("{}, {}\n", counted(measures.pieces.size(), "piece"),
@@ -136,8 +144,7 @@ std::string cavities_text(const MeasuredFile& file) {
                                               : formatted("{} cavities", measures.cavities.size()));
   if (measures.cavities.empty()) return text;
   if (file.place && file.place->cavities.empty())
-    return text + formatted("no cavity has a probe centre at the place; all {} are elsewhere\n",
-                            measures.cavities.size());
+    return text + no_cavity_reason(options, file) + "\n";
   text +=
       "cavity  void (A^3)  centers (A^3)  SES area (A^2)  largest probe (A)  centroid (A)"
       "               atoms  overlaps\n";
@@ -171,7 +178,7 @@ void add_cavities(Json& object, const MeasuredFile& file) {
 }
 
 /// Returns why there is no pocket at a place.
-std::string no_pocket_text(const PocketOptions& search, const MeasuredPlace& place) {
+std::string no_pocket_reason(const PocketOptions& search, const MeasuredPlace& place) {
   const PlacedPockets& found = place.pockets;
   std::vector<std::string> reasons;
   const auto add = [&](double volume, std::string_view reason) {
@@ -187,7 +194,7 @@ std::string no_pocket_text(const PocketOptions& search, const MeasuredPlace& pla
   if (!place.place.atoms.empty())
     reasons.emplace_back("no probe touches its atoms in a pocket: they are buried, or outside");
   if (reasons.empty()) reasons.emplace_back("it is far from all atoms");
-  return formatted("no pocket at the place: {}\n", fmt::join(reasons, "; "));
+  return formatted("no pocket at the place: {}", fmt::join(reasons, "; "));
 }
 
 /// Returns the lines about the pockets at a place.
@@ -198,7 +205,7 @@ std::string placed_pockets_text(const MeasureCommandOptions& options, const Meas
       formatted("{} at {} for a large probe of {} angstrom on a grid of {} angstrom\n",
                 counted(place.pockets.pockets.size(), "pocket"), one_line(options.at->text),
                 search.large_probe_radius, search.spacing);
-  if (place.pockets.pockets.empty()) return text + no_pocket_text(search, place);
+  if (place.pockets.pockets.empty()) return text + no_pocket_reason(search, place) + "\n";
   text += "pocket  volume (A^3)  at place (A^3)  mouth area (A^2)  mouths  depth (A)  atoms\n";
   std::string details;
   for (std::size_t k = 0; k < place.pockets.pockets.size(); ++k) {
@@ -240,13 +247,8 @@ void add_place(Json& object, const MeasureCommandOptions& options, const Measure
   const MeasuredPlace& place = *file.place;
   Json item{{"place", options.at->text}, {"left_out_atoms", place.left_out}};
   if (options.pockets) {
-    for (std::size_t k = 0; k < place.pockets.pockets.size(); ++k) {
-      const PlacedPocket& placed = place.pockets.pockets[k];
-      object["pockets"][k].update({{"low", placed.low},
-                                   {"high", placed.high},
-                                   {"depth", placed.depth},
-                                   {"volume_at_place", placed.volume_at_place}});
-    }
+    for (std::size_t k = 0; k < place.pockets.pockets.size(); ++k)
+      object["pockets"][k].update(place_json(place.pockets.pockets[k]));
     item.update({{"inside_volume", place.pockets.inside_volume},
                  {"outside_volume", place.pockets.outside_volume},
                  {"shallow_volume", place.pockets.shallow_volume},
@@ -371,7 +373,7 @@ std::vector<Column> columns_of(const MeasureCommandOptions& options) {
           {name, 15, [of = area](const MeasuredFile& file) { return file.buried(of); }});
   for (std::size_t k = 0; k < options.reports.size(); ++k) {
     const auto add = [&](std::string_view area, double ReportedAtoms::*member) {
-      const std::string name = formatted("{} of {}", area, name_of(options.reports[k]));
+      const std::string name = formatted("{} of {}", area, options.reports[k].text);
       columns.push_back(
           {name, static_cast<int>(std::max<std::size_t>(name.size(), 14)),
            [k, member](const MeasuredFile& file) { return file.reports[k].*member; }});
@@ -401,13 +403,37 @@ std::string measure_text(const MeasureCommandOptions& options, const MeasuredFil
   if (surfaces.has_ses()) text += patches_text(measures);
   text += chains_text(surfaces, file);
   if (file.surface.max_filled_void()) text += filling_text(measures.filled_cavities);
-  if (options.cavities) text += cavities_text(file);
+  if (options.cavities) text += cavities_text(options, file);
   if (file.place && file.place->left_out > 0)
     text += formatted("left out: {} of {}\n", counted(file.place->left_out, "atom"),
                       one_line(options.at->text));
   if (options.pockets)
     text += file.place ? placed_pockets_text(options, file) : pockets_text(options, file.pockets);
   return text + reports_text(surfaces, file) + parts_text(surfaces, file);
+}
+
+std::vector<std::string> empty_table_notes(const MeasureCommandOptions& options,
+                                           const MeasuredFile& file) {
+  std::vector<std::string> reasons, notes;
+  const bool has_cavities =
+      file.place ? !file.place->cavities.empty() : !file.measures.cavities.empty();
+  const PocketOptions& search = options.pocket_options;
+  const Pockets& found = file.pockets;
+  for (const Table* const table : options.needed_tables()) {
+    if (table->name == "cavities" && !has_cavities)
+      reasons.push_back(no_cavity_reason(options, file));
+    if (table->name != "pockets" || !found.pockets.empty()) continue;
+    reasons.push_back(
+        file.place ? no_pocket_reason(search, *file.place)
+                   : formatted("no pocket is large enough (--min-pocket-volume): the probe of {} "
+                               "reaches {:.2f} A^3 that the one of {} does not, of these {:.2f} "
+                               "A^3 in no pocket",
+                               options.probe_radius, found.difference_volume,
+                               search.large_probe_radius, found.shallow_volume));
+  }
+  for (const std::string& reason : reasons)
+    notes.push_back(formatted("{}: {}", input_name(file.path), reason));
+  return notes;
 }
 
 std::string measure_heading(const MeasureCommandOptions& options) {

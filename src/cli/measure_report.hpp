@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <string>
+#include <vector>
 
 #include "cli/measured_file.hpp"
 
@@ -10,6 +11,10 @@ namespace eses::detail::cli {
 
 /// Returns the report on a single file.
 std::string measure_text(const MeasureCommandOptions& options, const MeasuredFile& file);
+
+/// Returns the reasons why tables of cavities and pockets have no rows.
+std::vector<std::string> empty_table_notes(const MeasureCommandOptions& options,
+                                           const MeasuredFile& file);
 
 /// Returns the heading of the lines of several files.
 std::string measure_heading(const MeasureCommandOptions& options);

@@ -149,7 +149,7 @@ MeasuredPart measure_part(std::uint32_t part, const MeasureOptions& options, Mea
 ReportedAtoms reported_atoms(const PartSelector& selector, const std::vector<bool>& is_in,
                              const std::vector<bool>& are_polar, const MeasuredFile& file) {
   const eses::AtomAreas& areas = file.measures.by_atom;
-  ReportedAtoms report{.name = name_of(selector), .atoms = {}, .relative_sas = {}};
+  ReportedAtoms report{.name = selector.text, .atoms = {}, .relative_sas = {}};
   std::vector<AtomLabel> labels;
   for (AtomIndex i = 0; i < is_in.size(); ++i) {
     if (!is_in[i]) continue;
@@ -216,7 +216,10 @@ MeasuredAtoms MeasuredFile::table() const {
                       measures.pieces,  pockets.pockets};
   atoms.reference = reference;
   atoms.chains = label_chains();
-  if (place) atoms.chosen_cavities = place->cavities;
+  if (place) {
+    atoms.chosen_cavities = place->cavities;
+    atoms.placed_pockets = place->pockets.pockets;
+  }
   if (parts.empty()) return atoms;
   atoms.areas_alone = &areas_alone;
   atoms.parts = part_of_atom;

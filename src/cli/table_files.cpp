@@ -1,6 +1,7 @@
 #include "cli/table_files.hpp"
 
 #include <fmt/ranges.h>
+#include <unistd.h>
 
 #include <set>
 #include <system_error>
@@ -8,6 +9,7 @@
 
 #include "cli/messages.hpp"
 #include "eses/error.hpp"
+#include "eses/version.hpp"
 #include "system/formatted.hpp"
 #include "system/gzip.hpp"
 
@@ -37,6 +39,14 @@ void check_outputs(std::span<const ReadFile> read, const std::vector<std::string
   }
 }
 
+/// Returns the path of the log of results: beside the table of --csv, or in the directory of the
+/// tables.
+std::string log_path(const TableChoice& choice) {
+  if (choice.csv.empty()) return choice.names.empty() ? "" : result_log_path(choice.directory);
+  const auto [parent, name] = end_of_links(choice.csv);
+  return result_log_path(parent, name);
+}
+
 /// Returns the paths of the files. Throws Error if one of them cannot be written.
 OutputPaths paths_of(const TableChoice& choice, std::span<const ReadFile> read) {
   OutputPaths paths;
@@ -49,7 +59,9 @@ OutputPaths paths_of(const TableChoice& choice, std::span<const ReadFile> read) 
     paths.final.back() = choice.csv;  // for messages
     paths.locks.push_back(lock_path(parent, name));
   }
-  check_outputs(read, paths.final);
+  std::vector<std::string> all = paths.final;
+  if (const std::string log = log_path(choice); !log.empty()) all.push_back(log);
+  check_outputs(read, all);
   return paths;
 }
 
@@ -63,6 +75,17 @@ std::string table_name(const std::filesystem::path& input, std::string_view endi
 
 bool is_standard_output(const std::string& name) {
   return name == "-" || name == "/dev/stdout" || name == "/dev/fd/1";
+}
+
+std::optional<std::string> resume_identity(const CLI::App& app, bool is_resumed,
+                                           const std::filesystem::path& radii) {
+  if (!is_resumed) return std::nullopt;
+  std::string identity = formatted("eses-blocks {} {}\n{}", version, app.get_name(),
+                                   given_options(app, {"--resume", "--csv", "--files-from",
+                                                       "--recursive", "--threads", "--quiet"}));
+  if (const auto file = key_of_input(radii, 0))
+    identity += formatted("radii {} {:08x}\n", file->bytes, file->checksum);
+  return identity;
 }
 
 std::vector<ReadFile> files_that_are_read(std::span<const std::filesystem::path> inputs,
@@ -83,16 +106,20 @@ std::string written_text(const std::filesystem::path& directory,
 
 TableFiles::TableFiles(const TableChoice& choice, std::span<const ReadFile> read,
                        const std::function<bool(std::string_view name)>& is_table)
-    : run_(paths_of(choice, read)) {
+    : run_(paths_of(choice, read)),
+      directory_of_tables_(choice.directory),
+      log_path_(log_path(choice)) {
   if (!choice.names.empty()) {
     directory_.emplace(choice.directory);
     run_.check();  // a signal removes the lock from now on
     directory_->remove_abandoned(is_table);
   }
-  if (choice.csv.empty()) return;
-  const auto [parent, name] = end_of_links(choice.csv);
-  directory_of_csv_.emplace(parent, name);
-  csv_.emplace(*directory_of_csv_, name);
+  if (!choice.csv.empty()) {
+    const auto [parent, name] = end_of_links(choice.csv);
+    directory_of_csv_.emplace(parent, name);
+    csv_.emplace(*directory_of_csv_, name);
+  }
+  if (choice.resumed) log_.emplace(log_path_, *choice.resumed);
 }
 
 void TableFiles::write(std::span<const TableContent> contents) const {
@@ -104,10 +131,51 @@ void TableFiles::write(std::span<const TableContent> contents) const {
   commit_all(files);
 }
 
-void TableFiles::finish() {
-  if (!csv_) return;
-  csv_->close();
-  csv_->commit();
+std::uint64_t TableFiles::bytes_of(std::span<const std::string> names) const {
+  std::uint64_t sum = names.size();  // distinguishes missing tables from empty ones
+  for (const std::string& name : names) {
+    std::error_code error;
+    const std::uint64_t bytes = std::filesystem::file_size(directory_of_tables_ / name, error);
+    if (error)
+      --sum;
+    else
+      sum += bytes;
+  }
+  return sum;
+}
+
+ResumedInput TableFiles::resume(const std::filesystem::path& input, int model,
+                                std::span<const std::string> names) {
+  if (!log_) return {};
+  ResumedInput resumed{.key = key_of_input(input, model), .result = {}};
+  if (!resumed.key) return resumed;
+  resumed.key->table_bytes = bytes_of(names);
+  resumed.result = log_->find(*resumed.key);
+  if (resumed.result) ++resumed_count_;
+  return resumed;
+}
+
+void TableFiles::keep(const ResumedInput& input, std::span<const std::string> names,
+                      const InputResult& result) {
+  if (!input.key) return;
+  InputKey key = *input.key;
+  key.table_bytes = bytes_of(names);
+  log_->add(key, result);
+}
+
+void TableFiles::finish(bool has_errors, bool is_quiet) {
+  if (csv_) {
+    csv_->close();
+    csv_->commit();
+  }
+  if (log_ && resumed_count_ > 0 && !is_quiet)
+    print_message("note",
+                  formatted("{} of an earlier run kept", counted(resumed_count_.load(), "result")));
+  if (log_ && has_errors) {
+    if (!is_quiet) print_message("note", "the same command measures only the files that failed");
+  } else if (!log_path_.empty()) {
+    unlink(log_path_.c_str());
+  }
 }
 
 }  // namespace eses::detail::cli

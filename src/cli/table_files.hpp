@@ -1,6 +1,8 @@
 #pragma once
 /// The files of `eses-blocks measure` and `interface`: tables of each input, and a table of all.
 
+#include <atomic>
+#include <cstddef>
 #include <filesystem>
 #include <functional>
 #include <memory>
@@ -15,6 +17,7 @@
 #include "output/file_path.hpp"
 #include "output/output_directory.hpp"
 #include "output/output_file.hpp"
+#include "output/result_log.hpp"
 #include "system/formatted.hpp"
 
 namespace eses::detail::cli {
@@ -26,17 +29,25 @@ std::string table_name(const std::filesystem::path& input, std::string_view endi
 /// Returns whether a name is that of standard output, also as a file.
 bool is_standard_output(const std::string& name);
 
-/// Adds --output-dir and --csv to a command that has --write.
+/// Adds --output-dir, --csv and --resume to a command that has --write.
 template <class Options>
 void add_table_files(CLI::App& app, Options& options, const std::string& csv_description) {
   add_value(app, "-o,--output-dir", "DIR", "directory of the tables, created if missing [.]",
             options.output_directory, any_text("a directory"))
       ->needs("--write");
   add_value(app, "--csv", "FILE", csv_description, options.csv, any_text("a file"));
+  add_flag(app, "--resume", "keep finished results, and continue an interrupted run",
+           options.resume);
 }
 
-/// Throws UsageError if --output-dir is standard output, or if the table of --csv is printed and
-/// so is another output: JSON, or with `has_table` the table of --table.
+/// Returns a text that identifies the results of a run with --resume: the options of the command
+/// that affect results, and the content of the file of --radii. Returns nothing without --resume.
+std::optional<std::string> resume_identity(const CLI::App& app, bool is_resumed,
+                                           const std::filesystem::path& radii);
+
+/// Throws UsageError if --output-dir is standard output, if the table of --csv is printed and so is
+/// another output (JSON, or with `has_table` the table of --table), or if --resume has no file
+/// beside which results are kept.
 template <class Options>
 void check_table_files(const Options& options, bool has_table) {
   if (options.output_directory == "-")
@@ -44,6 +55,8 @@ void check_table_files(const Options& options, bool has_table) {
   if (options.prints_csv && (options.json || has_table))
     throw UsageError(
         formatted("--csv - cannot be combined with {}", options.json ? "--json" : "--table"));
+  if (options.resume && options.csv.empty() && options.written_tables.empty())
+    throw UsageError("--resume needs --csv FILE or --write: results are kept beside these files");
 }
 
 /// Returns the files that a command reads: inputs, the file of --radii, and that of --files-from.
@@ -60,6 +73,8 @@ struct TableChoice {
   std::filesystem::path directory;  ///< of the tables of inputs
   std::vector<std::string> names;   ///< of the tables of inputs; empty if there are none
   std::filesystem::path csv;        ///< file of --csv; empty if there is none
+  /// With --resume and several inputs, a text that identifies the run; see resume_identity.
+  std::optional<std::string> resumed = {};
 };
 
 /// A table of an input, and a function that appends its text to a file.
@@ -68,7 +83,14 @@ struct TableContent {
   std::function<void(OutputFile& file)> append;
 };
 
-/// The files of a run of a command. A signal removes those that are not complete.
+/// An input whose result is kept with --resume.
+struct ResumedInput {
+  std::optional<InputKey> key;        ///< nothing if results are not kept
+  std::optional<InputResult> result;  ///< of an earlier run
+};
+
+/// The files of a run of a command. A signal removes those that are not complete, except the log of
+/// results of --resume.
 class TableFiles {
  public:
   /// Creates the directories and the file of --csv. `is_table` accepts names that may be left of
@@ -86,11 +108,26 @@ class TableFiles {
   /// The file of --csv; null if there is none.
   OutputFile* csv() { return csv_ ? &*csv_ : nullptr; }
 
-  /// Completes the file of --csv.
-  void finish();
+  /// Looks for the result of an input with the tables `names`. Several threads may call it.
+  ResumedInput resume(const std::filesystem::path& input, int model,
+                      std::span<const std::string> names);
+
+  /// Keeps the result of an input whose tables have been written. Several threads may call it.
+  void keep(const ResumedInput& input, std::span<const std::string> names,
+            const InputResult& result);
+
+  /// Completes the file of --csv. Removes the log of results, unless files could not be measured
+  /// and the same command can try them again. Prints notes about that, unless `is_quiet`.
+  void finish(bool has_errors, bool is_quiet);
 
  private:
+  std::uint64_t bytes_of(std::span<const std::string> names) const;
+
   InterruptibleRun run_;
+  std::filesystem::path directory_of_tables_;
+  std::string log_path_;  // empty if no files are written
+  std::optional<ResultLog> log_;
+  std::atomic<std::size_t> resumed_count_ = 0;
   std::optional<OutputDirectory> directory_, directory_of_csv_;
   std::optional<OutputFile> csv_;
 };

@@ -27,6 +27,8 @@ class File {
   void write_at(std::span<const char> bytes, std::uint64_t offset);
   /// Writes bytes after the bytes that were appended before.
   void append(std::span<const char> bytes);
+  /// Sets the offset at which the next bytes are appended.
+  void append_from(std::uint64_t offset) { appended_ = offset; }
   /// Returns the number of bytes in the file.
   std::uint64_t size() const;
   /// Reads bytes before the end of the file. Bytes in gaps that were never written are 0.

@@ -35,6 +35,7 @@
 #include "eses/atoms.hpp"
 #include "eses/cavities.hpp"
 #include "eses/measure.hpp"
+#include "eses/place.hpp"
 #include "eses/pockets.hpp"
 #include "eses/read_atoms.hpp"
 #include "eses/residue_areas.hpp"
@@ -64,6 +65,8 @@ struct MeasuredAtoms {
   std::span<const ChainName> chains = {};
   /// Indices of the cavities to write, ascending; nothing for all.
   std::optional<std::span<const std::size_t>> chosen_cavities = {};
+  /// The pockets with what concerns their place, if there is one.
+  std::optional<std::span<const PlacedPocket>> placed_pockets = {};
 
   bool is_chosen(std::size_t cavity) const {
     return !chosen_cavities || std::ranges::binary_search(*chosen_cavities, cavity);

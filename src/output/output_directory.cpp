@@ -47,8 +47,8 @@ std::string hidden_stem(const std::string& name) {
   return formatted("{}~{:016x}{}", name.substr(0, start), hash, name.substr(name.size() - end));
 }
 
-std::string lock_name_of(const std::string& file) {
-  return file.empty() ? std::string(lock_name) : formatted(".{}{}", hidden_stem(file), lock_name);
+std::string hidden_name(const std::string& file, std::string_view suffix) {
+  return file.empty() ? std::string(suffix) : formatted(".{}{}", hidden_stem(file), suffix);
 }
 
 FileDescriptor open_lock(const FileDescriptor& directory, const std::string& name) {
@@ -91,8 +91,13 @@ std::string_view final_name(std::string_view file) {
 
 }  // namespace
 
+std::string hidden_path(const std::filesystem::path& directory, const std::string& file,
+                        std::string_view suffix) {
+  return path_in(directory, hidden_name(file, suffix));
+}
+
 std::string lock_path(const std::filesystem::path& directory, const std::string& file) {
-  return path_in(directory, lock_name_of(file));
+  return hidden_path(directory, file, lock_name);
 }
 
 std::string path_in(const std::filesystem::path& directory, const std::string& name) {
@@ -111,7 +116,7 @@ void OutputPaths::add(const std::filesystem::path& directory, const std::string&
 OutputDirectory::OutputDirectory(std::filesystem::path path, std::string file, Access access)
     : path_(std::move(path)),
       file_(std::move(file)),
-      lock_name_(lock_name_of(file_)),
+      lock_name_(hidden_name(file_, lock_name)),
       access_(access),
       directory_(open_directory(path_)) {
   while (!try_lock()) {

@@ -19,6 +19,11 @@ std::string path_in(const std::filesystem::path& directory, const std::string& n
 /// Temporary name under which this process writes the file `name` until it is complete.
 std::string temporary_name(const std::string& name);
 
+/// Path of a hidden file in `directory` that belongs to the file `file`, or to the directory if
+/// `file` is empty. It ends with `suffix`.
+std::string hidden_path(const std::filesystem::path& directory, const std::string& file,
+                        std::string_view suffix);
+
 /// Path of the lock file in `directory`: of the directory if `file` is empty, else of that file.
 std::string lock_path(const std::filesystem::path& directory, const std::string& file = "");
 

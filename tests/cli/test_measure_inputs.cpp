@@ -103,7 +103,7 @@ TEST_CASE("measure: bad requests are refused") {
   check_usage_error(box, {"measure", "dimer.pqr", "--table", "rsa", "--json"},
                     "--table excludes --json; use only one of them");
   check_usage_error(box, {"measure", "dimer.pqr", "two.xyzr", "--table", "atoms"},
-                    "--table prints the table of a single file; use --write");
+                    "--table prints the table of a single file or model; use --write atoms");
   check_usage_error(
       box, {"measure", "two.xyzr", "--table", "rsa"},
       "--table rsa needs a PQR, PDB or mmCIF file; two.xyzr is read as xyzr, which has no "

@@ -92,7 +92,7 @@ bool allocation_fails() { return std::string_view("alloc") == fault.call.data() 
 
 bool is_output(std::string_view path) {
   return path.ends_with(".part") || path.ends_with(".eses-blocks.lock") ||
-         path.find("/.eses-blocks.resume/") != path.npos;
+         path.ends_with(".eses-blocks.results") || path.find("/.eses-blocks.resume/") != path.npos;
 }
 
 bool call_fails(std::string_view call) {

@@ -107,7 +107,8 @@ class FaultTest(TestCase):
         streams = {"stdin": subprocess.DEVNULL, "stdout": subprocess.PIPE,
                    "stderr": subprocess.PIPE, **how}
         executable = PROGRAM if spoil is None else FAULTY_PROGRAM
-        writes = [] if arguments[0] == "interface" and "--write" not in arguments else ["-o", self.output]
+        has_tables = arguments[0] not in ("interface", "measure") or "--write" in arguments
+        writes = ["-o", self.output] if has_tables else []
         program = subprocess.Popen([executable, *map(str, arguments), *writes],
                                    env=environment, text=True, preexec_fn=prepare, **streams)
         self.addCleanup(self.end, program)

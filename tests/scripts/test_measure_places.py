@@ -99,7 +99,7 @@ class Models(Case):
         self.assertIn("expected all, or a whole number", self.call("measure", self.path, "--model", "x", code=2).stderr)
         self.assertIn("is read as PQR", self.call("measure", DATA / "fas2.pqr", "--model", "all", code=2).stderr)
         self.call("interface", self.path, "--model", "all", code=2)
-        self.assertIn("prints the table of a single file",
+        self.assertIn("prints the table of a single file or model; use --write atoms",
                       self.call("measure", self.path, "--model", "all", "--table", "atoms", code=2).stderr)
 
     def test_left_out_atoms_are_counted(self):
@@ -135,9 +135,25 @@ class Reports(Case):
         self.call("measure", path, path, "--report", "B", "--csv", table)
         self.assertGreater(float(self.rows(table)[1]["sas_area of B"]), 0)
 
+    def test_names_are_those_of_the_option(self):
+        path = self.file("a.pdb", peptide())
+        texts = ["ligand:ALA", "ligand:B/5", "A+B", "//A/2"]
+        reports = [argument for text in texts for argument in ("--report", text)]
+        found, = self.json("measure", path, *reports)
+        self.assertEqual([each["name"] for each in found["reports"]], texts)
+        lines = self.call("measure", path, *reports).stdout
+        for text in texts:
+            self.assertIn(f"report {text}: ", lines)
+        heading = self.call("measure", path, path, *reports, "--csv", "-").stdout.splitlines()[0]
+        for text in texts:
+            self.assertIn(f",sas_area of {text},", heading)
+
     def test_errors(self):
         path = self.file("a.pdb", peptide())
         self.assertIn("C", self.call("measure", path, "--report", "C", code=1).stderr)
+        for text in ("5", "B:5", "resid 5", "ALA 5", "ALA5", "B:ALA 5", ":5"):
+            done = self.call("measure", path, "--report", text, code=1)
+            self.assertTrue(done.stderr.endswith("; residue 5 is //B/5\n"), done.stderr)
         self.call("measure", path, "--report", "A", "--parts", "chains", code=2)
         self.call("measure", DATA / "c60.xyzr", "--report", "A", code=2)
 
@@ -162,9 +178,39 @@ class Places(Case):
         self.assertAlmostEqual(deeper["pockets"][0]["depth"] - pocket["depth"], 2.5, delta=0.5)
         alone, = self.json("measure", path, "--pockets", "--select", "(!LIG)", "--large-probe", "6")
         self.assertIn(pocket["volume"], [each["volume"] for each in alone["pockets"]])
+        for text in ("ligand:A/999", "ligand:A/LIG", "ligand://A/999", "ligand:(LIG)"):
+            other, = self.json("measure", path, "--pockets", "--at", text, "--large-probe", "6")
+            self.assertEqual(other["pockets"], found["pockets"])
         text = self.call("measure", path, "--pockets", "--at", "ligand:LIG", "--large-probe", "6").stdout
         self.assertIn("left out: 1 atom of ligand:LIG\n", text)
         self.assertIn("pocket 1: centre ", text)
+
+    def test_tables_have_the_values_of_json(self):
+        path = self.file("cup.pdb", cup(3))
+        arguments = ("measure", path, "--at", "ligand:LIG", "--large-probe", "6")
+        found, = self.json(*arguments, "--pockets")
+        row, = csv.DictReader(io.StringIO(self.call(*arguments, "--table", "pockets").stdout))
+        pocket, = found["pockets"]
+        for name in ("depth", "volume_at_place", "volume"):
+            self.assertEqual(row[name], f"{pocket[name]:.6f}")
+        for name in ("low", "high", "centroid"):
+            self.assertEqual([row[f"{name}_{axis}"] for axis in "xyz"], [f"{value:.6f}" for value in pocket[name]])
+
+    def test_empty_tables_have_a_reason(self):
+        path = self.file("cup.pdb", cup(3))
+        nothing = ("--min-pocket-volume", 1e6, "--large-probe", "6")
+        for arguments, reason in ((("--table", "pockets", *nothing), "no pocket is large enough (--min-pocket-volume): "),
+                                  (("--table", "pockets", "--at", "0,0,30", *nothing),
+                                   "no pocket at the place: it is far from all atoms\n"),
+                                  (("--table", "cavities", "--probe-radius", "5"),
+                                   "no cavity holds a probe of 5 angstrom\n")):
+            done = self.call("measure", path, *arguments)
+            self.assertEqual(done.stdout.count("\n"), 1)
+            self.assertIn(f"note: {path}: {reason}", done.stderr)
+            self.assertEqual(self.call("measure", path, *arguments, "-q").stderr, "")
+        done = self.call("measure", path, "--write", "pockets", "-o", self.folder, *nothing)
+        self.assertIn("no pocket is large enough", done.stderr)
+        self.assertNotIn("no pocket", self.call("measure", path, "--table", "pockets", "--large-probe", "6").stderr)
 
     def test_the_same_pocket_at_a_point_a_box_and_atoms(self):
         path = self.file("cup.pdb", cup(3))
@@ -202,6 +248,10 @@ class Places(Case):
     def test_errors(self):
         for arguments in (["--at", "1,2,3"], ["--pockets", "--at", "1,2,3,0,0,0"], ["--pockets", "--at", "A"]):
             self.call("measure", DATA / "c60.xyzr", *arguments, code=2)
+        path = self.file("a.pdb", peptide())
+        for text in ("10,20", "nan,0,0", "1,2,inf", "1,2,3,4", "1,2,3,0,0,0", "1,2,3,4,5,nan"):
+            done = self.call("measure", path, "--pockets", "--at", text, code=2)
+            self.assertIn(f"--at is '{text}', expected three numbers X,Y,Z, six X0,Y0,Z0,X1,Y1,Z1", done.stderr)
 
 
 class Interfaces(Case):
@@ -220,6 +270,36 @@ class Interfaces(Case):
         self.assertAlmostEqual(sum(float(line[60:66]) for line in atoms), lost, delta=0.006 * len(atoms))
         done = self.call("measure", out, code=1)  # has only files of areas
         self.assertIn("besides 2 files of areas that --write has written", done.stderr)
+
+    def test_ligands(self):
+        path = self.file("a.pdb", peptide() + atom_line(31, "C1", "LIG", "B", 401, (2, 3.5, 2), "HETATM"))
+        found, = self.json("interface", path, "--ligand", "LIG")
+        self.assertEqual(len(found["interfaces"]), 1)
+        for text in ("B/401", "B/LIG", "//B/401", "(LIG)"):
+            self.assertEqual(self.json("interface", path, "--ligand", text), [found])
+        each, = self.json("interface", path, "--ligand", "//A")
+        self.assertEqual({interface["first"]["name"] for interface in each["interfaces"]},
+                         {f"A:ALA {i}" for i in (1, 2, 3)})
+        for text, advice in (("lig", "no atoms of residue lig, which --ligand names; the residues are LIG, ALA; did you "
+                              "mean LIG?"), ("401", "; residue 401 is B/401"),
+                             ("A/401", "no atoms of ligand A/401, which --ligand names; the ligands are B/401 (LIG)")):
+            done = self.call("interface", path, "--ligand", text, code=1)
+            self.assertTrue(done.stderr.endswith(f"{advice}\n"), done.stderr)
+
+    def test_empty_tables_have_a_reason(self):
+        path = self.file("far.pdb", peptide() + atom_line(31, "C1", "LIG", "C", 401, (90, 0, 0), "HETATM"))
+        for arguments, reason in ((["--groups", "A", "C"], "the two sides do not touch each other"),
+                                  (["--ligand", "LIG"], "the ligand touches no other atoms"),
+                                  (["--area-cutoff", "999"], "no interface has 999 A^2, the area of --area-cutoff"),
+                                  (["--chains", "A"], "the file has a single chain; --ligand NAME, --groups and "
+                                   "--assembly ID choose other sides"),
+                                  (["--chains", "A,C"], "no chains touch each other")):
+            self.assertIn(f"\n{reason}\n", self.call("interface", path, *arguments).stdout)
+            for table in (["--table", "residues"], ["--csv", "-"]):
+                done = self.call("interface", path, *arguments, *table)
+                self.assertEqual(done.stdout.count("\n"), 1)
+                self.assertIn(f"note: {path}: {reason}\n", done.stderr)
+                self.assertEqual(self.call("interface", path, *arguments, *table, "-q").stderr, "")
 
     def test_csv(self):
         path, missing, table = self.file("a.pdb", peptide()), str(self.folder / "no.pdb"), self.folder / "all.csv"
