@@ -7,6 +7,8 @@
 #include <vector>
 
 #include "eses/atoms.hpp"
+#include "eses/diagnostics.hpp"
+#include "eses/vec3.hpp"
 
 #pragma GCC visibility push(default)
 namespace eses {
@@ -30,6 +32,23 @@ struct NamedRadii {
 /// element follows from the names, as for PQR files; deuterium (D) is hydrogen. Throws Error if the
 /// set is unknown or its file cannot be read.
 NamedRadii find_radii(std::span<const AtomLabel> atoms, const std::string& set = "protor");
+
+/// Corrects elements that a program has derived from names, and adds those of ions that lack them.
+/// An atom that is named as an ion and alone in its residue is an ion. Names tell the elements of
+/// amino acids and nucleotides. In other residues, an element is replaced if the length of the
+/// shortest bond contradicts it, as that of CL1 to be carbon, or of NA to be sodium. Atoms without
+/// a residue name keep their elements. Returns the atoms whose elements have changed, ascending.
+/// The numbers of centres and labels are the same; consecutive atoms with the same chain, residue
+/// and number belong to the same residue.
+std::vector<AtomIndex> correct_elements(std::span<const Vec3> centers, std::span<AtomLabel> labels);
+
+/// Returns whether each atom belongs to a molecule of water, by the names in the PDB, in force
+/// fields and, for beads, in coarse-grained models. Labels are those of correct_elements.
+std::vector<bool> find_waters(std::span<const AtomLabel> atoms);
+
+/// Returns the diagnostics one_atom_residue and foreign_residue of the residues of these atoms. The
+/// residues may be parts, so a missing backbone is no diagnostic.
+std::vector<Diagnostic> check_residues(std::span<const AtomLabel> atoms);
 
 /// Returns whether each atom is polar. Apolar are carbon, boron, silicon, and halogens that are not
 /// alone in their residue. All others are polar: nitrogen, oxygen, sulfur, phosphorus and selenium,

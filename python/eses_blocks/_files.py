@@ -113,6 +113,23 @@ def values_in_lines(text: bytes, column: bytes, lines: list[int]) -> Optional[li
     return found
 
 
+class RowsOfFile:
+    """The rows of a file from which its atoms were read. Rows of an mmCIF file may be in the same line, and images of an
+    assembly are from the same row, so that the centres distinguish them."""
+
+    def __init__(self, atoms: Any) -> None:
+        self._lines = atoms.lines.copy()  # a view would keep all atoms
+        has_shared_lines = (self._lines[1:] == self._lines[:-1]).any()
+        self._centers = atoms.centers.copy() if has_shared_lines else None
+
+    def marks(self, atoms: Any) -> Any:
+        """Returns the mask of the atoms that are among others of the file."""
+        if self._centers is None:
+            return np.isin(self._lines, atoms.lines)
+        known = set(zip(atoms.lines.tolist(), map(tuple, atoms.centers.tolist())))
+        return np.array([row in known for row in zip(self._lines.tolist(), map(tuple, self._centers.tolist()))], bool)
+
+
 def model_numbers(text: bytes, layout: str) -> list[int]:
     """Returns the numbers of the models of a text of the layout pdb, pqr or mmcif, in their order; [0] if it names none."""
     if layout != "mmcif":

@@ -15,15 +15,16 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _core, _foreign, adaptors
-from ._files import values_in_lines
-from ._radii import SOURCES, find_radii, radii_by_bonds, refuse_unknown
+from ._files import RowsOfFile, values_in_lines
+from ._radii import (SOURCES, correct_elements, find_dummies, find_radii, radii_by_bonds, refuse_unknown,
+                     warn_about_residues)
 from ._references import is_polymer
 from ._select import Selector
 
 _Texts = npt.NDArray[np.str_]
 _Bools = npt.NDArray[np.bool_]
 
-WATERS = frozenset("HOH WAT H2O DOD SOL TIP TIP2 TIP3 TIP4 TIP5 TP3 TP4 TP5 T3P T4P T5P SPC SPCE SPE OPC OP3".split())
+
 @dataclasses.dataclass(frozen=True)
 class Radii:
     """The set of radii of a molecule, and the atoms whose radius or element was guessed."""
@@ -221,10 +222,10 @@ def _read_file(found: Any, radii: str, unknown: Optional[float], waters: bool, h
         if given["chain_names"] == "label":
             source.columns.auth_chains = values_in_lines(text, b"auth_asym_id", lines)
 
-    lines_of_atoms = atoms.lines.copy()  # a view would keep all atoms
+    rows = RowsOfFile(atoms)
 
     def choose(text: str) -> _Bools:
-        return np.isin(lines_of_atoms, read(text).lines)
+        return rows.marks(read(text))
 
     if layout not in ("xyzr", "pqr"):
         source.select = choose
@@ -476,17 +477,19 @@ def _take_radii(named: _Named, radii: Any, set_name: str) -> _Choice:
 
 
 def _choose_atoms(named: _Named, columns: adaptors.Columns, which: str, waters: bool, hydrogens: str,
-                  unknown: Optional[float], selected: _Bools) -> _Choice:
-    """Assigns radii of a set and chooses the atoms that have them. Sets the elements that were derived from names."""
+                  unknown: Optional[float], selected: _Bools, corrected: _Bools, are_waters: _Bools) -> _Choice:
+    """Assigns radii of a set and chooses the atoms that have them. Sets the elements that were derived from names.
+    `corrected` and `are_waters` are the masks of `correct_elements`."""
     set_name, are_united, values, named.element, by_element, by_name = find_radii(
         named.residue, named.name, named.element, which)
     choice = _Choice(np.ones(len(values), bool), set_name, values, None, None, by_element)
     choice.drop(~selected, "selection")
     if columns.virtual is not None:
         choice.drop(columns.virtual, "virtual")
+    choice.drop(find_dummies(named.positions, columns.occupancies), "dummy")
     choice.drop(_other_locations(columns, named.chain, named.residue_number, named.icode, named.name), "altloc")
     if not waters:
-        choice.drop(np.isin(named.residue, list(WATERS)), "water")
+        choice.drop(are_waters, "water")
     if hydrogens == "drop" or (hydrogens == "auto" and are_united):
         choice.drop(named.element == "H", "hydrogen")
     is_unknown = np.isnan(values) & choice.keep
@@ -497,7 +500,7 @@ def _choose_atoms(named: _Named, columns: adaptors.Columns, which: str, waters: 
             choice.radii = np.where(np.isnan(values), unknown, values)
     # The names of amino acids and nucleotides leave no doubt about the element.
     polymer = [name for name in set(named.residue.tolist()) if is_polymer(name)]
-    is_guessed = by_element | (by_name & ~np.isin(named.residue, polymer))
+    is_guessed = by_element | ((by_name | corrected) & ~np.isin(named.residue, polymer))
     choice.guessed = np.flatnonzero(is_guessed & choice.keep & ~is_unknown)
     choice.unknown = np.flatnonzero(is_unknown)
     return choice
@@ -522,6 +525,7 @@ def _read(found: Any, radii: Any, waters: bool, hydrogens: str, unknown: Optiona
     radii = "protor" if by_bonds else radii
     source = _source_of(found, radii, unknown, waters, hydrogens, frame, options)
     named = _arrays_of(source.columns)
+    marks = () if source.are_read else correct_elements(named)
     selector = Selector(named, source.select, not source.are_read)
     selects_all = source.chosen is None or (isinstance(source.chosen, str) and not source.chosen)
     selected = np.ones(len(named.name), bool) if selects_all else selector.mask(source.chosen, "select")
@@ -535,7 +539,8 @@ def _read(found: Any, radii: Any, waters: bool, hydrogens: str, unknown: Optiona
         choice.left_out = dict(source.left_out)
         choice.drop(~selected, "selection")
     else:
-        choice = _choose_atoms(named, source.columns, which, waters, hydrogens, unknown, selected)
+        choice = _choose_atoms(named, source.columns, which, waters, hydrogens, unknown, selected, *marks)
+        warn_about_residues(named, choice.keep)
     if by_bonds and choice.set_name == "protor":
         _use_bonds(named, choice)
     if not choice.keep.any():

@@ -38,6 +38,36 @@ def find_radii(residue: _Texts, name: _Texts, element: _Texts, which: str) -> tu
             np.array(by_element, bool)[index], np.array(by_name, bool)[index])
 
 
+def _residue_columns(named: Any, chosen: Any) -> tuple[list[Any], ...]:
+    """Returns the indices of the residues of the chosen atoms, and the names of the residues, atoms and elements."""
+    columns = [column[chosen] for column in (named.chain, named.residue, named.residue_number, named.icode)]
+    starts = np.zeros(len(columns[0]), np.int64)
+    starts[1:] = np.any([column[1:] != column[:-1] for column in columns], axis=0)
+    return tuple(column.tolist() for column in (starts.cumsum(), columns[1], named.name[chosen], named.element[chosen]))
+
+
+def correct_elements(named: Any) -> tuple[_Bools, _Bools]:
+    """Corrects the elements that the library of an object has derived from the names. Returns the masks of the atoms
+    whose elements have changed, and of those of water."""
+    changed = np.zeros(len(named.name), bool)
+    symbols, indices, waters = _core._correct_elements(*_residue_columns(named, slice(None)), named.positions)
+    named.element = np.array(symbols, str)
+    changed[indices] = True
+    return changed, np.array(waters, bool)
+
+
+def warn_about_residues(named: Any, keep: _Bools) -> None:
+    """Warns of residues that are coarse-grained models or traces."""
+    _core._warn_about_residues(*_residue_columns(named, keep), np.flatnonzero(keep))
+
+
+def find_dummies(positions: Any, occupancies: Any) -> _Bools:
+    """Marks the atoms without occupancy at 9999 angstrom, by which programs mark missing atoms. An unknown occupancy
+    may be zero. Single precision in nanometres has errors below 0.001 angstrom."""
+    far: _Bools = (positions >= 9999 - 0.001).all(axis=1)
+    return far if occupancies is None else far & (np.array(occupancies, float) == 0)
+
+
 def radii_by_bonds(residue: _Texts, name: _Texts, element: _Texts, chosen: _Bools) -> Any:
     """Returns ProtOr radii of the chosen atoms by element, number of bonds and number of hydrogens in the Chemical
     Component Dictionary; not a number for other atoms, and for those that the dictionary or ProtOr does not have."""

@@ -103,7 +103,7 @@ class Selector:
         except Exception as error:  # those of other libraries
             if text.isdigit():
                 raise ValueError(f"{what}: no chain or residue {text!r}; {self._contents()}") from error
-            message = str(error).removeprefix("selection: ").replace(": --select: ", ": ")
+            message = str(error).removeprefix("selection: ").replace(": selection: ", ": ")
             raise ValueError(f"{what}: {message}") from error
         missing = next(name for name in chains if name not in known)
         where = np.flatnonzero(names.residue == missing)

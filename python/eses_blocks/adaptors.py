@@ -151,7 +151,8 @@ def _from_biopython(found: Any, frame: int) -> Columns:
         elements=["" if atom.element in (None, "X") else atom.element for atom in atoms],
         names=[atom.name for atom in atoms], residues=[residue.resname.strip() for residue in residues],
         numbers=[residue.id[1] for residue in residues], icodes=[residue.id[2].strip() for residue in residues],
-        chains=[residue.get_parent().id if residue.get_parent() else "" for residue in residues])
+        chains=[residue.get_parent().id if residue.get_parent() else "" for residue in residues],
+        occupancies=[1.0 if atom.occupancy is None else atom.occupancy for atom in atoms])
 
 
 def _from_biotite(found: Any, frame: int) -> Columns:
@@ -164,7 +165,7 @@ def _from_biotite(found: Any, frame: int) -> Columns:
 
     return Columns(centers=found.coord, elements=found.element.tolist(), names=found.atom_name.tolist(),
                    residues=found.res_name.tolist(), numbers=found.res_id.tolist(), icodes=column("ins_code"),
-                   chains=found.chain_id.tolist())
+                   chains=found.chain_id.tolist(), occupancies=column("occupancy"))
 
 
 def _from_rdkit(found: Any, frame: int) -> Columns:
@@ -188,6 +189,7 @@ def _from_rdkit(found: Any, frame: int) -> Columns:
         columns.numbers = [label.GetResidueNumber() for label in labels]
         columns.icodes = [label.GetInsertionCode().strip() for label in labels]
         columns.chains = [label.GetChainId().strip() for label in labels]
+        columns.occupancies = [label.GetOccupancy() for label in labels]
     return columns
 
 
@@ -204,7 +206,8 @@ def _from_ase(found: Any, frame: int) -> Columns:
 
     return Columns(centers=found.positions, elements=["" if symbol == "X" else symbol for symbol in symbols],
                    names=column("atomtypes") or symbols, residues=column("residuenames"),
-                   numbers=column("residuenumbers"), virtual=[symbol == "X" for symbol in symbols])
+                   numbers=column("residuenumbers"), occupancies=column("occupancy"),
+                   virtual=[symbol == "X" for symbol in symbols])
 
 
 def _from_parmed(found: Any, frame: int) -> Columns:
@@ -220,7 +223,8 @@ def _from_parmed(found: Any, frame: int) -> Columns:
         names=[atom.name for atom in atoms], residues=[atom.residue.name for atom in atoms],
         numbers=[atom.residue.number for atom in atoms],
         icodes=[atom.residue.insertion_code.strip() for atom in atoms],
-        chains=[atom.residue.chain or atom.residue.segid or "" for atom in atoms], virtual=is_virtual)
+        chains=[atom.residue.chain or atom.residue.segid or "" for atom in atoms],
+        occupancies=[atom.occupancy for atom in atoms], virtual=is_virtual)
 
 
 def _from_openmm(found: Any, frame: int) -> Columns:

@@ -211,6 +211,49 @@ py::tuple radii_of(const std::vector<std::string>& residues, const std::vector<s
   return py::make_tuple(found.set, found.are_united, radii, symbols, by_element, by_name);
 }
 
+// Returns labels of atoms, whose residues have indices.
+std::vector<AtomLabel> labels_of(const std::vector<std::int64_t>& residue_indices,
+                                 const std::vector<std::string>& residues,
+                                 const std::vector<std::string>& names,
+                                 const std::vector<std::string>& elements) {
+  std::vector<AtomLabel> labels(names.size());
+  for (std::size_t i = 0; i < names.size(); ++i)
+    labels[i] = {
+        {}, residues.at(i), std::to_string(residue_indices.at(i)), names[i], elements.at(i)};
+  return labels;
+}
+
+// Returns the elements of the atoms of another library, the indices of those that are not its, and
+// whether the atoms belong to water.
+py::tuple correct(const std::vector<std::int64_t>& residue_indices,
+                  const std::vector<std::string>& residues, const std::vector<std::string>& names,
+                  const std::vector<std::string>& elements, const py::array_t<double>& centers) {
+  std::vector<AtomLabel> labels = labels_of(residue_indices, residues, names, elements);
+  std::vector<Vec3> positions;
+  const auto values = centers.unchecked<2>();
+  for (py::ssize_t i = 0; i < values.shape(0); ++i)
+    positions.push_back({values(i, 0), values(i, 1), values(i, 2)});
+  const std::vector<AtomIndex> changed = correct_elements(positions, labels);
+  py::list symbols;
+  for (const AtomLabel& label : labels) symbols.append(label.element);
+  return py::make_tuple(symbols, changed, find_waters(labels));
+}
+
+// Warns of residues that are models of other kinds than all atoms. The indices are those of the
+// atoms in the molecule.
+void warn_about_residues(const std::vector<std::int64_t>& residue_indices,
+                         const std::vector<std::string>& residues,
+                         const std::vector<std::string>& names,
+                         const std::vector<std::string>& elements,
+                         const std::vector<AtomIndex>& indices) {
+  std::vector<Diagnostic> found =
+      check_residues(labels_of(residue_indices, residues, names, elements));
+  for (Diagnostic& diagnostic : found)
+    for (Diagnostic::Example& example : diagnostic.examples)
+      example.atom = indices.at(example.atom);
+  warn_about(found);
+}
+
 // Returns whether each atom is in a selection in gemmi's syntax; without one, whether it belongs to
 // a ligand.
 std::vector<bool> selected(const std::vector<std::array<std::string, 5>>& atoms,
@@ -454,6 +497,8 @@ void bind_atoms(py::module_& module) {
   module.def("_warn_about",
              [](const AtomFile& file, const py::str& name) { warn_about(file, name); });
   module.def("_find_radii", &radii_of);
+  module.def("_correct_elements", &correct);
+  module.def("_warn_about_residues", &warn_about_residues);
   module.def("_select_atoms", &selected);
   module.def("_maximum_area", &maximum_area);
   module.def("_source_of_reference", &source_of_reference);

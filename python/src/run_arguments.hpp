@@ -21,6 +21,10 @@ struct RunArguments {
   std::uint64_t max_memory = 0;
 };
 
+/// Returns the size of blocks as a number. Raises TypeError for other objects, and ValueError for a
+/// number that is too large to be one.
+std::int64_t block_size_of(const py::object& block_size);
+
 /// Returns a number of bytes. Raises TypeError for other values, such as text with a unit.
 std::uint64_t memory_limit(const py::object& max_memory);
 

@@ -302,15 +302,15 @@ ProgressCallback make_progress(Interrupts& interrupts, const py::object& callbac
 }
 
 std::shared_ptr<ComputedResult> compute_result(const ChosenSurface& surface, const Grid& grid,
-                                               ThreadCount threads, std::int64_t block_size,
+                                               ThreadCount threads, const py::object& block_size,
                                                const std::optional<IndexCorners>& blocks,
                                                const std::optional<IndexCorners>& region,
                                                const py::object& max_memory, bool inside,
                                                bool crossings, const py::object& progress) {
   if (!progress.is_none() && PyCallable_Check(progress.ptr()) == 0)
     throw py::type_error("progress must be callable");
-  const RunOptions options =
-      make_options(grid, {threads, block_size, blocks, region, memory_limit(max_memory)});
+  const RunOptions options = make_options(
+      grid, {threads, block_size_of(block_size), blocks, region, memory_limit(max_memory)});
   Interrupts interrupts;
   RunOptions with_progress = options;
   with_progress.progress = make_progress(interrupts, progress);
@@ -321,13 +321,13 @@ std::shared_ptr<ComputedResult> compute_result(const ChosenSurface& surface, con
 }
 
 BlockStreamPointer stream_blocks(const ChosenSurface& surface, const Grid& grid,
-                                 ThreadCount threads, std::int64_t block_size,
+                                 ThreadCount threads, const py::object& block_size,
                                  const std::optional<IndexCorners>& blocks,
                                  const std::optional<IndexCorners>& region,
                                  const py::object& max_memory) {
   constexpr std::size_t max_waiting = 4;
-  RunOptions options =
-      make_options(grid, {threads, block_size, blocks, region, memory_limit(max_memory)});
+  RunOptions options = make_options(
+      grid, {threads, block_size_of(block_size), blocks, region, memory_limit(max_memory)});
   const py::gil_scoped_release unlocked;
   return BlockStreamPointer(new BlockStream(surface, grid, std::move(options), max_waiting));
 }

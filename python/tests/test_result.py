@@ -341,7 +341,11 @@ def test_wrong_arguments_are_refused(chain):
         for method in (surface.compute, surface.blocks):
             with pytest.raises(TypeError, match="max_memory must be a whole number of bytes"):
                 method(grid, max_memory=limit)
-    for arguments in ({"threads": 1.5}, {"region": ((0, 0), (1, 1))},
+    for size in (1, 129, 2**70, -2**70):
+        for method in (surface.compute, surface.blocks):
+            with pytest.raises(ValueError, match=f"block_size must be 2 to 128, .* not {size}$"):
+                method(grid, block_size=size)
+    for arguments in ({"threads": 1.5}, {"block_size": 9.0}, {"block_size": None}, {"region": ((0, 0), (1, 1))},
                       {"region": 3}, {"inside": "yes"}, {"unknown": 1}):
         with pytest.raises(TypeError):
             surface.compute(grid, **arguments)

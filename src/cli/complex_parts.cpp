@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <map>
 #include <set>
+#include <tuple>
 #include <utility>
 
 #include "cli/arguments.hpp"
@@ -50,17 +51,26 @@ std::vector<bool> selected(const std::string& selection, const DividedFile& file
   if (file.path == "-")
     throw Error(formatted("<stdin>: selections ({}) read the file twice; give its name", option));
   ReadOptions reading = file.reading;
-  reading.with_labels = false;
+  // Two rows of an mmCIF table may be in one line, so that labels distinguish them.
+  reading.with_labels = std::ranges::adjacent_find(file.lines) != file.lines.end();
   reading.structure.select = selection;
-  std::set<std::uint64_t> lines;
+  AtomFile found;
   try {
-    const std::vector<std::uint64_t> found = read_atoms(file.path, reading).lines;
-    lines.insert(found.begin(), found.end());
+    found = read_atoms(file.path, reading);
   } catch (const Error& error) {
     throw Error(formatted("{} ({} {})", error.what(), option, printable(selection)));
   }
+  std::set<std::uint64_t> lines(found.lines.begin(), found.lines.end());
+  std::set<std::tuple<std::uint64_t, std::string, std::string>> names;
+  for (std::size_t i = 0; i < found.labels.size(); ++i)
+    names.emplace(found.lines[i], residue_name(found.labels[i]), found.labels[i].atom_name);
   std::vector<bool> is_in;
-  for (const std::uint64_t line : file.lines) is_in.push_back(lines.contains(line));
+  for (std::size_t i = 0; i < file.lines.size(); ++i) {
+    const std::uint64_t line = file.lines[i];
+    is_in.push_back(lines.contains(line) &&
+                    (names.empty() || names.contains({line, residue_name(file.labels[i]),
+                                                      file.labels[i].atom_name})));
+  }
   return is_in;
 }
 

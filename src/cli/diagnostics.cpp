@@ -2,6 +2,7 @@
 
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <map>
 #include <utility>
 
@@ -120,6 +121,13 @@ std::vector<DiagnosticText> describe(const AtomFile& atoms, const Surface& surfa
   if (!surface.labels().empty())
     for (const auto& [atom, line] : all.lines) all.labels[atom] = surface.labels()[as_number(atom)];
   return describe(all, input);
+}
+
+std::string waters_text(std::span<const DiagnosticText> diagnostics, std::size_t atoms) {
+  const auto waters =
+      std::ranges::find(diagnostics, name_of(DiagnosticKind::water), &DiagnosticText::name);
+  if (waters == diagnostics.end()) return "";
+  return formatted("read: {}; {}\n", counted(atoms, "atom"), waters->short_text);
 }
 
 std::vector<std::string> warnings_of(std::span<const DiagnosticText> diagnostics) {

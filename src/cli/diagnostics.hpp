@@ -57,6 +57,9 @@ std::vector<DiagnosticText> describe(const FileDiagnostics& diagnostics,
 std::vector<DiagnosticText> describe(const AtomFile& atoms, const Surface& surface,
                                      const std::filesystem::path& input);
 
+/// Returns the line about the waters of a PQR file; empty if there are none.
+std::string waters_text(std::span<const DiagnosticText> diagnostics, std::size_t atoms);
+
 /// Returns the messages of the warnings that the user has not been told yet.
 std::vector<std::string> warnings_of(std::span<const DiagnosticText> diagnostics);
 

@@ -122,6 +122,7 @@ std::string interface_report(const InterfaceOptions& options, const InterfaceFil
     text = formatted("{}: {}, probe radius {} angstrom\n", one_line(input_name(file.path)),
                      counted(file.file.atoms.size(), "atom"), options.probe_radius);
     if (file.file.structure) text += structure_text(*file.file.structure);
+    text += waters_text(file.diagnostics, file.file.atoms.size());
     text += formatted("{} (square angstrom; interface area: half of what both sides lose)\n",
                       counted(file.interfaces.size(), "interface"));
     if (file.interfaces.empty()) text += no_interface_reason(options, file) + "\n";

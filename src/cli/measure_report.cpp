@@ -392,6 +392,7 @@ std::string measure_text(const MeasureCommandOptions& options, const MeasuredFil
     text = formatted("{}: {}, probe radius {} angstrom\n", one_line(input_name(file.path)),
                      counted(file.surface.atoms().size(), "atom"), options.probe_radius);
     if (file.structure) text += structure_text(*file.structure);
+    text += waters_text(file.diagnostics, file.surface.atoms().size());
     text += formatted("{:<16} {:>16} {:>16}\n", "surface", "area (A^2)", "volume (A^3)");
   }
   const Measures& measures = file.measures;

@@ -13,6 +13,7 @@
 #include "eses/surface.hpp"
 #include "output/msms_text.hpp"
 #include "system/formatted.hpp"
+#include "system/hints.hpp"
 
 namespace eses::detail::cli {
 namespace {
@@ -95,7 +96,7 @@ struct ComputedMesh {
 /// Makes the mesh on a grid whose spacing follows from the density. If no triangles result, as the
 /// spheres lie between the points of the grid, makes it on finer grids.
 ComputedMesh make_mesh(const Surface& surface, const MsmsOptions& options,
-                       const CheckCallback& check) {
+                       const CheckCallback& check) try {
   constexpr std::int64_t max_points = 1 << 24;  // of a finer grid
   double spacing = msms_grid(options).spacing;
   RunOptions running;
@@ -109,6 +110,8 @@ ComputedMesh make_mesh(const Surface& surface, const MsmsOptions& options,
     if (!mesh.vertices.empty() || finer.point_count() > max_points)
       return {std::move(computed), std::move(mesh)};
   }
+} catch (const GridTooLarge& error) {
+  throw GridTooLarge(error.need(), "use a lower -density");
 }
 
 }  // namespace

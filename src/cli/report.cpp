@@ -191,6 +191,15 @@ std::string files_text(const FileSizes& sizes, const Outputs& outputs) {
   return formatted("{}", fmt::join(parts, ", "));
 }
 
+/// Returns the bound of the memory. A small run of several threads may end before all of them work
+/// at the same time. Its peak is then only a part of the bound, which only plans show.
+std::string memory_text(const Plan& plan, bool is_dry_run) {
+  constexpr std::uint64_t small_bytes = 128'000'000;
+  return plan.threads > 1 && plan.memory_bytes < small_bytes && !is_dry_run
+             ? formatted("less than {}", bytes_text(small_bytes))
+             : formatted("at most {}", bytes_text(plan.memory_bytes));
+}
+
 /// Returns the notes in one line. Notes are diagnostics that also occur in valid files.
 std::string usual_text(const std::vector<DiagnosticText>& diagnostics) {
   std::string text;
@@ -397,9 +406,10 @@ std::string plan_text(const Report& report) {
   text += formatted("blocks: {} of {} points; {}\n", fmt::join(plan.tiling.blocks, " x "),
                     fmt::join(plan.tiling.block_size, " x "), workers_text(report));
   if (report.options.request.part) text += planes_text(report);
-  text += formatted(
-      "needs: at most {} of memory{}, about {} of files\n", bytes_text(plan.memory_bytes),
-      report.process_count > 1 ? " per process at most" : "", bytes_text(plan.files.output()));
+  text +=
+      formatted("needs: {} of memory{}, about {} of files\n",
+                memory_text(plan, report.options.request.dry_run),
+                report.process_count > 1 ? " per process" : "", bytes_text(plan.files.output()));
   if (!report.options.request.dry_run) return text;
   if (parameters.max_memory > 0)
     text += formatted("memory limit: {} ({})\n", binary_bytes_text(parameters.max_memory),

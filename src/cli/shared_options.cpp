@@ -170,7 +170,7 @@ void refuse_xyzr(const InputFile& input, std::string_view option, std::string_vi
   if (eses::detail::format_of(input.path, input.format) == AtomFormat::xyzr)
     throw UsageError(
         formatted("{} needs a PQR, PDB or mmCIF file; {} is read as xyzr, which has no {} (use "
-                  "--format pqr if it is PQR)",
+                  "--format pqr, pdb or mmcif if it is such a file)",
                   option, input.path.string(), names));
 }
 

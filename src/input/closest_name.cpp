@@ -27,7 +27,9 @@ std::size_t distance_of(std::string_view a, std::string_view b) {
 }  // namespace
 
 std::string_view closest_name(std::string_view word, std::span<const std::string> names) {
-  constexpr std::size_t min_length = 4, max_distance = 2;
+  constexpr std::size_t min_length = 4;
+  const std::size_t letters = word.size() - std::min(word.find_first_not_of('-'), word.size());
+  const std::size_t max_distance = letters < min_length ? 1 : 2;
   if (word.size() < min_length) return {};
   std::string_view best;
   std::size_t least = max_distance + 1;

@@ -2,11 +2,14 @@
 /// Names of the atoms of amino acids and nucleotides.
 
 #include <algorithm>
+#include <set>
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "eses/atoms.hpp"
+#include "input/pdb_elements.hpp"
 #include "input/text_fields.hpp"
 
 namespace eses::detail {
@@ -28,6 +31,28 @@ bool is_other_molecule(std::string_view residue, const Atoms& atoms, NameOf&& na
   return !telling.empty() && std::none_of(atoms.begin(), atoms.end(), [&](const auto& atom) {
     return has_word(telling, name_of(atom));
   });
+}
+
+/// Returns whether a residue is water. Some names of water also belong to ligands, which have other
+/// atoms, and `W` to tungsten. `names_of` returns the name and the element symbol of an atom.
+template <class Atoms, class NamesOf>
+bool is_water_residue(std::string_view residue, const Atoms& atoms, NamesOf&& names_of) {
+  constexpr std::string_view waters = "HOH DOD WAT H2O";
+  constexpr std::string_view ambiguous =
+      "SOL TIP TIP2 TIP3 TIP4 TIP5 TP3 TP4 TP5 T3P T4P T5P SPC SPCE SPE OPC OP3";
+  if (has_word(waters, residue)) return true;
+  const bool is_bead = is_water_bead(residue);
+  if (!is_bead && !has_word(ambiguous, residue)) return false;
+  std::set<std::string> oxygens;  // names, because an oxygen may have alternate locations
+  for (const auto& atom : atoms) {
+    const std::pair<std::string, std::string> names = names_of(atom);
+    if (names.second == "C" || names.second == "P") return false;
+    if (names.second == "O")
+      oxygens.insert(names.first);
+    else if (is_bead)
+      return false;
+  }
+  return is_bead || oxygens.size() == 1;
 }
 
 /// Returns the standard residue of a residue with these atoms; its own name if there is none.

@@ -179,10 +179,10 @@ std::string fixed_choices(const Parameters& p) {
   std::string advice = "use a larger spacing";
   if (p.block_size > 0) advice += " or a smaller block size";
   if (p.threads > 1) advice += " or fewer threads";
-  throw MemoryLimitError(
-      formatted("{:.3g} grid points{} need up to {} of memory, but {} are available; {}",
-                static_cast<double>(region.point_count()), fixed_choices(p),
-                bytes_text(whole_bytes(smallest)), bytes_text(available), advice));
+  throw GridTooLarge(formatted("{:.3g} grid points{} need up to {} of memory, but {} are available",
+                               static_cast<double>(region.point_count()), fixed_choices(p),
+                               bytes_text(whole_bytes(smallest)), bytes_text(available)),
+                     advice);
 }
 
 // A closed mesh has about twice as many triangles as vertices.

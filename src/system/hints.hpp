@@ -28,6 +28,18 @@ class HintedError : public Error, public Hints {
       : Error(message), Hints(std::move(hints)) {}
 };
 
+/// A grid needs more memory than there is.
+class GridTooLarge : public MemoryLimitError {
+ public:
+  /// `need` is what it needs, and `advice` what to do.
+  GridTooLarge(const std::string& need, const std::string& advice)
+      : MemoryLimitError(need + "; " + advice), need_(need) {}
+  const std::string& need() const { return need_; }
+
+ private:
+  std::string need_;
+};
+
 /// The memory limit of the caller does not suffice.
 class LimitExceeded : public MemoryLimitError, public Hints {
  public:

@@ -131,6 +131,21 @@ class Limits(FaultTest):
                     bound = bound or report["plan"]["memory_bytes"]
                     self.assertLessEqual(report["peak_memory_bytes"], bound)
 
+    def test_the_printed_memory_is_at_most_twice_the_peak(self):
+        """Small runs of several threads need less when the threads do not work at the same time."""
+        for name, spacing, threads in (("c60", "0.5", 4), ("1ubq", "0.3", 1), ("1a0q", "0.8", 1), ("1a0q", "0.8", 8),
+                                       ("achbp", "1", 1), ("achbp", "1", 8)):
+            with self.subTest(name=name, threads=threads):
+                done = self.run_program(DATA / f"{name}.xyzr", "--spacing", spacing, "-t", threads, "--write", "none")
+                self.assertDone(done)
+                used, = re.findall(r"; (\d+) threads?$", done.stdout, re.M)
+                text, = re.findall(r"^needs: (.*) of memory, ", done.stdout, re.M)
+                if used != "1":
+                    self.assertEqual(text, "less than 128 MB")
+                    continue
+                peak, = re.findall(r"^peak memory: ([\d.]+) MB$", done.stdout, re.M)
+                self.assertLessEqual(float(text.removeprefix("at most ").removesuffix(" MB")), 2 * float(peak))
+
 
 @unittest.skipUnless(os.environ.get("ESES_FAULT_LIBRARY"), "sanitizers need memory themselves")
 class Reading(FaultTest):

@@ -71,6 +71,9 @@ TEST_CASE("closest_name: the name that was probably meant", "[select]") {
   CHECK(closest_name("bodni", names) == "bondi");
   CHECK(closest_name("onos", names) == "oons");
   CHECK(closest_name("b", names).empty());
+  const std::vector<std::string> options{"-noh", "-if"};
+  CHECK(closest_name("-foo", options).empty());
+  CHECK(closest_name("-nohh", options) == "-noh");
   CHECK(closest_name("something", names).empty());
 }
 

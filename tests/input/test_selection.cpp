@@ -151,13 +151,13 @@ TEST_CASE("selections in gemmi's syntax choose atoms", "[structure]") {
   options.select = "CA[C]";
   CHECK(read_pdb(text, options).lines == std::vector<std::uint64_t>{1, 3});
   options.select = "//[";
-  CHECK(contains(pdb_error(text, options), "--select: invalid selection syntax"));
+  CHECK(contains(pdb_error(text, options), "selection: invalid selection syntax"));
   // A keyword of another program is no selection, although a chain may have the name of a word.
   for (const std::string word : {"resi", "resi 10", "chain A", "protein"}) {
     options.select = word;
     CHECK(
         pdb_error(text, options) ==
-        fmt::format("t.pdb: --select: invalid selection syntax, expected the name of a chain or a "
+        fmt::format("t.pdb: selection: invalid selection syntax, expected the name of a chain or a "
                     "selection such as //A/10-20, found \"{}\"; its chains are A, B",
                     word));
   }

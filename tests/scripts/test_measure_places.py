@@ -158,6 +158,34 @@ class Reports(Case):
         self.call("measure", DATA / "c60.xyzr", "--report", "A", code=2)
 
 
+    def test_rows_in_the_same_line_are_atoms_of_their_own(self):
+        columns = ("group_PDB id type_symbol label_atom_id label_alt_id label_comp_id label_asym_id label_entity_id label_seq_id "
+                   "Cartn_x Cartn_y Cartn_z auth_seq_id auth_asym_id").split()
+        path = self.file("rows.cif", "data_x\nloop_\n" + "".join(f"_atom_site.{name}\n" for name in columns) +
+                         "ATOM 1 N N . ALA A 1 1 0 0 0 1 A ATOM 2 N N . GLY A 1 2 9 0 0 2 A\n"
+                         "ATOM 3 C CA . ALA A 1 1 1.5 0 0 1 A\nATOM 4 C CA . GLY A 1 2 10.5 0 0 2 A\n")
+        found, = self.json("measure", path, "--report", "//A/1")
+        report, = found["reports"]
+        self.assertEqual(report["atoms"], 2)
+        alone, = self.json("measure", path, "--select", "//A/1")
+        self.assertAlmostEqual(report["sas_area"], alone["sas_area"])
+
+    def test_errors_name_the_option(self):
+        path = self.file("a.pdb", peptide())
+        self.call("measure", path)
+        done = self.call("measure", path, "--report", "/2/A", code=1)
+        self.assertIn("the selection names model 2, but model 1 is read; use --model 2 (--report /2/A)", done.stderr)
+        self.assertNotIn("--select", done.stderr)
+        done = self.call("interface", self.file("odd.txt", "hello"), code=2)
+        self.assertIn("(use --format pqr, pdb or mmcif if it is such a file)", done.stderr)
+
+    def test_waters_of_pqr_files_are_counted(self):
+        path = self.file("w.pqr", "ATOM 1 N ALA 1 5 0 0 0.4 1.5\nATOM 2 O WAT 2 0 0 0 -0.8 1.6\n")
+        for command in ("measure", "interface"):
+            self.assertIn("\nread: 2 atoms; 1 of water, which pdb2pqr leaves out", self.call(command, path).stdout)
+        self.assertNotIn("water", self.call("measure", DATA / "fas2.pqr").stdout)
+
+
 class Places(Case):
     def test_pocket_of_a_ligand(self):
         path = self.file("cup.pdb", cup(3))

@@ -8,7 +8,7 @@ import pathlib
 import subprocess
 import unittest
 
-from support import PROGRAM, TestCase, needs_gemmi, python_with
+from support import DATA, PROGRAM, TestCase, needs_gemmi, python_with
 
 # PDB files of the Debian packages freesasa, pymol-data and python-biopython-doc.
 STRUCTURES = ("/usr/share/freesasa/test-data/1ubq.pdb", "/usr/share/pymol/data/demo/pept.pdb",
@@ -100,6 +100,14 @@ class Callers(TestCase):
                     # Vertices are on the surface, at most about 0.6 angstrom from its nearest point.
                     self.assertGreater(depth, expected - 0.05)
                     self.assertLess(depth, expected + 0.3)
+
+    def test_advice_names_options_of_msms(self):
+        done = subprocess.run([self.msms, "-if", DATA / "1ubq.xyzr", "-density", "1000000", "-of", self.folder / "x"],
+                              capture_output=True, text=True, check=False)
+        self.assertEqual(done.returncode, 1)
+        self.assertRegex(done.stderr, "of memory, but .* are available; use a lower -density\n")
+        done = subprocess.run([self.msms, "-foo"], capture_output=True, text=True, check=False)
+        self.assertIn("unknown option '-foo'\n", done.stderr)
 
     @needs_gemmi
     def test_call_and_reader_of_masif(self):

@@ -47,12 +47,12 @@ void keep_chains(gemmi::Model& model, const std::vector<std::string>& names,
 void keep_selected(gemmi::Model& model, const ParsedStructure& parsed, const std::string& text,
                    const std::set<std::string>& chains, std::string_view file) {
   if (text.empty()) return;
-  const gemmi::Selection selection = parse_selection(text, "--select");
+  const gemmi::Selection selection = parse_selection(text, formatted("{}: selection", file));
   const std::string& name = parsed.models.chosen;
   if (selection.mdl != 0 && std::to_string(selection.mdl) != name)
-    throw Error(formatted("{}: --select names model {}, but model {} is read; use --model {}", file,
-                          selection.mdl, printable(name), selection.mdl));
-  refuse_words(selection, text, chains, formatted("{}: --select", file));
+    throw Error(formatted("{}: the selection names model {}, but model {} is read; use --model {}",
+                          file, selection.mdl, printable(name), selection.mdl));
+  refuse_words(selection, text, chains, formatted("{}: selection", file));
   if (!selection.entity_types.all) complete_entity_types(model, parsed.structure.input_format);
   selection.remove_not_selected(model);
 }
@@ -192,19 +192,9 @@ void count_kept(const gemmi::Model& model, StructureReport& report) {
 }  // namespace
 
 bool is_water(const gemmi::Residue& residue) {
-  constexpr std::string_view names =
-      "SOL TIP TIP2 TIP3 TIP4 TIP5 TP3 TP4 TP5 T3P T4P T5P SPC SPCE SPE OPC OP3";
-  if (residue.is_water()) return true;
-  if (is_water_bead(residue.name))
-    return std::all_of(residue.atoms.begin(), residue.atoms.end(),
-                       [](const gemmi::Atom& atom) { return atom.element == gemmi::El::O; });
-  if (!has_word(names, residue.name)) return false;
-  std::set<std::string> oxygens;  // names, because an oxygen may have alternate locations
-  for (const gemmi::Atom& atom : residue.atoms) {
-    if (atom.element == gemmi::El::C || atom.element == gemmi::El::P) return false;
-    if (atom.element == gemmi::El::O) oxygens.insert(atom.name);
-  }
-  return oxygens.size() == 1;
+  return is_water_residue(residue.name, residue.atoms, [](const gemmi::Atom& atom) {
+    return std::pair(atom.name, std::string(symbol_of(atom.element)));
+  });
 }
 
 std::uint64_t& record_count(StructureReport& report, const gemmi::Residue& residue) {

@@ -1,0 +1,186 @@
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "eses/error.hpp"
+#include "eses/radii.hpp"
+#include "eses/vec3.hpp"
+#include "input/pdb_elements.hpp"
+#include "input/residue_atoms.hpp"
+#include "input/residue_runs.hpp"
+#include "input/text_fields.hpp"
+#include "system/formatted.hpp"
+
+namespace eses {
+namespace detail {
+namespace {
+
+/// An element that programs take for another one, because they read only the first letter of a
+/// name. The distance, in angstrom, is between the bond lengths of both.
+struct MisreadElement {
+  std::string_view symbol, taken_for;
+  double min_distance;
+};
+constexpr std::array<MisreadElement, 5> misread_elements{
+    {{"CL", "C", 1.63}, {"BR", "B", 1.7}, {"SI", "S", 1.55}, {"SE", "S", 1.87}, {"FE", "F", 1.6}}};
+
+/// The atoms of a residue, in a range of the atoms of a molecule.
+struct ResidueRange {
+  std::span<const Vec3> centers;
+  std::span<const AtomLabel> labels;
+
+  /// Returns the distance to the nearest other atom of known element.
+  double distance_to_nearest(std::size_t atom) const {
+    double least = std::numeric_limits<double>::infinity();
+    for (std::size_t i = 0; i < labels.size(); ++i)
+      if (i != atom && !usual_spelling(labels[i].element).empty())
+        least = std::min(least, norm(centers[i] - centers[atom]));
+    return least;
+  }
+};
+
+/// Returns the element of two letters that a name begins with and that has been taken for its first
+/// letter; empty if there is none.
+std::string_view misread_element(const ResidueRange& residue, std::size_t atom,
+                                 std::string_view name, std::string_view element) {
+  for (const auto& [symbol, taken_for, min_distance] : misread_elements)
+    if (element == taken_for && name.starts_with(symbol) &&
+        (name.size() == symbol.size() || is_digit(name[symbol.size()])) &&
+        residue.distance_to_nearest(atom) > min_distance)
+      return symbol;
+  return {};
+}
+
+/// Returns the first letter of a name if its first two letters have been taken for a metal or a
+/// noble gas, as sodium for the nitrogen NA of haem, although another atom is too close for it.
+std::string_view misread_letter(const ResidueRange& residue, std::size_t atom,
+                                std::string_view name, std::string_view element) {
+  constexpr double min_distance = 1.58;  // angstrom; Cr-O and Mn-O have 1.6
+  const bool is_misread =
+      element.size() == 2 && name.starts_with(upper_case(std::string(element))) &&
+      std::string_view("CNOPSH").find(name[0]) != std::string_view::npos &&
+      !has_word("Cl Se Si", element) && residue.distance_to_nearest(atom) < min_distance;
+  return is_misread ? name.substr(0, 1) : std::string_view();
+}
+
+/// Returns the element of an atom by its names and its residue, or the element that it has.
+std::string corrected_element(const ResidueRange& residue, std::size_t atom) {
+  const AtomLabel& label = residue.labels[atom];
+  const std::string element = usual_spelling(label.element);
+  const std::string name = upper_case(label.atom_name), of = upper_case(label.residue);
+  NamedAtom named{name, of, is_named_polymer(of), residue.labels.size() == 1};
+  if (named.is_alone && !named.is_polymer && is_ion(named))
+    return usual_spelling(element_by_name(named));
+  if (is_water_bead(of)) return "O";
+  if (element.empty() || of.empty()) return element;
+  if (named.is_polymer) {
+    const std::string by_name = usual_spelling(element_by_name(named));
+    if (by_name == "H" || by_name == "D") return element == "D" ? element : by_name;
+    const bool is_known = may_have_atom(standard_residue(residue.labels), label.atom_name);
+    return by_name.empty() || !is_known ? element : by_name;
+  }
+  constexpr std::size_t max_atoms = 1000;  // distances of all pairs of a crystal would take long
+  if (residue.labels.size() > max_atoms) return element;
+  for (const auto& find : {misread_element, misread_letter})
+    if (const std::string_view found = find(residue, atom, name, element); !found.empty())
+      return usual_spelling(found);
+  return element;
+}
+
+/// Calls `action(begin, end)` for the atoms of each residue.
+template <class Action>
+void for_each_residue(std::span<const AtomLabel> labels, Action&& action) {
+  for (std::size_t begin = 0, end = 0; begin < labels.size(); begin = end) {
+    while (end < labels.size() && is_same_residue(labels[begin], labels[end])) ++end;
+    action(begin, end);
+  }
+}
+
+/// Returns whether a residue has a single atom, or only CA and CB, as in UNRES.
+bool is_trace(std::span<const AtomLabel> residue) {
+  return residue.size() == 1 ||
+         (residue.size() == 2 && residue[0].atom_name == "CA" && residue[1].atom_name == "CB");
+}
+
+/// Returns whether a residue is a bead of water, or has an atom that it cannot have by its name.
+bool is_foreign(std::span<const AtomLabel> residue) {
+  const std::string_view standard = standard_residue(residue);
+  return std::any_of(residue.begin(), residue.end(), [&](const AtomLabel& atom) {
+    const bool is_hydrogen = atom.element == "H" || atom.element == "D";
+    return is_water_bead(atom.residue) ||
+           (!is_hydrogen && !may_have_atom(standard, atom.atom_name));
+  });
+}
+
+/// Returns the name and the element of an atom.
+std::pair<std::string, std::string> names_of(const AtomLabel& atom) {
+  const std::string element = usual_spelling(atom.element);
+  return {atom.atom_name, element.empty() ? symbol_by_name(atom.atom_name, atom.residue) : element};
+}
+
+void add_example(Diagnostic& diagnostic, std::size_t atom) {
+  const auto index = static_cast<AtomIndex>(atom);
+  if (++diagnostic.count <= Diagnostic::max_examples) diagnostic.examples.push_back({index, index});
+}
+
+}  // namespace
+}  // namespace detail
+
+std::vector<AtomIndex> correct_elements(std::span<const Vec3> centers,
+                                        std::span<AtomLabel> labels) {
+  if (centers.size() != labels.size())
+    throw Error(detail::formatted("{} centres, but {} labels", centers.size(), labels.size()));
+  std::vector<AtomIndex> changed;
+  std::vector<std::string> elements;  // of a residue
+  detail::for_each_residue(labels, [&](std::size_t begin, std::size_t end) {
+    const detail::ResidueRange residue{centers.subspan(begin, end - begin),
+                                       labels.subspan(begin, end - begin)};
+    elements.clear();
+    for (std::size_t i = 0; i < end - begin; ++i)
+      elements.push_back(detail::corrected_element(residue, i));
+    for (std::size_t i = begin; i < end; ++i) {
+      if (detail::usual_spelling(labels[i].element) == elements[i - begin]) continue;
+      labels[i].element = std::move(elements[i - begin]);
+      changed.push_back(static_cast<AtomIndex>(i));
+    }
+  });
+  return changed;
+}
+
+std::vector<bool> find_waters(std::span<const AtomLabel> atoms) {
+  std::vector<bool> found(atoms.size());
+  detail::for_each_residue(atoms, [&](std::size_t begin, std::size_t end) {
+    const std::span residue = atoms.subspan(begin, end - begin);
+    if (detail::is_water_residue(residue.front().residue, residue, detail::names_of))
+      std::fill(found.begin() + static_cast<std::ptrdiff_t>(begin),
+                found.begin() + static_cast<std::ptrdiff_t>(end), true);
+  });
+  return found;
+}
+
+std::vector<Diagnostic> check_residues(std::span<const AtomLabel> atoms) {
+  std::uint64_t polymers = 0;
+  Diagnostic traces{DiagnosticKind::one_atom_residue, 0, {}},
+      foreign{DiagnosticKind::foreign_residue, 0, {}};
+  detail::for_each_residue(atoms, [&](std::size_t begin, std::size_t end) {
+    const std::span residue = atoms.subspan(begin, end - begin);
+    if (detail::is_named_polymer(residue.front().residue)) {
+      ++polymers;
+      if (detail::is_trace(residue)) detail::add_example(traces, begin);
+    }
+    if (detail::is_foreign(residue)) detail::add_example(foreign, begin);
+  });
+  std::vector<Diagnostic> found;
+  if (2 * traces.count > polymers) found.push_back(std::move(traces));
+  if (foreign.count > 0) found.push_back(std::move(foreign));
+  return found;
+}
+
+}  // namespace eses
