@@ -89,7 +89,8 @@ std::string advice_for_chain(const DividedFile& file, const std::string& name) {
   const std::string chain = name.substr(0, name.find(':'));
   const AtomLabel* found = nullptr;
   for (const AtomLabel& label : file.labels) {
-    if (label.residue == name) return formatted("; residue {0} is ligand:{0}", name);
+    if (lower_case(label.residue) == lower_case(name))
+      return formatted("; residue {0} is ligand:{0}", label.residue);
     if (number.empty() || label.residue_number != number) continue;
     if (found == nullptr || (found->chain != chain && label.chain == chain)) found = &label;
   }

@@ -154,6 +154,9 @@ class Reports(Case):
         for text in ("5", "B:5", "resid 5", "ALA 5", "ALA5", "B:ALA 5", ":5"):
             done = self.call("measure", path, "--report", text, code=1)
             self.assertTrue(done.stderr.endswith("; residue 5 is //B/5\n"), done.stderr)
+        for text in ("ALA", "ala"):
+            done = self.call("measure", path, "--report", text, code=1)
+            self.assertTrue(done.stderr.endswith("; residue ALA is ligand:ALA\n"), done.stderr)
         self.call("measure", path, "--report", "A", "--parts", "chains", code=2)
         self.call("measure", DATA / "c60.xyzr", "--report", "A", code=2)
 
