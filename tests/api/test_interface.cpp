@@ -236,7 +236,7 @@ TEST_CASE("interface: errors say what is wrong") {
   check_usage_error(box, {"interface", "a.pdb", "--groups", "A", "A+B"},
                     "--groups names chain A twice");
   check_usage_error(box, {"interface", "a.pdb", "--groups", "A", "B", "--ligand", "X"},
-                    "--ligand cannot be combined with --groups; use --groups ligand:NAME A");
+                    "--ligand cannot be combined with --groups; use --groups ligand:X A");
   check_usage_error(box, {"interface", "a.pdb", "--groups", "A"},
                     "--groups needs two sides, such as --groups A+B C");
   check_usage_error(box, {"interface", "a.pdb", "--json", "--table", "atoms"},
