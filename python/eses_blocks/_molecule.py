@@ -16,7 +16,7 @@ import numpy.typing as npt
 
 from . import _core, _foreign, adaptors
 from ._files import RowsOfFile, values_in_lines
-from ._radii import (SOURCES, correct_elements, find_dummies, find_radii, radii_by_bonds, refuse_unknown,
+from ._radii import (SOURCES, atoms_named, correct_elements, find_dummies, find_radii, radii_by_bonds, refuse_unknown,
                      warn_about_residues)
 from ._references import is_polymer
 from ._select import Selector
@@ -100,6 +100,7 @@ class _Source:
     select: Any = None
     chosen: Any = None  # the selection of the atoms that are read
     files: tuple[str, ...] = ()  # paths of those that were read
+    guessed_names: Any = ()  # pairs of residue and atom whose elements follow from the names in a file
 
 
 # ------------------------------------------------------------------------------------------ files
@@ -257,7 +258,8 @@ def _of_atoms(atoms: _core.Atoms) -> _Source:
         columns.chains = labels.chain.tolist()
         columns.numbers = [int(part[1] or 0) for part in parts if part]
         columns.icodes = [part[2] for part in parts if part]
-    return _Source(columns, are_read=True, set_name="file", left_out=atoms.left_out)
+    return _Source(columns, are_read=True, set_name="file", left_out=atoms.left_out,
+                   guessed_names=_core._guessed_names(atoms))
 
 
 def _source_of(found: Any, radii: Any, unknown: Optional[float], waters: bool, hydrogens: str, frame: int,
@@ -536,6 +538,8 @@ def _read(found: Any, radii: Any, waters: bool, hydrogens: str, unknown: Optiona
         choice.drop(~selected, "selection")
     elif source.are_read:
         choice = _take_radii(named, source.columns.radii, source.set_name)
+        if source.set_name != "file":
+            choice.guessed = np.union1d(choice.guessed, atoms_named(named, source.guessed_names))
         choice.left_out = dict(source.left_out)
         choice.drop(~selected, "selection")
     else:

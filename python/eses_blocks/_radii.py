@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import importlib
-from typing import Any
+from typing import Any, Iterable
 
 import numpy as np
 import numpy.typing as npt
@@ -54,6 +54,13 @@ def correct_elements(named: Any) -> tuple[_Bools, _Bools]:
     named.element = np.array(symbols, str)
     changed[indices] = True
     return changed, np.array(waters, bool)
+
+
+def atoms_named(named: Any, names: Iterable[tuple[str, str]]) -> Any:
+    """Returns the indices of the atoms with these pairs of names of residue and atom."""
+    known = set(names)
+    return np.array([i for i, pair in enumerate(zip(named.residue.tolist(), named.name.tolist())) if pair in known]
+                    if known else [], np.int64)
 
 
 def warn_about_residues(named: Any, keep: _Bools) -> None:

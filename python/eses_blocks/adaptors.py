@@ -173,13 +173,13 @@ def _from_rdkit(found: Any, frame: int) -> Columns:
         raise ValueError("the molecule has no coordinates; make some with AllChem.EmbedMolecule")
     _one_frame(found.GetNumConformers(), frame, "molecule")
     conformer = list(found.GetConformers())[frame]
-    if not conformer.Is3D():
+    labels = [atom.GetPDBResidueInfo() for atom in found.GetAtoms()]
+    if not conformer.Is3D() and not all(labels):  # atoms of a PDB file may lie in a plane
         raise ValueError("the molecule has coordinates of a drawing; make others with AllChem.EmbedMolecule")
     atoms = list(found.GetAtoms())
     if any(atom.GetTotalNumHs() > 0 for atom in atoms):  # hydrogens that are no atoms
         warnings.warn("the molecule lacks hydrogens; add them with Chem.AddHs(molecule, addCoords=True), or "
                       "choose radii of united atoms", stacklevel=7)
-    labels = [atom.GetPDBResidueInfo() for atom in atoms]
     columns = Columns(centers=conformer.GetPositions(), elements=[atom.GetSymbol() for atom in atoms],
                       names=[f"{atom.GetSymbol()}{atom.GetIdx() + 1}" for atom in atoms],
                       virtual=[atom.GetAtomicNum() == 0 for atom in atoms])

@@ -223,6 +223,15 @@ std::vector<AtomLabel> labels_of(const std::vector<std::int64_t>& residue_indice
   return labels;
 }
 
+// Returns the names of residues and atoms of a PDB or mmCIF file whose elements follow from them.
+std::vector<std::pair<std::string, std::string>> guessed_names(const AtomFile& file) {
+  std::vector<std::pair<std::string, std::string>> names;
+  if (file.structure)
+    for (const RadiusSource& source : file.structure->guessed_elements)
+      names.emplace_back(source.residue, source.atom_name);
+  return names;
+}
+
 // Returns the elements of the atoms of another library, the indices of those that are not its, and
 // whether the atoms belong to water.
 py::tuple correct(const std::vector<std::int64_t>& residue_indices,
@@ -498,6 +507,7 @@ void bind_atoms(py::module_& module) {
              [](const AtomFile& file, const py::str& name) { warn_about(file, name); });
   module.def("_find_radii", &radii_of);
   module.def("_correct_elements", &correct);
+  module.def("_guessed_names", &guessed_names);
   module.def("_warn_about_residues", &warn_about_residues);
   module.def("_select_atoms", &selected);
   module.def("_maximum_area", &maximum_area);

@@ -84,6 +84,7 @@ def test_elements_are_those_of_the_file(read, text):
     expected, result = (eses.measure(each, "bondi") for each in (str(path), found))
     assert result.atoms["element"].tolist() == expected.atoms["element"].tolist()
     assert result.sas_area == pytest.approx(expected.sas_area, rel=1e-5)
+    assert expected.radii.guessed.tolist() == {IONS: list(range(10)), LIGAND: [0, 1, 2, 3, 4], HAEM: list(range(7))}.get(text, [])
     given = eses.adaptors.columns_of(found).elements or [""] * len(result.atoms)
     changed = [i for i, (old, new) in enumerate(zip(given, result.atoms["element"].tolist())) if old.capitalize() != new]
     assert result.radii.guessed.tolist() == ([] if text == LEFT else changed)
@@ -121,3 +122,10 @@ def test_names_of_water_do_not_leave_out_lipids():
     assert result.left_out == {"water": 2} and len(result.molecule.kept) == 3
     result = eses.measure(gemmi.read_pdb_string(pdb_of(*atoms, (" W  ", "W", 3, (30, 0, 0), 1, "W"))), "bondi")
     assert result.left_out == {"water": 3}
+
+
+def test_flat_molecules_of_files_are_no_drawings():
+    chem = pytest.importorskip("rdkit.Chem")
+    text = pdb_of((" N  ", "ALA", 1, (0, 0, 0), 1, "N"), (" CA ", "ALA", 1, (1.46, 0, 0), 1, "C"))
+    flat = chem.MolFromPDBBlock(text, removeHs=False, sanitize=False, proximityBonding=False)
+    assert eses.measure(flat, "bondi").sas_area == pytest.approx(eses.measure(text, "bondi").sas_area)

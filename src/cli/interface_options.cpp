@@ -138,8 +138,7 @@ InterfaceOptions parse_interface_arguments(const Arguments& arguments) {
   options.inputs = inputs.files(options.quiet);
   options.list = inputs.list;
   options.resumed = resume_identity(app, options.resume, options.structure.radii);
-  options.prints_csv = is_standard_output(options.csv);
-  if (options.prints_csv) options.csv.clear();
+  choose_csv(options);
   check_outputs(options);
   for (const std::filesystem::path& path : options.inputs) {
     const InputFile input{path, options.format};

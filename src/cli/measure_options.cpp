@@ -295,8 +295,7 @@ MeasureCommandOptions parse_measure_arguments(const Arguments& arguments) {
   options.inputs = inputs.files(options.quiet);
   options.list = inputs.list;
   options.resumed = resume_identity(app, options.resume, options.structure.radii);
-  options.prints_csv = is_standard_output(options.csv);
-  if (options.prints_csv) options.csv.clear();
+  choose_csv(options);
   options.pocket_options.probe_radius = options.probe_radius;
   check_pocket_options(app, options);
   check_surfaces(options);

@@ -1,6 +1,7 @@
 #include "cli/table_files.hpp"
 
 #include <fmt/ranges.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <set>
@@ -77,6 +78,13 @@ bool is_standard_output(const std::string& name) {
   return name == "-" || name == "/dev/stdout" || name == "/dev/fd/1";
 }
 
+bool is_null_device(const std::string& path) {
+  struct stat of_path {
+  }, of_null{};
+  return stat(path.c_str(), &of_path) == 0 && stat("/dev/null", &of_null) == 0 &&
+         S_ISCHR(of_path.st_mode) && of_path.st_rdev == of_null.st_rdev;
+}
+
 std::optional<std::string> resume_identity(const CLI::App& app, bool is_resumed,
                                            const std::filesystem::path& radii) {
   if (!is_resumed) return std::nullopt;
@@ -116,6 +124,7 @@ TableFiles::TableFiles(const TableChoice& choice, std::span<const ReadFile> read
   }
   if (!choice.csv.empty()) {
     const auto [parent, name] = end_of_links(choice.csv);
+    if (!std::filesystem::exists(parent)) created_folder_ = parent;
     directory_of_csv_.emplace(parent, name);
     csv_.emplace(*directory_of_csv_, name);
   }
@@ -168,6 +177,8 @@ void TableFiles::finish(bool has_errors, bool is_quiet) {
     csv_->close();
     csv_->commit();
   }
+  if (!created_folder_.empty() && !is_quiet)
+    print_message("note", formatted("created the directory {} of --csv", created_folder_));
   if (log_ && resumed_count_ > 0 && !is_quiet)
     print_message("note",
                   formatted("{} of an earlier run kept", counted(resumed_count_.load(), "result")));

@@ -29,6 +29,17 @@ std::string table_name(const std::filesystem::path& input, std::string_view endi
 /// Returns whether a name is that of standard output, also as a file.
 bool is_standard_output(const std::string& name);
 
+/// Returns whether a path is the null device, also by another name.
+bool is_null_device(const std::string& path);
+
+/// Empties the name of the file of --csv if no file is written: the table goes to standard output,
+/// or to the null device.
+template <class Options>
+void choose_csv(Options& options) {
+  options.prints_csv = is_standard_output(options.csv);
+  if (options.prints_csv || is_null_device(options.csv)) options.csv.clear();
+}
+
 /// Adds --output-dir, --csv and --resume to a command that has --write.
 template <class Options>
 void add_table_files(CLI::App& app, Options& options, const std::string& csv_description) {
@@ -126,6 +137,7 @@ class TableFiles {
   InterruptibleRun run_;
   std::filesystem::path directory_of_tables_;
   std::string log_path_;  // empty if no files are written
+  std::string created_folder_;  // of the file of --csv; empty if it existed
   std::optional<ResultLog> log_;
   std::atomic<std::size_t> resumed_count_ = 0;
   std::optional<OutputDirectory> directory_, directory_of_csv_;

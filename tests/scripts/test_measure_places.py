@@ -182,6 +182,16 @@ class Reports(Case):
         done = self.call("interface", self.file("odd.txt", "hello"), code=2)
         self.assertIn("(use --format pqr, pdb or mmcif if it is such a file)", done.stderr)
 
+    def test_csv_may_be_the_null_device_or_in_a_new_directory(self):
+        for command, path in (("measure", DATA / "c60.xyzr"), ("interface", self.file("a.pqr", "ATOM 1 N ALA 1 5 0 0 0.4 1.5\n"))):
+            with self.subTest(command=command):
+                self.assertEqual(self.call(command, path, "--csv", "/dev/null").stdout, self.call(command, path).stdout)
+                table = self.folder / command / "new" / "x.csv"
+                done = self.call(command, path, "--csv", table)
+                self.assertIn(f"note: created the directory {table.parent} of --csv\n", done.stderr)
+                self.assertEqual(self.call(command, path, "--csv", table).stderr, "")
+                self.assertTrue(table.is_file())
+
     def test_waters_of_pqr_files_are_counted(self):
         path = self.file("w.pqr", "ATOM 1 N ALA 1 5 0 0 0.4 1.5\nATOM 2 O WAT 2 0 0 0 -0.8 1.6\n")
         for command in ("measure", "interface"):
