@@ -136,7 +136,7 @@ class TableFiles {
 
   InterruptibleRun run_;
   std::filesystem::path directory_of_tables_;
-  std::string log_path_;  // empty if no files are written
+  std::string log_path_;        // empty if no files are written
   std::string created_folder_;  // of the file of --csv; empty if it existed
   std::optional<ResultLog> log_;
   std::atomic<std::size_t> resumed_count_ = 0;
