@@ -123,7 +123,9 @@ std::optional<PlaceChoice> place_in(const std::string& text) {
     return place;
   }
   // Several numbers are no names of chains, but a point or box that lacks some.
-  const std::vector<std::string> fields = split(text, ',');
+  std::string list = text;
+  std::ranges::replace(list, ' ', ',');
+  const std::vector<std::string> fields = split(list, ',');
   const auto numbers = std::ranges::count_if(
       fields, [](const std::string& field) { return whole_text<double>(field).has_value(); });
   const std::optional<PartSelector> part = part_selector_in(text);

@@ -290,7 +290,7 @@ class Places(Case):
         for arguments in (["--at", "1,2,3"], ["--pockets", "--at", "1,2,3,0,0,0"], ["--pockets", "--at", "A"]):
             self.call("measure", DATA / "c60.xyzr", *arguments, code=2)
         path = self.file("a.pdb", peptide())
-        for text in ("10,20", "nan,0,0", "1,2,inf", "1,2,3,4", "1,2,3,0,0,0", "1,2,3,4,5,nan"):
+        for text in ("10,20", "10 20 30", "nan,0,0", "1,2,inf", "1,2,3,4", "1,2,3,0,0,0", "1,2,3,4,5,nan"):
             done = self.call("measure", path, "--pockets", "--at", text, code=2)
             self.assertIn(f"--at is '{text}', expected three numbers X,Y,Z, six X0,Y0,Z0,X1,Y1,Z1", done.stderr)
 
