@@ -232,7 +232,7 @@ TEST_CASE("interface: errors say what is wrong") {
   check_usage_error(
       box, {"interface", "a.xyzr"},
       "interface needs a PQR, PDB or mmCIF file; a.xyzr is read as xyzr, which has no "
-      "chains (use --format pqr if it is PQR)");
+      "chains (use --format pqr, pdb or mmcif if it is such a file)");
   check_usage_error(box, {"interface", "a.pdb", "--groups", "A", "A+B"},
                     "--groups names chain A twice");
   check_usage_error(box, {"interface", "a.pdb", "--groups", "A", "B", "--ligand", "X"},

@@ -107,7 +107,7 @@ TEST_CASE("measure: bad requests are refused") {
   check_usage_error(
       box, {"measure", "two.xyzr", "--table", "rsa"},
       "--table rsa needs a PQR, PDB or mmCIF file; two.xyzr is read as xyzr, which has no "
-      "names (use --format pqr if it is PQR)");
+      "names (use --format pqr, pdb or mmcif if it is such a file)");
   check_usage_error(box, {"measure", "two.xyzr", "--surface", "sas,x"},
                     "--surface is 'sas,x', expected some of ses,sas,vdw, or all");
   check_usage_error(box, {"measure", "two.xyzr", "--surface", "sas", "--cavities"},
