@@ -122,7 +122,7 @@ class RowsOfFile:
         has_shared_lines = (self._lines[1:] == self._lines[:-1]).any()
         self._centers = atoms.centers.copy() if has_shared_lines else None
 
-    def marks(self, atoms: Any) -> Any:
+    def marks(self, atoms: Any) -> np.ndarray[Any, np.dtype[np.bool_]]:
         """Returns the mask of the atoms that are among others of the file."""
         if self._centers is None:
             return np.isin(self._lines, atoms.lines)

@@ -160,7 +160,7 @@ def _from_biotite(found: Any, frame: int) -> Columns:
         _one_frame(found.stack_depth(), frame, "stack")
         found = found[frame]
 
-    def column(name: str) -> Optional[list[str]]:
+    def column(name: str) -> Optional[list[Any]]:
         return found.get_annotation(name).tolist() if name in found.get_annotation_categories() else None
 
     return Columns(centers=found.coord, elements=found.element.tolist(), names=found.atom_name.tolist(),
