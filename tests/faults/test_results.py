@@ -4,11 +4,13 @@ import re
 import signal
 
 from faults import NO_SPACE, FaultTest, has_ended, needs_library, wait_for, write_pdb
+from support import needs_gemmi
 
 LOG = ".all.csv.eses-blocks.results"
 COUNT = 5
 
 
+@needs_gemmi
 class Results(FaultTest):
     def setUp(self):
         super().setUp()
