@@ -133,10 +133,12 @@ class Reporter {
 void append_table(const Table& table, const MeasuredFile& file,
                   const std::function<void(std::string_view)>& append) {
   BufferedText text(append);
-  if (table.has(has_areas) && !file.reports.empty())
-    table.append(ReportedTable(file).table(), text);
-  else
+  if (table.has(has_areas) && !file.reports.empty()) {
+    const MeasuredFile reported = only_reported(file);
+    table.append(reported.table(), text);
+  } else {
     table.append(file.table(), text);
+  }
   text.flush();
 }
 

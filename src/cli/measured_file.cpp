@@ -1,11 +1,10 @@
 #include "cli/measured_file.hpp"
 
 #include <array>
-#include <cstddef>
 #include <map>
-#include <optional>
 #include <set>
 #include <span>
+#include <type_traits>
 #include <utility>
 
 #include "cli/complex_parts.hpp"
@@ -25,42 +24,42 @@ namespace {
 constexpr std::array area_kinds{&eses::AtomAreas::sas, &eses::AtomAreas::convex,
                                 &eses::AtomAreas::saddle, &eses::AtomAreas::concave};
 
-/// Some atoms of a file.
-struct AtomSubset {
-  std::vector<AtomIndex> indices;  ///< in the surface of the file
-  std::vector<Atom> atoms;
-};
-
-/// Returns the atoms for whose part `is_chosen` returns true.
-AtomSubset atoms_of(const MeasuredFile& file, const auto& is_chosen) {
-  AtomSubset subset;
-  for (AtomIndex i = 0; i < file.part_of_atom.size(); ++i) {
-    if (!is_chosen(file.part_of_atom[i])) continue;
-    subset.indices.push_back(i);
-    subset.atoms.push_back(file.surface.atoms()[i]);
-  }
-  return subset;
+/// Returns the values with these indices.
+template <class Values>
+auto values_at(const Values& values, std::span<const AtomIndex> indices) {
+  std::vector<std::remove_cvref_t<decltype(values[AtomIndex{}])>> chosen;
+  chosen.reserve(indices.size());
+  for (const AtomIndex i : indices) chosen.push_back(values[i]);
+  return chosen;
 }
 
-/// Replaces the surface by the surface of some of its atoms.
-void keep_only(AtomSubset subset, const SurfaceOptions& indexing, MeasuredFile& file) {
-  std::vector<AtomLabel> labels;
-  std::vector<FileIndex> file_indices;
-  for (const AtomIndex i : subset.indices) {
-    labels.push_back(file.surface.labels()[i]);
-    file_indices.push_back(FileIndices(file.file_indices)[i]);
-  }
-  file.file_indices = std::move(file_indices);
-  file.surface = Surface(std::move(subset.atoms), std::move(labels), indexing);
+/// Returns the atoms for whose part `is_chosen` returns true.
+std::vector<AtomIndex> atoms_of(const MeasuredFile& file, const auto& is_chosen) {
+  std::vector<AtomIndex> atoms;
+  for (AtomIndex i = 0; i < file.part_of_atom.size(); ++i)
+    if (is_chosen(file.part_of_atom[i])) atoms.push_back(i);
+  return atoms;
+}
+
+/// Replaces the surface by the surface of some of its atoms, and their areas.
+void keep_only(std::span<const AtomIndex> kept, const SurfaceOptions& indexing,
+               MeasuredFile& file) {
+  file.file_indices = values_at(FileIndices(file.file_indices), kept);
+  for (const auto kind : area_kinds)
+    if (std::vector<double>& areas = file.measures.by_atom.*kind; !areas.empty())
+      areas = values_at(areas, kept);
+  file.surface = Surface(values_at(file.surface.atoms(), kept),
+                         values_at(file.surface.labels(), kept), indexing);
 }
 
 /// Removes the atoms that belong to no part from the surface.
 void remove_other_atoms(const SurfaceOptions& indexing, MeasuredFile& file) {
-  AtomSubset subset = atoms_of(file, [](std::uint32_t part) { return part != no_part; });
-  file.other_atoms = file.part_of_atom.size() - subset.indices.size();
+  const std::vector<AtomIndex> kept =
+      atoms_of(file, [](std::uint32_t part) { return part != no_part; });
+  file.other_atoms = file.part_of_atom.size() - kept.size();
   if (file.other_atoms == 0) return;
   std::erase(file.part_of_atom, no_part);
-  keep_only(std::move(subset), indexing, file);
+  keep_only(kept, indexing, file);
 }
 
 /// Finds the place of --at, and removes the atoms of its ligand from the surface.
@@ -71,24 +70,21 @@ void take_place(const PlaceChoice& choice, double probe_radius, const DividedFil
   if (choice.point) found.place.balls = {{*choice.point, probe_radius}};
   if (choice.box || choice.point) return;
   const std::vector<bool> is_in = atoms_in(choice.part, divided, "--at");
-  AtomSubset others;
+  std::vector<AtomIndex> others;
   for (AtomIndex i = 0; i < is_in.size(); ++i) {
-    const Atom& atom = file.surface.atoms()[i];
-    if (!is_in[i]) {
-      others.indices.push_back(i);
-      others.atoms.push_back(atom);
-    } else if (!choice.part.is_ligand()) {
+    if (!is_in[i])
+      others.push_back(i);
+    else if (!choice.part.is_ligand())
       found.place.atoms.push_back(i);
-    } else {
-      found.place.balls.push_back(atom);
-    }
+    else
+      found.place.balls.push_back(file.surface.atoms()[i]);
   }
   found.left_out = found.place.balls.size();
   if (found.left_out == 0) return;
-  if (others.atoms.empty())
+  if (others.empty())
     throw Error(formatted("{}: there are no atoms besides {}, which --at names",
                           input_name(divided.path), printable(choice.text)));
-  keep_only(std::move(others), indexing, file);
+  keep_only(others, indexing, file);
 }
 
 /// Refuses or names atoms that make the grid of the pockets large and empty.
@@ -128,19 +124,21 @@ void take_pockets(const PocketOptions& options, MeasuredFile& file) {
 
 /// Measures a part alone, and adds the areas of its atoms to `areas_alone`.
 MeasuredPart measure_part(std::uint32_t part, const MeasureOptions& options, MeasuredFile& file) {
-  AtomSubset subset = atoms_of(file, [part](std::uint32_t other) { return other == part; });
-  MeasuredPart measured{file.part_names[part], subset.atoms.size(), {}};
-  const Surface surface(std::move(subset.atoms), {.max_filled_void = file.surface.max_filled_void(),
-                                                  .threads = options.threads,
-                                                  .check = options.check});
+  const std::vector<AtomIndex> atoms =
+      atoms_of(file, [part](std::uint32_t other) { return other == part; });
+  MeasuredPart measured{file.part_names[part], atoms.size(), {}};
+  const Surface surface(values_at(file.surface.atoms(), atoms),
+                        {.max_filled_void = file.surface.max_filled_void(),
+                         .threads = options.threads,
+                         .check = options.check});
   measured.measures = measure(surface, options);
   const eses::AtomAreas areas = std::exchange(measured.measures.by_atom, {});
   if (!options.by_atom) return measured;
   for (const auto kind : area_kinds) {
     if ((areas.*kind).empty()) continue;
     (file.areas_alone.*kind).resize(file.part_of_atom.size());
-    for (std::size_t i = 0; i < subset.indices.size(); ++i)
-      (file.areas_alone.*kind)[subset.indices[i]] = (areas.*kind)[i];
+    for (std::size_t i = 0; i < atoms.size(); ++i)
+      (file.areas_alone.*kind)[atoms[i]] = (areas.*kind)[i];
   }
   return measured;
 }
@@ -175,28 +173,50 @@ void add_reports(const MeasureCommandOptions& options, const ReadOptions& readin
         reported_atoms(selector, atoms_in(selector, divided, "--report"), are_polar, file));
 }
 
-}  // namespace
-
-ReportedTable::ReportedTable(const MeasuredFile& file) : reference_(file.reference) {
-  chains_.assign(file.label_chains().begin(), file.label_chains().end());
-  std::set<AtomIndex> indices;
-  for (const ReportedAtoms& report : file.reports)
-    indices.insert(report.atoms.begin(), report.atoms.end());
-  const eses::AtomAreas& all = file.measures.by_atom;
-  for (const AtomIndex i : indices) {
-    atoms_.push_back(file.surface.atoms()[i]);
-    labels_.push_back(file.surface.labels()[i]);
-    file_indices_.push_back(FileIndices(file.file_indices)[i]);
-    for (const auto kind : area_kinds)
-      if (!(all.*kind).empty()) (areas_.*kind).push_back((all.*kind)[i]);
+/// Measures the atoms of a file together, and those of each part alone.
+void measure_atoms(const MeasureCommandOptions& options, int threads, const CheckCallback& check,
+                   MeasuredFile& file) {
+  const SurfaceChoice& surfaces = options.surfaces;
+  const bool only_vdw = !surfaces.has_ses() && !surfaces.has_sas();
+  const bool has_chains =
+      options.has_report() && surfaces.has_sas() && !file.surface.labels().empty();
+  MeasureOptions measuring{
+      .probe_radius = only_vdw ? 0 : options.probe_radius,
+      .ses = surfaces.has_ses(),
+      .van_der_waals = surfaces.has_vdw(),
+      .by_atom = options.needs(has_areas) || has_chains || !options.reports.empty(),
+      .gradients = options.needs(has_derivatives),
+      .cavities = options.cavities || options.needs(has_cavities),
+      .threads = threads,
+      .check = check};
+  file.measures = measure(file.surface, measuring);
+  if (options.need_pockets()) {
+    PocketOptions searching = options.pocket_options;
+    searching.threads = threads;
+    searching.check = check;
+    take_pockets(searching, file);
   }
+  if (options.at && options.need_cavities())
+    file.place->cavities = find_cavities_at(
+        file.surface, file.place->place,
+        {.probe_radius = options.probe_radius, .threads = threads, .check = check});
+  measuring.by_atom = options.needs(has_areas);
+  measuring.gradients = measuring.cavities = false;
+  // No other output shows the van der Waals surface of a part.
+  measuring.van_der_waals = options.json && surfaces.has_vdw();
+  for (std::uint32_t part = 0; part < file.part_names.size(); ++part)
+    file.parts.push_back(measure_part(part, measuring, file));
 }
 
-MeasuredAtoms ReportedTable::table() const {
-  MeasuredAtoms atoms{atoms_, labels_, FileIndices(file_indices_), areas_, gradients_, {}, {}, {}};
-  atoms.reference = reference_;
-  atoms.chains = chains_;
-  return atoms;
+}  // namespace
+
+MeasuredFile only_reported(MeasuredFile file) {
+  std::set<AtomIndex> kept;
+  for (const ReportedAtoms& report : file.reports)
+    kept.insert(report.atoms.begin(), report.atoms.end());
+  file.parts.clear();
+  keep_only(std::vector(kept.begin(), kept.end()), {.threads = 1}, file);
+  return file;
 }
 
 double MeasuredFile::buried(double Measures::*area) const {
@@ -255,36 +275,7 @@ MeasuredFile measure_file(const MeasureCommandOptions& options, std::size_t inpu
     take_place(*options.at, options.probe_radius,
                {path, reading, result.surface.labels(), file.lines}, indexing, result);
   if (options.need_pockets()) take_far_atoms(options, file.lines, result);
-  const SurfaceChoice& surfaces = options.surfaces;
-  const bool only_vdw = !surfaces.has_ses() && !surfaces.has_sas();
-  const bool has_chains =
-      options.has_report() && surfaces.has_sas() && !result.surface.labels().empty();
-  MeasureOptions measuring{
-      .probe_radius = only_vdw ? 0 : options.probe_radius,
-      .ses = surfaces.has_ses(),
-      .van_der_waals = surfaces.has_vdw(),
-      .by_atom = options.needs(has_areas) || has_chains || !options.reports.empty(),
-      .gradients = options.needs(has_derivatives),
-      .cavities = options.cavities || options.needs(has_cavities),
-      .threads = threads,
-      .check = check};
-  result.measures = measure(result.surface, measuring);
-  if (options.need_pockets()) {
-    PocketOptions searching = options.pocket_options;
-    searching.threads = threads;
-    searching.check = check;
-    take_pockets(searching, result);
-  }
-  if (options.at && options.need_cavities())
-    result.place->cavities = find_cavities_at(
-        result.surface, result.place->place,
-        {.probe_radius = options.probe_radius, .threads = threads, .check = check});
-  measuring.by_atom = options.needs(has_areas);
-  measuring.gradients = measuring.cavities = false;
-  // No other output shows the van der Waals surface of a part.
-  measuring.van_der_waals = options.json && surfaces.has_vdw();
-  for (std::uint32_t part = 0; part < result.part_names.size(); ++part)
-    result.parts.push_back(measure_part(part, measuring, result));
+  measure_atoms(options, threads, check, result);
   result.structure = std::move(file.structure);
   if (options.probe_radius == reference_probe_radius) result.reference = options.reference;
   add_reports(options, reading, file.lines, result);

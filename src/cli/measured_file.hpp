@@ -72,23 +72,9 @@ struct MeasuredFile {
   MeasuredAtoms table() const;
 };
 
-/// The reported atoms of a file, with their areas.
-class ReportedTable {
- public:
-  /// Copies all that the table needs of `file`, which must have reports.
-  explicit ReportedTable(const MeasuredFile& file);
-
-  MeasuredAtoms table() const;
-
- private:
-  std::vector<Atom> atoms_;
-  std::vector<AtomLabel> labels_;
-  std::vector<FileIndex> file_indices_;
-  eses::AtomAreas areas_;
-  Gradients gradients_;
-  std::optional<AreaReference> reference_;
-  std::vector<ChainName> chains_;
-};
+/// Returns a file with its reported atoms alone, and their areas in the whole file. Its cavities,
+/// pockets and derivatives are those of all atoms.
+MeasuredFile only_reported(MeasuredFile file);
 
 /// Reads and measures an input. Throws Error if it cannot be read, or if it lacks a chain of a
 /// part.

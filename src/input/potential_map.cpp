@@ -1,11 +1,10 @@
 #include "input/potential_map.hpp"
 
-#include <zlib.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <string_view>
 
 #include "eses/error.hpp"
@@ -13,6 +12,7 @@
 #include "input/text_fields.hpp"
 #include "system/bytes_text.hpp"
 #include "system/formatted.hpp"
+#include "system/gzip.hpp"
 #include "system/resources.hpp"
 
 namespace eses::detail {
@@ -116,7 +116,7 @@ double PotentialMap::at(const Vec3& position) const {
 
 std::string PotentialMap::identity() const {
   const auto& [origin, spacing, size, shifted] = positions_;
-  const uLong hash = crc32_z(0, reinterpret_cast<const Bytef*>(values_.data()), bytes());
+  const std::uint32_t hash = checksum({reinterpret_cast<const char*>(values_.data()), bytes()});
   return formatted("{:a} {:a} {:a} {:a} {:a} {:a} {} {} {} {:08x}", origin.x, origin.y, origin.z,
                    spacing.x, spacing.y, spacing.z, size[0], size[1], size[2], hash);
 }

@@ -2,7 +2,6 @@
 
 #include <fcntl.h>
 #include <unistd.h>
-#include <zlib.h>
 
 #include <cerrno>
 #include <fstream>
@@ -13,6 +12,7 @@
 
 #include "eses/error.hpp"
 #include "system/formatted.hpp"
+#include "system/gzip.hpp"
 
 namespace eses::detail {
 namespace {
@@ -32,14 +32,9 @@ struct RecordHeader {
   std::uint64_t text_bytes() const { return path_bytes + printed_bytes + row_bytes; }
 };
 
-std::uint32_t checksum(std::uint32_t start, std::span<const char> bytes) {
-  return static_cast<std::uint32_t>(
-      crc32_z(start, reinterpret_cast<const Bytef*>(bytes.data()), bytes.size()));
-}
-
 std::uint64_t checksum_of(RecordHeader header, std::span<const char> texts) {
   header.checksum = 0;
-  return checksum(checksum(0, as_chars(std::span<const RecordHeader>(&header, 1))), texts);
+  return checksum(texts, checksum(as_chars(std::span<const RecordHeader>(&header, 1))));
 }
 
 /// The key of the record with the identity of the run.
@@ -56,7 +51,7 @@ std::optional<InputKey> key_of_input(const std::filesystem::path& path, int mode
   while (file) {
     file.read(part.data(), static_cast<std::streamsize>(part.size()));
     const auto count = static_cast<std::size_t>(file.gcount());
-    key.checksum = checksum(key.checksum, std::span(part).first(count));
+    key.checksum = checksum(std::span(part).first(count), key.checksum);
     key.bytes += count;
   }
   return file.eof() ? std::optional(key) : std::nullopt;

@@ -1,7 +1,5 @@
 #include "run/checkpoint.hpp"
 
-#include <zlib.h>
-
 #include <algorithm>
 #include <cstdio>
 #include <fstream>
@@ -60,10 +58,6 @@ void remove_directory(const std::filesystem::path& directory) noexcept try {
 std::string read_all(const std::filesystem::path& path) {
   std::ifstream file(path, std::ios::binary);
   return {std::istreambuf_iterator<char>(file), {}};
-}
-
-std::uint32_t checksum(std::span<const char> bytes) {
-  return static_cast<std::uint32_t>(crc32_z(0, zlib_bytes(bytes), bytes.size()));
 }
 
 // Returns the content of the file that identifies a run. The checksum tells a damaged file from one

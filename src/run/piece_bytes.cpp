@@ -1,9 +1,8 @@
 #include "run/piece_bytes.hpp"
 
-#include <zlib.h>
-
 #include <cstddef>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "system/gzip.hpp"
@@ -50,11 +49,8 @@ void for_each_list(SomePiece& piece, Head& head, Visit&& visit) {
 
 std::uint64_t checksum_of(const Piece& piece, PieceHead head) {
   head.checksum = 0;
-  const auto add = [](uLong sum, std::span<const char> bytes) {
-    return bytes.empty() ? sum : crc32_z(sum, zlib_bytes(bytes), bytes.size());
-  };
-  uLong sum = add(0, as_chars(std::span(&std::as_const(head), 1)));
-  for_each_list(piece, head, [&](const auto& list, auto&) { sum = add(sum, bytes_of(list)); });
+  std::uint32_t sum = checksum(as_chars(std::span(&std::as_const(head), 1)));
+  for_each_list(piece, head, [&](const auto& list, auto&) { sum = checksum(bytes_of(list), sum); });
   return sum;
 }
 

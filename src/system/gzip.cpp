@@ -8,6 +8,13 @@ Bytef* zlib_bytes(std::span<const char> bytes) {
   return reinterpret_cast<Bytef*>(const_cast<char*>(bytes.data()));  // NOLINT
 }
 
+std::uint32_t checksum(std::span<const char> bytes, std::uint32_t before) {
+  // Without bytes, their address may be null, for which zlib returns the first value of a checksum.
+  return bytes.empty()
+             ? before
+             : static_cast<std::uint32_t>(crc32_z(before, zlib_bytes(bytes), bytes.size()));
+}
+
 bool is_gzip(std::string_view bytes) { return bytes.starts_with(gzip_magic); }
 
 Gzip::Gzip() {

@@ -3,6 +3,7 @@
 
 #include <zlib.h>
 
+#include <cstdint>
 #include <span>
 #include <string_view>
 #include <vector>
@@ -44,5 +45,8 @@ bool is_gzip(std::string_view bytes);
 
 /// Returns `bytes` as input for zlib, which does not modify it.
 Bytef* zlib_bytes(std::span<const char> bytes);
+
+/// Returns the crc32 of bytes that follow others with the crc32 `before`.
+std::uint32_t checksum(std::span<const char> bytes, std::uint32_t before = 0);
 
 }  // namespace eses::detail
