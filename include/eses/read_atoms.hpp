@@ -70,7 +70,8 @@ struct StructureOptions {
   bool with_hetatm = true;   ///< Whether HETATM records other than water are read.
   HydrogenChoice hydrogens = HydrogenChoice::by_radii;  ///< Which hydrogens are read.
   std::vector<std::string> chains;                      ///< The chains to read; empty for all.
-  /// A selection in gemmi's syntax, such as `/1/A/10-20/CA`; empty for all atoms.
+  /// A selection: chains such as `A+B`, `ligand:HEM`, `ligand`, or gemmi's syntax, such as
+  /// `/1/A/10-20/CA`; empty for all atoms.
   std::string select;
   /// Identifier of the biological assembly to build; empty for the atoms of the file.
   std::string assembly;

@@ -111,7 +111,12 @@ class Selector:
         raise ValueError(f"{what}: no chain {missing!r}; {self._contents()}{advice}")
 
     def _of_residue(self, name: str, what: str) -> _Bools:
-        mask: _Bools = self._names.residue == name
+        chain, slash, residue = name.rpartition("/")
+        names = self._names
+        mask: _Bools = names.residue == residue
+        if slash:  # CHAIN/NUMBER or CHAIN/NAME
+            numbers = np.char.add(names.residue_number.astype(str), names.icode)
+            mask = (names.chain == chain) & (mask | (numbers == residue))
         if not mask.any():
             residues = sorted(dict.fromkeys(self._names.residue.tolist()), key=is_polymer)  # ligands first
             raise ValueError(f"{what}: no residue {name!r}; the residues are {_listed(residues)}")

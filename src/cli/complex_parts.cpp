@@ -45,7 +45,9 @@ std::string list_of(const std::vector<std::string>& names) {
 /// Returns whether each atom of the file is in a selection.
 std::vector<bool> selected(const std::string& selection, const DividedFile& file,
                            std::string_view option) {
-  if (!is_structure(format_of(file.path, file.reading.format)))
+  const bool is_pdb = is_structure(format_of(file.path, file.reading.format));
+  if (!is_pdb && !file.labels.empty()) return select_atoms(file.labels, selection);
+  if (!is_pdb)
     throw Error(formatted("{}: selections such as {} ({}) need a PDB or mmCIF file",
                           input_name(file.path), printable(selection), option));
   if (file.path == "-")
@@ -159,6 +161,15 @@ std::vector<bool> atoms_of_ligand(const std::string& ligand, const DividedFile& 
                  advice_for_ligand(file, ligand));
 }
 
+/// Returns whether a part is a number or a range that no chain has as its name: those of residues.
+bool names_residue(const PartSelector& part, std::span<const AtomLabel> labels) {
+  if (part.chains.size() != 1) return false;
+  const std::string& name = part.chains.front();
+  const std::size_t first = name.starts_with('-') ? 1 : 0;
+  return first < name.size() && is_digit(name[first]) &&
+         std::ranges::find(labels, name, &AtomLabel::chain) == labels.end();
+}
+
 /// Returns whether a part of chains leaves atoms to another part, as its ligands.
 bool gives_ligands_to(const PartSelector& part, const PartSelector& other) {
   return !part.chains.empty() && other.is_ligand();
@@ -186,8 +197,10 @@ std::string name_of(const PartSelector& part) {
 std::vector<bool> atoms_in(const PartSelector& part, const DividedFile& file,
                            std::string_view option) {
   std::vector<bool> is_in(file.labels.size());
+  if (names_residue(part, file.labels)) is_in = select_atoms(file.labels, part.chains.front());
+  const bool has_residue = std::ranges::find(is_in, true) != is_in.end();
   for (const std::string& chain : part.chains) {
-    bool is_found = false;
+    bool is_found = has_residue;
     for (std::size_t i = 0; i < is_in.size(); ++i)
       if (file.labels[i].chain == chain) is_in[i] = is_found = true;
     if (!is_found)

@@ -51,7 +51,7 @@ std::optional<std::string> label_text(const std::map<FileIndex, AtomLabel>& labe
                                       FileIndex atom) {
   const auto found = labels.find(atom);
   if (found == labels.end()) return std::nullopt;
-  const auto& [chain, residue, number, name, element] = found->second;
+  const auto& [chain, residue, number, name, element, atom_class] = found->second;
   return formatted("{}/{} {}/{}", chain, residue, number, name);
 }
 

@@ -33,7 +33,7 @@ Groups and their atoms:
   A+B            chains A and B
   ligand:STI     all residues named STI; ligand:A/401 is residue 401 of chain A
   ligand         all residues of several atoms that are no amino acids, nucleotides or waters
-  //A/10-50      a selection in gemmi's syntax, for PDB and mmCIF files
+  //A/10-50      a selection in gemmi's syntax
 
 Tables (--write), in the output directory, named after the input file NAME:
   NAME.interfaces.csv          areas of both sides, numbers of residues and atoms

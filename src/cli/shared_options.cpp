@@ -155,8 +155,8 @@ void add_structure_options(CLI::App& app, StructureOptions& structure, bool* all
   add_value(app, "--chains", "LIST", "include only these chains, such as A,B", structure.chains,
             Format<std::vector<std::string>>{names_in, "names of chains, such as A,B"});
   add_value(app, "--select", "TEXT",
-            "include only a selection in gemmi's syntax, such as\n//A/10-20", structure.select,
-            any_text("a selection in gemmi's syntax, such as //A/10-20"));
+            "include only chains (A+B), ligand:NAME, ligand, or a\nselection such as //A/10-20",
+            structure.select, any_text(std::string(part_texts)));
   add_value(app, "--chain-names", "NAME",
             "names of the chains of an mmCIF file: auth (auth_asym_id)\n"
             "or label (label_asym_id) [auth]",

@@ -134,6 +134,9 @@ TEST_CASE("interfaces: halogens are apolar in molecules, and ions are polar") {
   labels[2].residue_number = "2";
   labels[3].residue_number = "3";
   CHECK(find_polar_atoms(atoms, labels) == std::vector<bool>{false, false, true, true});
+  labels[0].atom_class = AtomClass::polar;  // as the set of radii has it
+  labels[3].atom_class = AtomClass::apolar;
+  CHECK(find_polar_atoms(atoms, labels) == std::vector<bool>{true, false, true, false});
 }
 
 TEST_CASE("interface: a file of one chain says what to choose") {
@@ -224,8 +227,8 @@ TEST_CASE("interface: errors say what is wrong") {
                  "no atoms of residue STI, which --ligand names; the residues are HEM, ALA, GLY"));
   CHECK(contains(error({"interface", "dimer.pqr", "--groups", "ligand:HEM", "ligand:HEM"}),
                  "dimer.pqr: the atom in line 2 belongs to two parts of --groups: HEM and HEM"));
-  CHECK(contains(error({"interface", "dimer.pqr", "--groups", "//A", "B"}),
-                 "selections such as //A (--groups) need a PDB or mmCIF file"));
+  CHECK(contains(box.run({"interface", "dimer.pqr", "--groups", "//A", "2"}).out,
+                 "//A and 2: SAS interface area"));
   CHECK(contains(error({"interface", "none.pdb"}), "cannot open none.pdb"));
   CHECK(contains(error({"interface", "none.xyzr"}), "cannot open none.xyzr"));
   write_file(box.directory() / "a.xyzr", "0 0 0 1\n");

@@ -37,16 +37,30 @@ std::string selection_error(const std::string& selection) {
 
 TEST_CASE("select_atoms: selections have gemmi's syntax", "[structure][select]") {
   using Indices = std::vector<std::size_t>;
-  const std::vector<std::pair<std::string, Indices>> cases{
-      {"//A/10", {0}},         {"//A/10.A", {1}},          {"A//OG", {2}},
-      {"//*/*/CA", {0, 1}},    {"(STI,ZN)", {3, 4, 5, 6}}, {"B//[O]", {5, 7}},
-      {";polymer", {0, 1, 2}}, {"//A/9-11/*[C]", {0, 1}}};
+  const std::vector<std::pair<std::string, Indices>> cases{{"//A/10", {0}},
+                                                           {"//A/10.A", {1}},
+                                                           {"A//OG", {2}},
+                                                           {"//*/*/CA", {0, 1}},
+                                                           {"(STI,ZN)", {3, 4, 5, 6}},
+                                                           {"B//[O]", {5, 7}},
+                                                           {";polymer", {0, 1, 2}},
+                                                           {"//A/9-11/*[C]", {0, 1}},
+                                                           {"A", {0, 1, 2, 11, 12}},
+                                                           {"ligand:ZN", {6}},
+                                                           {"ligand", {3, 4, 5, 11, 12}},
+                                                           {"10", {0}}};
   for (const auto& [selection, expected] : cases) {
     INFO(selection);
     CHECK(chosen(select_atoms(labels, selection)) == expected);
   }
   CHECK(chosen(select_atoms(labels, "//A/10-")).size() == 2);
   CHECK(select_atoms({}, "//A").empty());
+}
+
+TEST_CASE("select_atoms: several chains, all of which exist", "[structure][select]") {
+  CHECK(chosen(select_atoms(labels, "B + A")).size() == labels.size());
+  CHECK(selection_error("A+C").ends_with("found \"A+C\"; its chains are A, B"));
+  CHECK(select_atoms(labels, "ligand:HEM") == std::vector<bool>(labels.size()));
 }
 
 TEST_CASE("select_atoms: messages say what is wrong", "[structure][select]") {

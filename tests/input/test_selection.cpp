@@ -150,6 +150,15 @@ TEST_CASE("selections in gemmi's syntax choose atoms", "[structure]") {
   CHECK(read_pdb(text, options).lines == std::vector<std::uint64_t>{4});
   options.select = "CA[C]";
   CHECK(read_pdb(text, options).lines == std::vector<std::uint64_t>{1, 3});
+  for (const auto& [word, expected] :
+       std::vector<std::pair<std::string, std::vector<std::uint64_t>>>{
+           {"A+B", {1, 3, 4}}, {"B, A", {1, 3, 4}}, {"ligand:LIG", {4}}, {"ligand:ALA", {1}}}) {
+    INFO(word);
+    options.select = word;
+    CHECK(read_pdb(text, options).lines == expected);
+  }
+  options.select = "A,Z";
+  CHECK(contains(pdb_error(text, options), "found \"A,Z\"; its chains are A, B"));
   options.select = "//[";
   CHECK(contains(pdb_error(text, options), "selection: invalid selection syntax"));
   // A keyword of another program is no selection, although a chain may have the name of a word.
@@ -169,6 +178,28 @@ TEST_CASE("selections in gemmi's syntax choose atoms", "[structure]") {
   CHECK(contains(pdb_error(text, options), "use --model 2"));
   options.select = "//Z";
   CHECK(contains(pdb_error(text, options), "t.pdb: no atoms left of 5; left out: 5 not selected"));
+}
+
+TEST_CASE("all ligands are selected by one word", "[structure]") {
+  const auto ligand = [](const char* name, const char* number, const char* atom, double x,
+                         const char* element, char altloc = ' ') {
+    return line_of({.record = "HETATM",
+                    .name = atom,
+                    .altloc = altloc,
+                    .residue = name,
+                    .number = number,
+                    .x = x,
+                    .element = element});
+  };
+  // Two locations of an ion are no ligand.
+  const std::string text = line_of({}) + ligand("STI", "   7 ", " C1 ", 9, " C") +
+                           ligand("STI", "   7 ", " O1 ", 10, " O") +
+                           ligand(" CL", "   8 ", "CL  ", 20, "CL", 'A') +
+                           ligand(" CL", "   8 ", "CL  ", 21, "CL", 'B');
+  StructureOptions options;
+  options.select = "ligand";
+  CHECK(read_pdb(text, options).lines == std::vector<std::uint64_t>{2, 3});
+  CHECK(read_pdb(text, options).structure->dropped_selection == 3);
 }
 
 TEST_CASE("alternative residues need not be neighbours", "[structure]") {

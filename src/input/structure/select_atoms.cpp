@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "eses/error.hpp"
+#include "eses/select_atoms.hpp"
 #include "input/structure/selection.hpp"
 #include "input/structure/structure_atoms.hpp"
 #include "input/text_fields.hpp"
@@ -44,9 +45,50 @@ void keep_chains(gemmi::Model& model, const std::vector<std::string>& names,
   });
 }
 
+/// Keeps the atoms of all ligands, which follow from the names of the atoms in the order of the
+/// file.
+void keep_ligands(gemmi::Model& model) {
+  std::vector<std::pair<int, AtomLabel>> atoms;
+  for (const gemmi::Chain& chain : model.chains)
+    for (const gemmi::Residue& residue : chain.residues)
+      for (const gemmi::Atom& atom : residue.atoms)
+        atoms.push_back(
+            {atom.serial,
+             {chain.name, residue.name, residue.seqid.str(), atom.name, atom.element.name()}});
+  std::ranges::stable_sort(atoms, {}, &std::pair<int, AtomLabel>::first);
+  std::vector<AtomLabel> labels;
+  for (const auto& [serial, label] : atoms) labels.push_back(label);
+  const std::vector<bool> are_ligands = find_ligand_atoms(labels);
+  std::set<int> kept;
+  for (std::size_t i = 0; i < atoms.size(); ++i)
+    if (are_ligands[i]) kept.insert(atoms[i].first);
+  for (gemmi::Chain& chain : model.chains)
+    for (gemmi::Residue& residue : chain.residues)
+      gemmi::vector_remove_if(residue.atoms,
+                              [&](const gemmi::Atom& atom) { return !kept.contains(atom.serial); });
+}
+
+void keep_part(gemmi::Model& model, const NamedPart& part) {
+  if (!part.chains.empty())
+    gemmi::vector_remove_if(model.chains, [&](const gemmi::Chain& chain) {
+      return !gemmi::in_vector(chain.name, part.chains);
+    });
+  else if (!part.residue.empty())
+    for (gemmi::Chain& chain : model.chains)
+      gemmi::vector_remove_if(chain.residues, [&](const gemmi::Residue& residue) {
+        return !part.has_residue(chain.name, residue.seqid.str(), residue.name);
+      });
+  else
+    keep_ligands(model);
+}
+
 void keep_selected(gemmi::Model& model, const ParsedStructure& parsed, const std::string& text,
                    const std::set<std::string>& chains, std::string_view file) {
   if (text.empty()) return;
+  if (const NamedPart part = named_part(text, chains); part.is_chosen()) {
+    keep_part(model, part);
+    return;
+  }
   const gemmi::Selection selection = parse_selection(text, formatted("{}: selection", file));
   const std::string& name = parsed.models.chosen;
   if (selection.mdl != 0 && std::to_string(selection.mdl) != name)

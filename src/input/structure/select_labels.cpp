@@ -74,14 +74,27 @@ std::vector<bool> atoms_of(const gemmi::Model& model, std::size_t count, const a
   return found;
 }
 
+/// Returns whether each atom is in a chain or residue of a part.
+std::vector<bool> atoms_of(std::span<const AtomLabel> atoms, const NamedPart& part) {
+  std::vector<bool> found;
+  for (const AtomLabel& label : atoms)
+    found.push_back(part.residue.empty()
+                        ? gemmi::in_vector(label.chain, part.chains)
+                        : part.has_residue(label.chain, label.residue_number, label.residue));
+  return found;
+}
+
 }  // namespace
 }  // namespace detail
 
 std::vector<bool> select_atoms(std::span<const AtomLabel> atoms, const std::string& selection) {
   gemmi::Model model = detail::model_of(atoms);
+  const std::set<std::string> chains = detail::chain_names(model);
+  if (const detail::NamedPart part = detail::named_part(selection, chains); part.is_chosen())
+    return part.are_ligands ? find_ligand_atoms(atoms) : detail::atoms_of(atoms, part);
   const gemmi::Selection parsed = detail::parse_selection(selection, "selection");
   detail::require_labels(parsed, selection);
-  detail::refuse_words(parsed, selection, detail::chain_names(model), "selection");
+  detail::refuse_words(parsed, selection, chains, "selection");
   if (!parsed.entity_types.all) detail::complete_entity_types(model, gemmi::CoorFormat::Mmcif);
   parsed.remove_not_selected(model);
   return detail::atoms_of(model, atoms.size(), [](const gemmi::Residue&) { return true; });
@@ -91,9 +104,10 @@ std::vector<bool> find_ligand_atoms(std::span<const AtomLabel> atoms) {
   gemmi::Model model = detail::model_of(atoms);
   detail::complete_entity_types(model, gemmi::CoorFormat::Mmcif);
   return detail::atoms_of(model, atoms.size(), [](const gemmi::Residue& residue) {
-    const auto heavy_atoms = std::ranges::count_if(
-        residue.atoms, [](const gemmi::Atom& atom) { return !atom.is_hydrogen(); });
-    return residue.entity_type == gemmi::EntityType::NonPolymer && heavy_atoms > 1 &&
+    std::set<std::string_view> heavy_atoms;  // names, because an atom may have alternate locations
+    for (const gemmi::Atom& atom : residue.atoms)
+      if (!atom.is_hydrogen()) heavy_atoms.insert(atom.name);
+    return residue.entity_type == gemmi::EntityType::NonPolymer && heavy_atoms.size() > 1 &&
            !detail::is_water(residue);
   });
 }

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <exception>
 #include <gemmi/polyheur.hpp>
+#include <utility>
 #include <vector>
 
 #include "eses/error.hpp"
@@ -35,6 +36,17 @@ std::string_view residue_field(std::string_view text) {
     text.remove_prefix(slash + 1);
   }
   return text.substr(0, text.find_first_of("/;"));
+}
+
+/// Returns the names in a list such as `A,B` or `A+B`.
+std::vector<std::string> names_in_list(std::string_view text) {
+  std::vector<std::string> names;
+  for (std::size_t end = 0; end != std::string_view::npos; text.remove_prefix(end + 1)) {
+    end = text.find_first_of("+,");
+    names.emplace_back(trimmed(text.substr(0, end)));
+    if (end == std::string_view::npos) break;
+  }
+  return names;
 }
 
 }  // namespace
@@ -67,12 +79,28 @@ gemmi::Selection parse_selection(const std::string& text, std::string_view optio
   }
 }
 
+bool NamedPart::has_residue(const std::string& chain, const std::string& number,
+                            const std::string& name) const {
+  const std::size_t slash = residue.find('/');
+  if (slash == std::string::npos) return name == residue;
+  const std::string_view wanted = std::string_view(residue).substr(slash + 1);
+  return chain == residue.substr(0, slash) && (number == wanted || name == wanted);
+}
+
+NamedPart named_part(std::string_view text, const std::set<std::string>& known) {
+  constexpr std::string_view ligand = "ligand", prefix = "ligand:";
+  if (text.starts_with(prefix)) return {.residue = std::string(text.substr(prefix.size()))};
+  std::vector<std::string> names = names_in_list(text);
+  if (std::ranges::all_of(names, [&](const auto& name) { return known.contains(name); }))
+    return {.chains = std::move(names)};
+  return {.are_ligands = text == ligand};
+}
+
 void refuse_words(const gemmi::Selection& selection, const std::string& text,
                   const std::set<std::string>& known, std::string_view option) {
-  if (text != selection.chain_ids.list ||
-      std::any_of(known.begin(), known.end(),
-                  [&](const std::string& chain) { return selection.chain_ids.has(chain); }))
-    return;
+  if (text != selection.chain_ids.list || selection.chain_ids.inverted) return;
+  const std::vector<std::string> names = names_in_list(text);
+  if (std::ranges::all_of(names, [&](const auto& name) { return known.contains(name); })) return;
   throw Error(
       formatted("{}: invalid selection syntax, expected the name of a chain or a "
                 "selection such as //A/10-20, found {}; {}",
