@@ -18,6 +18,13 @@ struct Atom {
   double radius = 0;  ///< Van der Waals radius, in angstrom; not negative.
 };
 
+/// The class of an atom in its set of radii.
+enum class AtomClass : std::uint8_t {
+  none,    ///< The set has none, so that the class follows from the element.
+  polar,   ///< The set counts the atom as polar.
+  apolar,  ///< The set counts the atom as apolar.
+};
+
 /// The names of an atom in its file, and its element. Missing names are empty. The copies of a
 /// chain in an assembly are named A, A-2, A-3 and so on.
 struct AtomLabel {
@@ -28,6 +35,8 @@ struct AtomLabel {
   /// Element symbol, such as Cl; empty if it is unknown. If the file does not have it, it follows
   /// from the names as described in doc/input.md.
   std::string element = {};
+  /// Class in the set of radii that was chosen for the file.
+  AtomClass atom_class = AtomClass::none;
   /// Compares all members.
   friend bool operator==(const AtomLabel&, const AtomLabel&) = default;
 };

@@ -18,7 +18,8 @@ struct NamedRadius {
   double radius = 0;           ///< In angstrom; not a number if the set has no radius for the atom.
   std::string element;         ///< Element symbol, such as Cl; empty if unknown.
   bool is_by_element = false;  ///< Whether the set does not name the atom, only its element.
-  bool is_element_by_name = false;  ///< Whether the element follows from the names.
+  bool is_element_by_name = false;         ///< Whether the element follows from the names.
+  AtomClass atom_class = AtomClass::none;  ///< Class in the set.
 };
 
 /// The radii of atoms in a set.
@@ -50,9 +51,11 @@ std::vector<bool> find_waters(std::span<const AtomLabel> atoms);
 /// residues may be parts, so a missing backbone is no diagnostic.
 std::vector<Diagnostic> check_residues(std::span<const AtomLabel> atoms);
 
-/// Returns whether each atom is polar. Apolar are carbon, boron, silicon, and halogens that are not
-/// alone in their residue. All others are polar: nitrogen, oxygen, sulfur, phosphorus and selenium,
-/// as in the classes of ProtOr and OONS (NACCESS takes the last three for apolar), and ions. A
+/// Returns whether each atom is polar. This is its class in the set of radii, if the label has one:
+/// NACCESS takes sulfur, phosphorus and selenium for apolar, OONS the carbon of carbonyl and
+/// carboxyl groups for polar, and files in FreeSASA's configuration format name the class of each
+/// atom. Else carbon, boron, silicon, and halogens that are not alone in their residue are apolar.
+/// All others are polar, as in ProtOr: nitrogen, oxygen, sulfur, phosphorus, selenium, and ions. A
 /// hydrogen belongs to the class of the nearest other atom of its residue. The numbers of atoms and
 /// labels are the same.
 std::vector<bool> find_polar_atoms(std::span<const Atom> atoms, std::span<const AtomLabel> labels);

@@ -32,13 +32,15 @@ NamedRadii find_radii(std::span<const AtomLabel> atoms, const std::string& set) 
       standard = detail::standard_residue(std::span(labels).subspan(i, end - i));
     }
     if (label.element == "D") label.element = "H";
-    const auto radius =
-        radii.find({label.residue, label.atom_name, label.element, label.element == "H", standard});
+    const detail::AtomIdentity identity{label.residue, label.atom_name, label.element,
+                                        label.element == "H", standard};
+    const auto radius = radii.find(identity);
     found.atoms.push_back(
         {.radius = radius ? radius->radius : std::numeric_limits<double>::quiet_NaN(),
          .element = label.element,
          .is_by_element = radius && radius->by_element,
-         .is_element_by_name = atoms[i].element.empty() && !label.element.empty()});
+         .is_element_by_name = atoms[i].element.empty() && !label.element.empty(),
+         .atom_class = radii.class_of(identity)});
   }
   return found;
 }

@@ -18,6 +18,7 @@ struct Residue {
 
   /// Returns whether an atom that is no hydrogen is polar.
   bool is_polar(std::size_t i) const {
+    if (labels[i].atom_class != AtomClass::none) return labels[i].atom_class == AtomClass::polar;
     const std::string_view element = labels[i].element;
     const bool is_halogen = detail::has_word("F Cl Br I", element);
     return !detail::has_word("C B Si", element) && !(is_halogen && labels.size() > 1);
@@ -48,8 +49,9 @@ std::vector<bool> find_polar_atoms(std::span<const Atom> atoms, std::span<const 
       ++end;
     const Residue residue{atoms.subspan(first, end - first), labels.subspan(first, end - first)};
     for (std::size_t i = first; i < end; ++i)
-      are_polar[i] =
-          is_hydrogen(labels[i]) ? residue.has_polar_parent(atoms[i]) : residue.is_polar(i - first);
+      are_polar[i] = is_hydrogen(labels[i]) && labels[i].atom_class == AtomClass::none
+                         ? residue.has_polar_parent(atoms[i])
+                         : residue.is_polar(i - first);
   }
   return are_polar;
 }

@@ -9,6 +9,7 @@
 #include <string_view>
 #include <system_error>
 #include <unordered_map>
+#include <unordered_set>
 #include <utility>
 #include <vector>
 
@@ -62,12 +63,35 @@ using FindRadius = std::optional<double> (*)(std::string_view residue, std::stri
 /// Returns a set of united atoms whose names in the residue ANY begin with their element, so that
 /// CA is not calcium.
 RadiiSet set_with_any(std::string name, FindRadius find) {
-  return {std::move(name), true,
-          [find](const AtomIdentity& atom) {
-            const bool is_of_any = !atom.atom.empty() && atom.element == atom.atom.substr(0, 1);
-            return is_of_any ? find_with_any(atom, find) : find_by_names(atom, find);
-          },
-          freesasa_element_radius};
+  return {.name = std::move(name),
+          .is_united = true,
+          .find_named =
+              [find](const AtomIdentity& atom) {
+                const bool is_of_any = !atom.atom.empty() && atom.element == atom.atom.substr(0, 1);
+                return is_of_any ? find_with_any(atom, find) : find_by_names(atom, find);
+              },
+          .find_by_element = freesasa_element_radius};
+}
+
+/// Returns the set of NACCESS, in which sulfur, selenium and phosphorus are apolar.
+RadiiSet naccess_set(std::string name) {
+  RadiiSet set = set_with_any(std::move(name), naccess_radius);
+  set.find_class = [](const AtomIdentity& atom) {
+    return has_word("S Se P", atom.element) ? AtomClass::apolar : AtomClass::none;
+  };
+  return set;
+}
+
+/// Returns the set of OONS, in which the carbon of carbonyl and carboxyl groups is polar. It is the
+/// carbon of this radius.
+RadiiSet oons_set(std::string name) {
+  RadiiSet set = set_with_any(std::move(name), oons_radius);
+  set.find_class = [find = set.find_named](const AtomIdentity& atom) {
+    constexpr double carbonyl_radius = 1.55;  // angstrom
+    return atom.element == "C" && find(atom) == carbonyl_radius ? AtomClass::polar
+                                                                : AtomClass::none;
+  };
+  return set;
 }
 
 /// Reads a configuration file line by line.
@@ -95,10 +119,19 @@ class ConfigurationReader {
           formatted("{}: no atoms found; expected a set of radii in FreeSASA's "
                     "configuration format, with the sections types: and atoms:",
                     file_));
-    return {
-        name_, !names_hydrogens_,
-        [radii = std::move(radii_)](const AtomIdentity& atom) { return find_named(radii, atom); },
-        freesasa_element_radius, true};
+    return {.name = name_,
+            .is_united = !names_hydrogens_,
+            .find_named = [radii = std::move(radii_)](
+                              const AtomIdentity& atom) { return find_named(radii, atom); },
+            .find_by_element = freesasa_element_radius,
+            .is_from_file = true,
+            .find_class =
+                [are_polar = std::move(are_polar_)](const AtomIdentity& atom) {
+                  const std::optional<double> is_polar = find_named(are_polar, atom);
+                  return !is_polar       ? AtomClass::none
+                         : *is_polar > 0 ? AtomClass::polar
+                                         : AtomClass::apolar;
+                }};
   }
 
  private:
@@ -135,6 +168,7 @@ class ConfigurationReader {
       fail(formatted("expected polar or apolar, found {}", quoted(polarity)));
     if (types_.emplace(std::string(type), radius).first->second != radius)
       fail(formatted("the type {} has another radius already", quoted(type)));
+    if (word == "polar") polar_types_.insert(std::string(type));
   }
 
   void add_atom(std::string_view residue, std::string_view atom, std::string_view type) {
@@ -145,6 +179,8 @@ class ConfigurationReader {
     if (const double before = entry->second; before != found->second)
       fail(formatted("the atom {} of {} has another radius already, {}; remove one of the entries",
                      quoted(atom), quoted(residue), before));
+    are_polar_.emplace(formatted("{} {}", residue, atom),
+                       polar_types_.contains(std::string(type)) ? 1.0 : 0.0);
     if (is_hydrogen_name(atom)) names_hydrogens_ = true;
   }
 
@@ -158,22 +194,45 @@ class ConfigurationReader {
   Section section_ = Section::none;
   std::string name_ = "unnamed";
   std::unordered_map<std::string, double> types_;
+  std::unordered_set<std::string> polar_types_;
   NamedRadii radii_;
+  NamedRadii are_polar_;  ///< 1 for polar atoms, 0 for apolar ones
   bool names_hydrogens_ = false;
+};
+
+/// The identity of an atom with its names in upper case.
+struct UpperCase {
+  explicit UpperCase(const AtomIdentity& atom)
+      : residue(upper_case(std::string(atom.residue))),
+        name(upper_case(std::string(atom.atom))),
+        identity{residue, name, atom.element, atom.is_hydrogen},
+        differs(residue != atom.residue || name != atom.atom) {
+    if (residue == atom.residue) identity.standard = atom.standard;
+  }
+  UpperCase(const UpperCase&) = delete;
+  UpperCase& operator=(const UpperCase&) = delete;
+
+  std::string residue, name;
+  AtomIdentity identity;
+  bool differs;
 };
 
 }  // namespace
 
 std::optional<FoundRadius> RadiiSet::find(const AtomIdentity& atom) const {
   if (const auto radius = find_named(atom)) return FoundRadius{*radius, false};
-  const std::string residue = upper_case(std::string(atom.residue)),
-                    atom_name = upper_case(std::string(atom.atom));
-  AtomIdentity upper{residue, atom_name, atom.element, atom.is_hydrogen};
-  if (residue == atom.residue) upper.standard = atom.standard;
-  if (residue != atom.residue || atom_name != atom.atom)
-    if (const auto radius = find_named(upper)) return FoundRadius{*radius, false};
+  if (const UpperCase upper(atom); upper.differs)
+    if (const auto radius = find_named(upper.identity)) return FoundRadius{*radius, false};
   if (const auto radius = find_by_element(atom.element)) return FoundRadius{*radius, true};
   return std::nullopt;
+}
+
+AtomClass RadiiSet::class_of(const AtomIdentity& atom) const {
+  if (!find_class) return AtomClass::none;
+  const AtomClass found = find_class(atom);
+  if (found != AtomClass::none) return found;
+  const UpperCase upper(atom);
+  return upper.differs ? find_class(upper.identity) : found;
 }
 
 std::optional<RadiiSet> named_radii_set(std::string_view name) {
@@ -193,8 +252,8 @@ std::optional<RadiiSet> named_radii_set(std::string_view name) {
                                               : msms_radius(atom.residue, atom.atom);
                     },
                     bondi_radius};
-  if (word == "naccess") return set_with_any(word, naccess_radius);
-  if (word == "oons") return set_with_any(word, oons_radius);
+  if (word == "naccess") return naccess_set(word);
+  if (word == "oons") return oons_set(word);
   if (word == "occupancy")
     return RadiiSet{.name = word,
                     .find_named = [](const AtomIdentity&) { return std::optional(0.0); },

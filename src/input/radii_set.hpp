@@ -6,6 +6,7 @@
 #include <string>
 #include <string_view>
 
+#include "eses/atoms.hpp"
 #include "input/residue_atoms.hpp"
 
 namespace eses::detail {
@@ -38,7 +39,11 @@ struct RadiiSet {
   bool is_from_file = false;  ///< whether it is not built in
   /// Whether the radius of an atom is its occupancy in the file. The set names all atoms.
   bool is_occupancy = false;
+  /// Returns the class of an atom in the set. A set without this function has no classes.
+  std::function<AtomClass(const AtomIdentity& atom)> find_class = {};
 
+  /// Returns the class of an atom; none if the set has none.
+  AtomClass class_of(const AtomIdentity& atom) const;
   /// Returns the radius of an atom, or nothing if there is none.
   std::optional<FoundRadius> find(const AtomIdentity& atom) const;
 };

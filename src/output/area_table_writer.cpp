@@ -70,9 +70,9 @@ void append_atom_header(BufferedText& text) { text.append(atom_header); }
 
 void append_atom(BufferedText& text, std::uint64_t serial, const AtomLabel& label, double radius,
                  double area) {
-  const auto& [chain, residue, residue_number, atom_name, element] = label;
-  text.append("{},{},{},{},{},{},{},{:.6f}\n", serial, csv_field(atom_name), csv_field(residue),
-              csv_field(residue_number), csv_field(chain), csv_field(element), radius, area);
+  text.append("{},{},{},{},{},{},{},{:.6f}\n", serial, csv_field(label.atom_name),
+              csv_field(label.residue), csv_field(label.residue_number), csv_field(label.chain),
+              csv_field(label.element), radius, area);
 }
 
 std::uint64_t typical_atom_table_bytes(std::uint64_t atoms, std::uint64_t name_bytes) {

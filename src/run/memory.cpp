@@ -155,7 +155,7 @@ BlockExtras extras_of(const Outputs& outputs) {
 LabelTotals total_labels(std::span<const AtomLabel> labels) {
   LabelTotals totals;
   for (std::size_t i = 0; i < labels.size(); ++i) {
-    const auto& [chain, residue, number, atom_name, element] = labels[i];
+    const auto& [chain, residue, number, atom_name, element, atom_class] = labels[i];
     totals.atom_text_bytes += text_bytes_of(labels[i]);
     const bool is_new_chain = i == 0 || chain != labels[i - 1].chain;
     if (is_new_chain) {
@@ -173,7 +173,7 @@ LabelTotals total_labels(std::span<const AtomLabel> labels) {
 
 std::uint64_t memory_of_labels(std::span<const AtomLabel> labels) {
   std::uint64_t bytes = labels.size_bytes();
-  for (const auto& [chain, residue, number, atom_name, element] : labels)
+  for (const auto& [chain, residue, number, atom_name, element, atom_class] : labels)
     for (const std::string* const text : {&chain, &residue, &number, &atom_name, &element})
       bytes += heap_bytes_of(*text);
   return bytes;

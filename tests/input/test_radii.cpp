@@ -76,6 +76,10 @@ void compare_with_table(const std::string& set, const std::string& title, int co
     REQUIRE(found);
     CHECK(found->radius == expected->radius);
     CHECK_FALSE(found->by_element);
+    const std::vector<AtomLabel> label{
+        {"A", residue, "1", atom, element, named.class_of(identity)}};
+    const std::vector<bool> is_polar = find_polar_atoms(std::vector<Atom>(1), label);
+    CHECK(is_polar.front() == (file.class_of(identity) == AtomClass::polar));
   }
   CHECK(atoms == count);
 }
@@ -258,6 +262,10 @@ TEST_CASE("a file of radii in FreeSASA's format is read", "[structure][radii]") 
   CHECK(set.name == "mine");
   CHECK(set.is_united);
   CHECK(set.find({"GLY", "CA", "C"}).value().radius == 2.0);
+  CHECK(set.class_of({"GLY", "CA", "C"}) == AtomClass::apolar);
+  CHECK(set.class_of({"gly", "ca", "C"}) == AtomClass::apolar);
+  CHECK(set.class_of({"ALA", "O", "O"}) == AtomClass::polar);
+  CHECK(set.class_of({"GLY", "CB", "C"}) == AtomClass::none);
   CHECK(set.find({"ALA", "CA", "C"}).value().radius == 1.4);
   CHECK(set.find({"GLY", "O", "O"}).value().by_element);
   CHECK_FALSE(parse_radii_set(text + "ALA HA O\n", "mine.config").is_united);

@@ -25,6 +25,7 @@ struct AtomKind {
   bool is_foreign;  ///< is no atom of its amino acid or nucleotide
   bool is_named;    ///< is an atom that the user's set of radii names
   std::uint64_t first_line;
+  AtomClass atom_class;
   std::uint64_t guessed = 0;  ///< number of atoms whose element follows from their names
 };
 
@@ -56,7 +57,8 @@ class AtomKinds {
     if (radii_.is_occupancy) key_.append(1, '\0').append(formatted("{}", occupancy));
     const auto [at, is_new] = indices_.try_emplace(key_, kinds_.size());
     if (is_new) {
-      const auto found = radii_.find({residue, name, element, atom.atom->is_hydrogen(), standard_});
+      const AtomIdentity identity{residue, name, element, atom.atom->is_hydrogen(), standard_};
+      const auto found = radii_.find(identity);
       const double radius = radii_.is_occupancy ? occupancy
                             : found             ? found->radius
                                                 : unknown_radius_;
@@ -70,7 +72,8 @@ class AtomKinds {
                         found && found->by_element,
                         is_foreign,
                         is_named,
-                        atom.line});
+                        atom.line,
+                        radii_.class_of(identity)});
     }
     AtomKind& kind = kinds_[at->second];
     ++kind.source.count;
@@ -150,10 +153,14 @@ void require_radii_in_occupancies(const std::vector<Atom>& atoms, std::string_vi
         "{}: no atom has an occupancy above 1, so they are no radii; choose a set of radii", file));
 }
 
-AtomLabel label_of(const StructureAtom& atom) {
+AtomLabel label_of(const StructureAtom& atom, AtomClass atom_class) {
   const gemmi::Element element = atom.atom->element;
-  return {*atom.chain, atom.residue->name, atom.residue->seqid.str(), atom.atom->name,
-          element == gemmi::El::X ? "" : symbol_of(element)};
+  return {*atom.chain,
+          atom.residue->name,
+          atom.residue->seqid.str(),
+          atom.atom->name,
+          element == gemmi::El::X ? "" : symbol_of(element),
+          atom_class};
 }
 
 }  // namespace
@@ -183,7 +190,7 @@ void assign_radii(const std::vector<StructureAtom>& atoms, const RadiiSet& radii
     }
     result.atoms.push_back({atom.center, kind.source.radius});
     result.lines.push_back(atom.line);
-    if (text.options.with_labels) result.labels.push_back(label_of(atom));
+    if (text.options.with_labels) result.labels.push_back(label_of(atom, kind.atom_class));
     if (result.atoms.size() % part_atoms == 0) end_part();
   }
   if (radii.is_occupancy) require_radii_in_occupancies(result.atoms, text.name);
