@@ -142,3 +142,22 @@ def model_numbers(text: bytes, layout: str) -> list[int]:
         rows = (_CIF_VALUE.findall(row) for row in re.findall(rb"(?m)^(?:ATOM|HETATM)\s.*$", text))
         found = [row[at] for row in rows if len(row) == len(names)]
     return list(dict.fromkeys(int(number) for number in found if number.isdigit())) or [0]
+
+
+def notes_of(noted: Any) -> tuple[str, ...]:
+    """Returns the notes on a PDB or mmCIF file as texts; none for other files."""
+    if noted is None:
+        return ()
+    model, models, segments, atoms, assemblies = noted
+    notes = []
+    if models > 1:
+        notes.append(f"model {model} was read, and the file has {models} models; choose another with model=, or models='all'")
+    if segments:
+        notes.append(f"chains are named by the segments in columns 73 to 76: {', '.join(segments[:8])}")
+    copies = [(name, f"{operators} copies" if operators > 1 else "", f"{count} of the {atoms} atoms" if count < atoms else "")
+              for name, operators, count in assemblies]
+    if copies:
+        texts = [f"assembly {name} has {' of '.join(filter(None, parts))}" for name, *parts in copies[:4]]
+        more = f" and {len(copies) - 4} more" if len(copies) > 4 else ""
+        notes.append(f"{', '.join(texts)}{more}; build it with assembly={copies[0][0]!r}")
+    return tuple(notes)

@@ -8,7 +8,7 @@ from typing import Any, Iterator, Optional, Sequence, overload
 
 import numpy as np
 
-from . import _core, _molecule
+from . import _arguments, _core, _molecule
 from ._files import output_path, write_structure
 from ._measurement import _Path, Table, _polar_atoms, _starts_of
 from ._select import Selector
@@ -20,8 +20,8 @@ class Interface:
     saddle and concave patches between the parts belong to both."""
 
     def __init__(self, molecule: _molecule.Molecule, first: str, second: str, side: Any, polar: Any,
-                 atoms: Any, sas_lost: Any, ses_lost: Any) -> None:
-        self._molecule, self._polar = molecule, polar
+                 atoms: Any, sas_lost: Any, ses_lost: Any, residue_cutoff: float = 0.0) -> None:
+        self._molecule, self._polar, self._residue_cutoff = molecule, polar, residue_cutoff
         self._side, self._atoms, self._sas, self._ses = side, atoms, sas_lost, ses_lost
         #: The names of the two parts.
         self.first, self.second = first, second
@@ -72,29 +72,28 @@ class Interface:
 
     @functools.cached_property
     def residues(self) -> Table:
-        """A row for each residue with such an atom: ``side``, ``chain``, ``residue_number``, ``icode``,
-        ``residue``, ``sas_lost``, ``ses_lost``. ChimeraX lists those that lose 15 square angstrom."""
+        """A row for each residue with such an atom that loses at least `residue_cutoff` of its SAS area: ``side``,
+        ``chain``, ``residue_number``, ``icode``, ``residue``, ``sas_lost``, ``ses_lost``. ChimeraX lists those
+        that lose 15 square angstrom."""
         atoms = self.atoms
         keys = ("side", "chain", "residue_number", "icode", "residue")
         starts = _molecule._runs(*(atoms[key] for key in keys)) if len(atoms) else np.zeros(0, np.int64)
         columns = {key: atoms[key][starts] for key in keys}
         for column in ("sas_lost", "ses_lost"):
             columns[column] = np.add.reduceat(atoms[column], starts) if len(starts) else atoms[column]
-        return Table(columns, self._molecule.files)
+        is_shown = columns["sas_lost"] >= (self._residue_cutoff or -np.inf)
+        return Table({name: column[is_shown] for name, column in columns.items()}, self._molecule.files)
 
-    def save(self, path: _Path, column: str = "sas_lost") -> None:
+    @property
+    def molecule(self) -> _molecule.Molecule:
+        """The atoms, with their set of radii."""
+        return self._molecule
+
+    def save(self, path: _Path, column: str = "sas_lost", level: str = "atom") -> None:
         """Write the kept atoms as ``.pdb`` or ``.cif`` with ``sas_lost`` or ``ses_lost`` in the column of
-        the B-factor, or the table of atoms as ``.csv``. Raises ValueError as `Measurement.save`."""
-        if column not in ("sas_lost", "ses_lost"):
-            raise ValueError(f"column must be sas_lost or ses_lost, not {column!r}")
-        path = output_path(path, self._molecule.files)
-        if os.path.splitext(path)[1].lower() == ".csv":
-            self.atoms.save(path)
-            return
-        values = np.full(len(self._molecule), np.nan)
-        values[self._molecule.kept] = 0
-        values[self._atoms] = self.atoms[column]
-        write_structure(path, self._molecule, values)
+        the B-factor, or the table of atoms or residues (``level='residue'``) as ``.csv`` or ``.parquet``. Raises
+        ValueError as `Measurement.save`."""
+        _save([self], self._molecule, path, column, level, {"atom": "atoms", "residue": "residues"}, self)
 
     def __repr__(self) -> str:
         return (f"<eses_blocks.Interface: {self.first} and {self.second}, SAS interface area {self.sas_area:.6g}, "
@@ -104,11 +103,34 @@ class Interface:
         return Interfaces([self]).table._repr_html_()
 
 
+def _save(interfaces: Sequence[Interface], molecule: Optional[_molecule.Molecule], path: _Path, column: str, level: str,
+          tables: dict[str, str], owner: Any) -> None:
+    """Writes a table of the owner, or the atoms of the molecule with the areas that they lose in all interfaces."""
+    _arguments.check(Interface.save, path=path, column=column, level=level)
+    if column not in ("sas_lost", "ses_lost"):
+        raise ValueError(f"column must be sas_lost or ses_lost, not {column!r}")
+    if level not in tables:
+        raise ValueError(f"level must be one of {', '.join(tables)}, not {level!r}")
+    name = output_path(path, molecule.files if molecule else ())
+    if os.path.splitext(name)[1].lower() in (".csv", ".parquet"):
+        getattr(owner, tables[level]).save(name)
+        return
+    if molecule is None:
+        raise ValueError("there are no interfaces, and no atoms to write")
+    values = np.full(len(molecule), np.nan)
+    values[molecule.kept] = 0
+    for each in interfaces:
+        values[each.atoms["index"]] += each.atoms[column]
+    write_structure(name, molecule, values)
+
+
 class Interfaces(Sequence[Interface]):
     """Interfaces, the largest first. ``table`` has a row for each."""
 
-    def __init__(self, interfaces: Sequence[Interface], files: tuple[str, ...] = ()) -> None:
-        self._interfaces, self._files = tuple(interfaces), files
+    def __init__(self, interfaces: Sequence[Interface], molecule: Optional[_molecule.Molecule] = None) -> None:
+        self._interfaces = tuple(interfaces)
+        self._molecule = molecule or (self._interfaces[0].molecule if self._interfaces else None)
+        self._files = self._molecule.files if self._molecule else ()
 
     def __len__(self) -> int:
         return len(self._interfaces)
@@ -120,7 +142,7 @@ class Interfaces(Sequence[Interface]):
 
     def __getitem__(self, index: Any) -> Any:
         found = self._interfaces[index]
-        return Interfaces(found, self._files) if isinstance(index, slice) else found
+        return Interfaces(found, self._molecule) if isinstance(index, slice) else found
 
     def __iter__(self) -> Iterator[Interface]:
         return iter(self._interfaces)
@@ -140,15 +162,44 @@ class Interfaces(Sequence[Interface]):
         """Returns `table` as a pandas.DataFrame."""
         return self.table.to_pandas()
 
+    def _joined(self, name: str) -> Table:
+        """Returns the rows of a table of all interfaces, with the names of the parts."""
+        tables = [getattr(each, name) for each in self]
+        columns = {key: np.array([getattr(each, key) for each, table in zip(self, tables) for _ in range(len(table))], str)
+                   for key in ("first", "second")}
+        for key in tables[0] if tables else ():
+            columns[key] = np.concatenate([table[key] for table in tables])
+        return Table(columns, self._files)
+
+    @property
+    def residues(self) -> Table:
+        """The residues of all interfaces: ``first`` and ``second``, and the columns of `Interface.residues`."""
+        return self._joined("residues")
+
+    @property
+    def atoms(self) -> Table:
+        """The atoms of all interfaces: ``first`` and ``second``, and the columns of `Interface.atoms`."""
+        return self._joined("atoms")
+
+    def save(self, path: _Path, column: str = "sas_lost", level: str = "interface") -> None:
+        """Write the atoms as ``.pdb`` or ``.cif`` with the areas that they lose in all interfaces in the column of
+        the B-factor, or `table`, `residues` or `atoms` (``level`` is ``interface``, ``residue`` or ``atom``) as ``.csv`` or
+        ``.parquet``. Raises ValueError as `Measurement.save`."""
+        _save(self, self._molecule, path, column, level, {"interface": "table", "residue": "residues", "atom": "atoms"},
+              self)
+
     def __repr__(self) -> str:
-        return f"<eses_blocks.Interfaces: {len(self)}>"
+        shown = [f"{each.first} and {each.second} {each.sas_area:.6g}" for each in self[:10]]
+        more = f", {len(self) - 10} more" if len(self) > 10 else ""
+        text = f"; SAS interface areas: {', '.join(shown)}{more}" if shown else ""
+        return f"<eses_blocks.Interfaces: {len(self)}{text}>"
 
     def _repr_html_(self) -> str:
         return self.table._repr_html_()
 
 
 def _measure(molecule: _molecule.Molecule, parts: Any, names: Sequence[str], probe_radius: float,
-             threads: int) -> list[Interface]:
+             threads: int, residue_cutoff: float) -> list[Interface]:
     """Measures the interfaces of parts, whose numbers are those of all atoms of the molecule."""
     surface = _core.Surface(molecule.centers, molecule.radii, probe_radius, threads=threads)
     polar = _polar_atoms(molecule, _starts_of(molecule))
@@ -157,7 +208,7 @@ def _measure(molecule: _molecule.Molecule, parts: Any, names: Sequence[str], pro
             surface, parts[molecule.kept], threads):
         index = molecule.kept[atoms]
         interfaces.append(Interface(molecule, names[first], names[second], (parts[index] == second).astype(np.int64),
-                                    polar[index], index, sas_lost, ses_lost))
+                                    polar[index], index, sas_lost, ses_lost, residue_cutoff))
     return interfaces
 
 
@@ -169,7 +220,7 @@ def _gives_ligands_to(part: Any, other: Any, select: Selector) -> bool:
 
 def interface(molecule: Any, first: Any, second: Any = None, radii: Any = None, *, probe_radius: float = 1.4,
               waters: bool = False, hydrogens: str = "auto", unknown_radius: Optional[float] = None, frame: int = 0,
-              threads: int = 0, **options: Any) -> Interface:
+              residue_cutoff: float = 0.0, threads: int = 0, **options: Any) -> Interface:
     """Measure the areas that two parts of a complex bury of each other.
 
     The parts are measured together, without all other atoms, and each alone. The interface area is
@@ -184,6 +235,8 @@ def interface(molecule: Any, first: Any, second: Any = None, radii: Any = None, 
         selections, masks or indices as ``report`` of ``measure``. Without ``second``, it is all other atoms.
     probe_radius : float, optional
         Radius of the probe, in angstrom.
+    residue_cutoff : float, optional
+        SAS area that a residue loses at least to be listed in ``residues``, in square angstrom.
 
     Returns
     -------
@@ -198,8 +251,7 @@ def interface(molecule: Any, first: Any, second: Any = None, radii: Any = None, 
         If a part has no atoms, if the parts share atoms, or as ``measure``.
     """
     _molecule.require_known(options, interface)
-    for name, value in (("probe_radius", probe_radius), ("frame", frame), ("threads", threads)):
-        _molecule.require_number(name, value)
+    _arguments.check(interface, probe_radius=probe_radius, threads=threads, residue_cutoff=residue_cutoff)
     found, select = _molecule._read(molecule, radii, waters, hydrogens, unknown_radius, frame, options)
     masks = [select.mask(first, "first")]
     masks.append(~masks[0] if second is None else select.mask(second, "second"))
@@ -214,21 +266,23 @@ def interface(molecule: Any, first: Any, second: Any = None, radii: Any = None, 
     parts = np.full(len(found), -1, np.int64)
     parts[masks[0]], parts[masks[1]] = 0, 1
     names = [part if isinstance(part, str) else f"{int(mask.sum())} atoms" for part, mask in zip((first, second), masks)]
-    measured = _measure(found, parts, names, probe_radius, threads)
+    measured = _measure(found, parts, names, probe_radius, threads, residue_cutoff)
     nothing = np.zeros(0)
     return measured[0] if measured else Interface(found, names[0], names[1], nothing.astype(np.int64),
                                                   nothing.astype(bool), nothing.astype(np.int64), nothing, nothing)
 
 
 def interfaces(molecule: Any, radii: Any = None, *, probe_radius: float = 1.4, waters: bool = False,
-               hydrogens: str = "auto", unknown_radius: Optional[float] = None, frame: int = 0, threads: int = 0,
-               **options: Any) -> Interfaces:
+               hydrogens: str = "auto", unknown_radius: Optional[float] = None, frame: int = 0,
+               area_cutoff: float = 0.0, residue_cutoff: float = 0.0, threads: int = 0, **options: Any) -> Interfaces:
     """Measure the interfaces of all pairs of chains that touch.
 
     Parameters
     ----------
-    molecule, radii, probe_radius, waters, hydrogens, unknown_radius, frame, threads, **options
+    molecule, radii, probe_radius, waters, hydrogens, unknown_radius, frame, residue_cutoff, threads, **options
         See ``interface``.
+    area_cutoff : float, optional
+        Interfaces with less SAS interface area are left out, in square angstrom.
 
     Returns
     -------
@@ -241,11 +295,12 @@ def interfaces(molecule: Any, radii: Any = None, *, probe_radius: float = 1.4, w
         As ``measure``.
     """
     _molecule.require_known(options, interfaces)
-    for name, value in (("probe_radius", probe_radius), ("frame", frame), ("threads", threads)):
-        _molecule.require_number(name, value)
+    _arguments.check(interfaces, probe_radius=probe_radius, threads=threads, area_cutoff=area_cutoff,
+                     residue_cutoff=residue_cutoff)
     found, _ = _molecule._read(molecule, radii, waters, hydrogens, unknown_radius, frame, options)
     names = list(dict.fromkeys(found.chain.tolist()))
     numbers = {name: k for k, name in enumerate(names)}
     parts = np.array([numbers[name] for name in found.chain.tolist()], np.int64)
-    measured = _measure(found, parts, names, probe_radius, threads)
-    return Interfaces(sorted(measured, key=lambda each: -each.sas_area), found.files)
+    measured = _measure(found, parts, names, probe_radius, threads, residue_cutoff)
+    kept = [each for each in measured if each.sas_area >= area_cutoff]
+    return Interfaces(sorted(kept, key=lambda each: -each.sas_area), found)

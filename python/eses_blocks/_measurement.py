@@ -12,10 +12,11 @@ from typing import Any, Iterable, Iterator, Optional, Union, overload
 import numpy as np
 import numpy.typing as npt
 
-from . import _core, _molecule
+from . import _arguments, _core, _molecule
 from ._files import model_numbers, output_path, write_structure
 from ._references import CLASSES, MAIN_CHAIN, REFERENCE_PROBE_RADIUS, REFERENCES, is_amino_acid
-from ._select import remember_molecule
+from ._paths import is_file, read_content, remember_files
+from ._places import remember_molecule
 
 _Doubles = npt.NDArray[np.float64]
 _Bools = npt.NDArray[np.bool_]
@@ -103,7 +104,8 @@ def _polar_atoms(molecule: _molecule.Molecule, starts: npt.NDArray[np.int64]) ->
     """Marks the polar atoms; CLASSES describes them."""
     residues = np.zeros(len(molecule), np.int64)
     residues[starts[1:]] = 1
-    return np.array(_core._find_polar(molecule.positions, molecule.element.tolist(), np.cumsum(residues)), bool)
+    return np.array(_core._find_polar(molecule.positions, molecule.element.tolist(), np.cumsum(residues),
+                                      molecule.classes.tolist()), bool)
 
 
 class Measurement:
@@ -206,6 +208,11 @@ class Measurement:
     def left_out(self) -> dict[str, int]:
         """Numbers of the atoms of the object that are not part of the surface, by their kind."""
         return dict(self._molecule.left_out)
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What the file has besides the measured atoms: other models, and assemblies with several copies."""
+        return self._molecule.notes
 
     @property
     def molecule(self) -> _molecule.Molecule:
@@ -373,11 +380,12 @@ class Measurement:
             facts.append(("left out", ", ".join(f"{number} {what}" for what, number in self.left_out.items())))
         if self._reported is not None:
             facts.append(("reported", f"{int((~np.isnan(self._sas)).sum())} atoms; the volume is that of all"))
-        return facts
+        return facts + [("note", note) for note in self.notes]
 
     def __repr__(self) -> str:
         ses = f"SES area {self.ses_area:.6g}, SES volume {self.ses_volume:.6g}, " if self._has_ses else ""
-        return f"<eses_blocks.Measurement: {ses}SAS area {self.sas_area:.6g}, radii {self.radii.name}>"
+        notes = "".join(f"; {note}" for note in self.notes if note.startswith("model "))
+        return f"<eses_blocks.Measurement: {ses}SAS area {self.sas_area:.6g}, radii {self.radii.name}{notes}>"
 
     def _repr_html_(self) -> str:
         rows = "".join(f"<tr><th>{name}</th><td>{html.escape(text)}</td></tr>" for name, text in self._facts())
@@ -399,9 +407,9 @@ def _measure_models(molecule: Any, radii: Any, models: Union[str, Iterable[int]]
     """Measures several models of a file, whose content is read once."""
     if "model" in options:
         raise TypeError("give model or models, not both")
-    if not _molecule.is_file(molecule):
+    if not is_file(molecule):
         raise TypeError("models: only files have models; give frame= for one frame of a trajectory")
-    text, name, layout = _molecule.read_content(molecule, options.get("format", "auto"))
+    text, name, layout = read_content(molecule, options.get("format", "auto"))
     if (isinstance(models, str) and models != "all") or not hasattr(models, "__iter__"):
         raise ValueError(f"models must be 'all' or numbers, not {models!r}")
     numbers = model_numbers(text, layout) if isinstance(models, str) else [int(number) for number in models]
@@ -479,14 +487,14 @@ def measure(molecule: Any, radii: Any = None, *, probe_radius: float = 1.4, repo
                   "threads": threads}
         return _measure_models(molecule, radii, models, {**shared, **options})
     chosen = _surfaces_in(surfaces)
-    for name, value in (("probe_radius", probe_radius), ("frame", frame), ("threads", threads)):
-        _molecule.require_number(name, value)
+    _arguments.check(measure, probe_radius=probe_radius, threads=threads, derivatives=derivatives,
+                     van_der_waals=van_der_waals)
     found, select = _molecule._read(molecule, radii, waters, hydrogens, unknown_radius, frame, options)
     reported = None if report is None else select.mask(report, "report")
     if reported is not None and not reported[found.kept].any():
         raise ValueError(f"report: all {int(reported.sum())} atoms are left out; see select, waters and hydrogens")
     surface = _core.Surface(found.centers, found.radii, probe_radius, fill_cavities=fill_cavities, threads=threads)
-    _molecule.remember_files(surface, *found.files)
+    remember_files(surface, *found.files)
     remember_molecule(surface, found.kept, select)
     measures = surface.measure(ses="ses" in chosen, van_der_waals=van_der_waals or "vdw" in chosen, by_atom=True,
                                derivatives=derivatives, threads=threads)

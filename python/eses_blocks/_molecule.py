@@ -3,19 +3,17 @@
 from __future__ import annotations
 
 import dataclasses
-import difflib
-import gzip
 import inspect
 import os
 import re
-import weakref
-from typing import Any, Callable, Optional, Union
+from typing import Any, Callable, Iterable, Optional
 
 import numpy as np
 import numpy.typing as npt
 
-from . import _core, _foreign, adaptors
-from ._files import RowsOfFile, values_in_lines
+from . import _arguments, _core, _foreign, adaptors
+from ._files import RowsOfFile, notes_of, values_in_lines
+from ._paths import files_of, format_of, is_file, is_path, name_of, read_content, read_opened, remember_files
 from ._radii import (SOURCES, atoms_named, correct_elements, find_dummies, find_radii, radii_by_bonds, refuse_unknown,
                      warn_about_residues)
 from ._references import is_polymer
@@ -78,8 +76,12 @@ class Molecule:
     """The chain names label_asym_id of mmCIF files, where `chain` has auth_asym_id; empty for other sources."""
     auth_chain: _Texts
     """The chain names auth_asym_id of mmCIF files, where `chain` has label_asym_id; else empty."""
+    classes: npt.NDArray[np.uint8]
+    """The class of each atom in the set of radii: 1 polar, 2 apolar, 0 for the class of its element."""
     files: tuple[str, ...] = ()
     """The paths of the files that were read, which `save` does not overwrite."""
+    notes: tuple[str, ...] = ()
+    """What a PDB or mmCIF file has besides these atoms: other models, and assemblies with several copies."""
 
     def __len__(self) -> int:
         return len(self.positions)
@@ -101,105 +103,33 @@ class _Source:
     chosen: Any = None  # the selection of the atoms that are read
     files: tuple[str, ...] = ()  # paths of those that were read
     guessed_names: Any = ()  # pairs of residue and atom whose elements follow from the names in a file
+    notes: tuple[str, ...] = ()
+    classes: Any = None  # in the set of radii, as Molecule.classes
 
 
 # ------------------------------------------------------------------------------------------ files
 
-_GZIP = b"\x1f\x8b"
 _FILE_OPTIONS: dict[str, Any] = {"format": "auto", "model": 0, "altloc": "", "hetatm": True, "chains": (), "select": "",
                                  "assembly": "", "chain_names": "auth"}
 
 
-def _format_of(text: bytes, name: str) -> str:
-    """Returns the format of a text by the suffix of its name, else by its first lines."""
-    stem = name.lower().removesuffix(".gz")
-    for suffixes, layout in (((".cif", ".mmcif", ".mcif", ".pdbx"), "mmcif"), ((".pqr",), "pqr"),
-                             ((".xyzr",), "xyzr"), ((".pdb", ".ent"), "pdb")):
-        if stem.endswith(suffixes):
-            return layout
-    if re.search(r"\.pdb\d+$", stem):  # a biological assembly
-        return "pdb"
-    if re.search(rb"(?m)^\s*(data_|_atom_site\.)", text[:100000]):
-        return "mmcif"
-    record = re.search(rb"(?m)^(ATOM  |HETATM|HEADER|CRYST1|REMARK)", text)
-    return "pdb" if record else "xyzr"
-
-
-def require_number(name: str, value: Any) -> None:
-    """Raises TypeError for an argument that is neither a number nor None."""
-    if value is not None and not (hasattr(value, "__float__") or hasattr(value, "__index__")):
-        raise TypeError(f"{name} must be a number, not {value!r:.80}")
-
-
-def require_known(options: dict[str, Any], caller: Callable[..., Any]) -> None:
-    """Raises TypeError for an argument that files do not have. The message names a similar argument of the caller,
-    whose first parameter is the molecule and whose last one is ``options``."""
-    known = [*list(inspect.signature(caller).parameters)[1:-1], *_FILE_OPTIONS]
-    for name in sorted(set(options) - set(_FILE_OPTIONS)):
-        meant = [each for each in known if each.startswith(name)] or difflib.get_close_matches(name, known, 1, 0.7)
-        raise TypeError(f"unknown argument {name!r}" + (f"; did you mean {meant[0]}?" if meant else ""))
-
-
-def is_file(found: Any) -> bool:
-    """Whether an object is a path, an open file, or the bytes or text of a file."""
-    return isinstance(found, (str, bytes, bytearray, memoryview, os.PathLike)) or hasattr(found, "read")
-
-
-def _is_path(found: Any) -> bool:
-    """Whether an object is a path, and no open file or content."""
-    if isinstance(found, bytes):
-        return bool(found) and b"\n" not in found and found[:2] != _GZIP
-    return isinstance(found, os.PathLike) or (isinstance(found, str) and "\n" not in found)
-
-
-def name_of(found: Any) -> str:
-    """Returns the name of a file for messages."""
-    name = found if _is_path(found) else getattr(found, "name", None)
-    return os.fsdecode(name) if isinstance(name, (str, bytes, os.PathLike)) else "text"
-
-
-# The paths of the files from which atoms and surfaces were read.
-_files_of: weakref.WeakKeyDictionary[Union[_core.Atoms, _core.Surface], tuple[str, ...]] = weakref.WeakKeyDictionary()
-
-
-def remember_files(found: Union[_core.Atoms, _core.Surface], *paths: Union[str, bytes]) -> None:
-    """Remembers the files from which an object was read, as far as the paths are those of files."""
-    _files_of[found] = tuple(os.path.abspath(os.fsdecode(path)) for path in paths if os.path.exists(path))
-
-
-def files_of(found: Union[_core.Atoms, _core.Surface]) -> tuple[str, ...]:
-    """Returns the paths of the files from which an object was read."""
-    return _files_of.get(found, ())
-
-
-def read_content(found: Any, layout: str) -> tuple[bytes, str, str]:
-    """Returns the content, the name and the format of a path, or as `read_opened`."""
-    if not _is_path(found):
-        return read_opened(found, layout)
-    with open(found, "rb") as opened:
-        return read_opened(opened, layout)
-
-
-def read_opened(found: Any, layout: str) -> tuple[bytes, str, str]:
-    """Returns the content, the name and the format of an open file, or of the bytes or text of a file."""
-    name = name_of(found)
-    data = found.read() if hasattr(found, "read") else found
-    data = _unpacked(data.encode() if isinstance(data, str) else bytes(data))
-    return data, name, _format_of(data, name) if layout == "auto" else layout
+def require_known(options: dict[str, Any], caller: Callable[..., Any], known: Iterable[str] = ()) -> None:
+    """Raises TypeError for an argument that files do not have, or of a wrong type. The message names a similar argument
+    of the caller, whose first parameter is the molecule and whose last one is ``options``, or one of `known`."""
+    for name in sorted(set(options) - set(_FILE_OPTIONS) - set(known)):
+        _arguments.refuse_unknown(name, [*list(inspect.signature(caller).parameters)[1:-1], *known, *_FILE_OPTIONS])
+    _arguments.require_types(_FILE_OPTIONS, {name: value for name, value in options.items() if name != "select"})
 
 
 def _read_file(found: Any, radii: str, unknown: Optional[float], waters: bool, hydrogens: str,
                options: dict[str, Any]) -> _Source:
     """Reads a path, an open file, or the bytes or text of a file."""
     given = _FILE_OPTIONS | options
-    if given["select"] is None:
-        given["select"] = ""
-    if not isinstance(given["select"], str):
-        raise TypeError(f"select must be a text for files, not {given['select']!r:.80}")
+    chosen, given["select"] = given["select"], ""
     data: Any = None
-    if _is_path(found):
+    if is_path(found):
         name = name_of(found)
-        layout = _format_of(b"", os.fspath(found)) if given["format"] == "auto" else given["format"]
+        layout = format_of(b"", os.fspath(found)) if given["format"] == "auto" else given["format"]
     else:
         data, name, layout = read_opened(found, given["format"])
 
@@ -209,11 +139,14 @@ def _read_file(found: Any, radii: str, unknown: Optional[float], waters: bool, h
                                      given["assembly"], given["chain_names"])
         return _core._read_atoms(found, reading) if data is None else _core._parse_atoms(data, name, reading)
 
-    if layout in ("xyzr", "pqr"):
+    is_structure = layout not in ("xyzr", "pqr")
+    if not is_structure:
         _refuse_structure_options(name, layout, radii, given)
-    atoms = read(given["select"])
+    is_read = is_structure and isinstance(chosen, str)  # the selection, which may name models, B-factors and others
+    atoms = read(chosen if is_read else "")
     _core._warn_about(atoms, name)
     source = _of_atoms(atoms)
+    source.chosen = None if is_read else chosen
     remember_files(atoms, name, radii)
     source.files = files_of(atoms)
     if layout == "mmcif" and atoms.labels is not None:
@@ -228,7 +161,7 @@ def _read_file(found: Any, radii: str, unknown: Optional[float], waters: bool, h
     def choose(text: str) -> _Bools:
         return rows.marks(read(text))
 
-    if layout not in ("xyzr", "pqr"):
+    if is_structure:
         source.select = choose
     return source
 
@@ -236,17 +169,13 @@ def _read_file(found: Any, radii: str, unknown: Optional[float], waters: bool, h
 def _refuse_structure_options(name: str, layout: str, radii: str, given: dict[str, Any]) -> None:
     """Raises ValueError for options that only PDB and mmCIF files have."""
     given = given | {"chains": tuple(given["chains"])}
-    chosen = [option for option in ("altloc", "hetatm", "chains", "select", "assembly", "chain_names")
+    chosen = [option for option in ("altloc", "hetatm", "chains", "assembly", "chain_names")
               if given[option] != _FILE_OPTIONS[option]]
     if radii == "occupancy":
         chosen.append("radii='occupancy'")
     if chosen:
         raise ValueError(f"{chosen[0]} needs a PDB or mmCIF file; {name} is read as {layout} (use format='pdb' or "
                          "format='mmcif' if it is one)")
-
-
-def _unpacked(data: bytes) -> bytes:
-    return gzip.decompress(data) if data[:2] == _GZIP else data
 
 
 def _of_atoms(atoms: _core.Atoms) -> _Source:
@@ -259,13 +188,14 @@ def _of_atoms(atoms: _core.Atoms) -> _Source:
         columns.numbers = [int(part[1] or 0) for part in parts if part]
         columns.icodes = [part[2] for part in parts if part]
     return _Source(columns, are_read=True, set_name="file", left_out=atoms.left_out,
-                   guessed_names=_core._guessed_names(atoms))
+                   guessed_names=_core._guessed_names(atoms), notes=notes_of(_core._noted(atoms)),
+                   classes=_core._classes_of(atoms))
 
 
 def _source_of(found: Any, radii: Any, unknown: Optional[float], waters: bool, hydrogens: str, frame: int,
                options: dict[str, Any]) -> _Source:
     files: tuple[str, ...] = ()
-    if _is_path(found):
+    if is_path(found):
         found = os.fsdecode(found)
         if _foreign.is_foreign(found):
             files = (os.path.abspath(found),)
@@ -288,6 +218,8 @@ def _source_of(found: Any, radii: Any, unknown: Optional[float], waters: bool, h
 
 def _object_source(found: Any, radii: Any, frame: int) -> _Source:
     """Returns the columns of an object."""
+    if isinstance(found, (_core.Atoms, _core.Surface)) and radii is not None:
+        raise TypeError(f"radii: {type(found).__name__} have radii already; give them when the file is read")
     if isinstance(found, _core.Atoms):
         source = _of_atoms(found)
         source.files = files_of(found)
@@ -373,7 +305,7 @@ def read_molecule(molecule: Any, radii: Any = None, *, waters: bool = False, hyd
     molecule : object
         A path (``str``, ``bytes`` or ``os.PathLike``), also of BinaryCIF files, which Biotite reads, and of SDF, MOL
         and MOL2 files, which RDKit reads; an open file, the bytes or the text of a file,
-        ``(centers, radii)``, ``Atoms``, ``Surface``, or an object of one of the libraries in
+        ``(centers, radii)``, ``Atoms``, ``Surface``, a ``Molecule`` that was read before, or an object of one of the libraries in
         ``adaptors.ADAPTORS``: gemmi Structure, Model, Chain; MDAnalysis Universe, AtomGroup; MDTraj
         Trajectory; Biopython Structure, Model, Chain, Residue; Biotite AtomArray, AtomArrayStack; RDKit
         Mol; ASE Atoms; ParmEd Structure; ProDy AtomGroup, Selection; an object of OpenMM with topology
@@ -394,9 +326,8 @@ def read_molecule(molecule: Any, radii: Any = None, *, waters: bool = False, hyd
     frame : int, optional
         Frame, model or conformer of an object that has several.
     **options
-        ``select``, the atoms that make up the surface, as ``report`` of ``measure`` for objects and as in
-        ``read_atoms`` for files; and further arguments of ``read_atoms``, for files: ``format``,
-        ``model``, ``altloc``, ``hetatm``, ``chains``, ``assembly``, ``chain_names``.
+        ``select``, the atoms that make up the surface, as ``report`` of ``measure``; and further arguments of
+        ``read_atoms``, for files: ``format``, ``model``, ``altloc``, ``hetatm``, ``chains``, ``assembly``, ``chain_names``.
 
     Returns
     -------
@@ -439,6 +370,7 @@ class _Choice:
     guessed: Any
     unknown: Any
     by_element: Any
+    classes: Any
     left_out: dict[str, int] = dataclasses.field(default_factory=dict)
 
     def drop(self, mask: Any, what: str) -> None:
@@ -470,9 +402,10 @@ def _take_radii(named: _Named, radii: Any, set_name: str) -> _Choice:
     values = np.array(radii, dtype=float)
     if values.shape != (count,):
         raise ValueError(f"radii must have shape ({count},), one for each atom, not {values.shape}")
-    choice = _Choice(np.ones(count, bool), set_name, values, nothing, nothing, np.zeros(count, bool))
+    choice = _Choice(np.ones(count, bool), set_name, values, nothing, nothing, np.zeros(count, bool),
+                     np.zeros(count, np.uint8))
     if set_name not in ("given", "file"):
-        choice.set_name, _, found, _, choice.by_element, _ = find_radii(
+        choice.set_name, _, found, _, choice.by_element, _, _ = find_radii(
             named.residue, named.name, named.element, set_name)
         choice.guessed, choice.unknown = np.flatnonzero(choice.by_element), np.flatnonzero(np.isnan(found))
     return choice
@@ -482,9 +415,9 @@ def _choose_atoms(named: _Named, columns: adaptors.Columns, which: str, waters: 
                   unknown: Optional[float], selected: _Bools, corrected: _Bools, are_waters: _Bools) -> _Choice:
     """Assigns radii of a set and chooses the atoms that have them. Sets the elements that were derived from names.
     `corrected` and `are_waters` are the masks of `correct_elements`."""
-    set_name, are_united, values, named.element, by_element, by_name = find_radii(
+    set_name, are_united, values, named.element, by_element, by_name, classes = find_radii(
         named.residue, named.name, named.element, which)
-    choice = _Choice(np.ones(len(values), bool), set_name, values, None, None, by_element)
+    choice = _Choice(np.ones(len(values), bool), set_name, values, None, None, by_element, classes)
     choice.drop(~selected, "selection")
     if columns.virtual is not None:
         choice.drop(columns.virtual, "virtual")
@@ -518,9 +451,11 @@ def _use_bonds(named: _Named, choice: _Choice) -> None:
 def _read(found: Any, radii: Any, waters: bool, hydrogens: str, unknown: Optional[float], frame: int,
           options: dict[str, Any]) -> tuple[Molecule, Selector]:
     """Returns the molecule and its selector."""
+    if isinstance(found, Molecule):
+        return _select_again(found, {"radii": radii, "waters": waters or None, "frame": frame or None, **options})
     if hydrogens not in ("auto", "keep", "drop"):
         raise ValueError(f"hydrogens must be 'auto', 'keep' or 'drop', not {hydrogens!r}")
-    require_number("unknown_radius", unknown)
+    _arguments.check(read_molecule, waters=waters, unknown_radius=unknown, frame=frame)
     by_bonds = isinstance(radii, str) and radii.lower() == "protor+ccd"
     if isinstance(radii, str) and radii.lower().startswith("protor+") and not by_bonds:
         raise ValueError(f"radii: unknown set {radii!r}; did you mean protor+ccd?")
@@ -528,7 +463,8 @@ def _read(found: Any, radii: Any, waters: bool, hydrogens: str, unknown: Optiona
     source = _source_of(found, radii, unknown, waters, hydrogens, frame, options)
     named = _arrays_of(source.columns)
     marks = () if source.are_read else correct_elements(named)
-    selector = Selector(named, source.select, not source.are_read)
+    syntax = "" if source.are_read or source.select is None else source.columns.syntax or "the molecule's library"
+    selector = Selector(named, source.select, syntax)
     selects_all = source.chosen is None or (isinstance(source.chosen, str) and not source.chosen)
     selected = np.ones(len(named.name), bool) if selects_all else selector.mask(source.chosen, "select")
     are_named = bool((named.residue != "").any())
@@ -540,6 +476,7 @@ def _read(found: Any, radii: Any, waters: bool, hydrogens: str, unknown: Optiona
         choice = _take_radii(named, source.columns.radii, source.set_name)
         if source.set_name != "file":
             choice.guessed = np.union1d(choice.guessed, atoms_named(named, source.guessed_names))
+        choice.classes = choice.classes if source.classes is None else source.classes
         choice.left_out = dict(source.left_out)
         choice.drop(~selected, "selection")
     else:
@@ -551,7 +488,27 @@ def _read(found: Any, radii: Any, waters: bool, hydrogens: str, unknown: Optiona
         raise ValueError("no atoms are left" +
                          "".join(f"; {number} {what}" for what, number in choice.left_out.items()))
     _require_finite(named, choice.keep)
-    return _molecule_of(named, choice, which, are_named, source.files), selector
+    molecule = _molecule_of(named, choice, which, are_named, source.files)
+    return dataclasses.replace(molecule, notes=source.notes), selector
+
+
+def _select_again(molecule: Molecule, options: dict[str, Any]) -> tuple[Molecule, Selector]:
+    """Returns a molecule that was read, or its atoms in a selection."""
+    if given := [name for name, value in options.items() if value is not None and name != "select"]:
+        raise TypeError(f"{given[0]}: the molecule was read already; give it to read_molecule")
+    selector = Selector(molecule)
+    chosen = options.get("select")
+    if chosen is None or (isinstance(chosen, str) and not chosen):
+        return molecule, selector
+    is_chosen = selector.mask(chosen, "select")[molecule.kept]
+    if not is_chosen.any():
+        raise ValueError("select: all atoms are left out of the molecule")
+    left_out = dict(molecule.left_out)
+    left_out["selection"] = left_out.get("selection", 0) + int((~is_chosen).sum())
+    columns = {name: getattr(molecule, name)[is_chosen] for name in ("centers", "radii", "kept")}
+    for column in columns.values():
+        column.flags.writeable = False
+    return dataclasses.replace(molecule, left_out=left_out, **columns), selector
 
 
 def _require_finite(named: _Named, keep: _Bools) -> None:
@@ -562,9 +519,13 @@ def _require_finite(named: _Named, keep: _Bools) -> None:
                          f"{named.positions[i].tolist()}; give finite numbers")
 
 
-def read_with_selector(found: Any, radii: Any) -> tuple[Molecule, Selector]:
-    """Returns what `read_molecule` returns, and the selector."""
-    return _read(found, radii, False, "auto", None, 0, {})
+def read_with_selector(found: Any, radii: Any, options: dict[str, Any]) -> tuple[Molecule, Selector]:
+    """Returns what `read_molecule` returns, and the selector, for the further arguments of a surface."""
+    defaults: dict[str, Any] = {"waters": False, "hydrogens": "auto", "unknown_radius": None, "frame": 0}
+    require_known(options, _core.Surface.__init__, defaults)
+    others = {name: value for name, value in options.items() if name not in defaults}
+    waters, hydrogens, unknown, frame = (options.get(name, default) for name, default in defaults.items())
+    return _read(found, radii, waters, hydrogens, unknown, frame, others)
 
 
 def _molecule_of(named: _Named, choice: _Choice, which: str, are_named: bool, files: tuple[str, ...]) -> Molecule:
@@ -575,7 +536,7 @@ def _molecule_of(named: _Named, choice: _Choice, which: str, are_named: bool, fi
     molecule = Molecule(
         centers=named.positions[kept], radii=choice.radii[kept], kept=kept, left_out=choice.left_out,
         set=Radii(choice.set_name, source_text, choice.guessed, choice.unknown), are_named=are_named, files=files,
-        **columns)
-    for column in (molecule.centers, molecule.radii, kept, choice.guessed, choice.unknown, *columns.values()):
+        classes=choice.classes, **columns)
+    for column in (molecule.centers, molecule.radii, kept, choice.guessed, choice.unknown, choice.classes, *columns.values()):
         column.flags.writeable = False
     return molecule

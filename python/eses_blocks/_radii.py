@@ -27,15 +27,15 @@ SOURCES = {
 }
 
 
-def find_radii(residue: _Texts, name: _Texts, element: _Texts, which: str) -> tuple[str, bool, Any, _Texts, Any, Any]:
+def find_radii(residue: _Texts, name: _Texts, element: _Texts, which: str) -> tuple[str, bool, Any, _Texts, Any, Any, Any]:
     """Returns what _core._find_radii returns, asking for each kind of atom once."""
     kinds: dict[tuple[str, str, str], int] = {}
     index = np.array([kinds.setdefault(kind, len(kinds))
                       for kind in zip(residue.tolist(), name.tolist(), element.tolist())], int)
     columns = [list(column) for column in zip(*kinds)] or [[], [], []]
-    set_name, are_united, radii, symbols, by_element, by_name = _core._find_radii(*columns, which)
+    set_name, are_united, radii, symbols, by_element, by_name, classes = _core._find_radii(*columns, which)
     return (set_name, are_united, np.array(radii, float)[index], np.array(symbols, str)[index],
-            np.array(by_element, bool)[index], np.array(by_name, bool)[index])
+            np.array(by_element, bool)[index], np.array(by_name, bool)[index], np.array(classes, np.uint8)[index])
 
 
 def _residue_columns(named: Any, chosen: Any) -> tuple[list[Any], ...]:

@@ -51,6 +51,8 @@ REFERENCES = {name: _reference(name) for name in ("tien", "miller", "sander")}
 REFERENCES["wilke"] = REFERENCES["tien"]  # the name of Biopython for the same values
 
 CLASSES = ("carbon, boron, silicon, and halogens that are not alone in their residue are apolar, all others polar (nitrogen, "
-           "oxygen, sulphur, phosphorus and selenium as in ProtOr and OONS; NACCESS counts the last three as apolar), also "
-           "ions; a hydrogen belongs to the class of the nearest other atom of its residue")
+           "oxygen, sulphur, phosphorus and selenium as in ProtOr), also ions; with the radii of NACCESS sulphur, phosphorus "
+           "and selenium are apolar, with those of OONS the carbon of carbonyl and carboxyl groups is polar, and a "
+           "configuration file has classes of its own, as in FreeSASA; a hydrogen belongs to the class of the nearest other "
+           "atom of its residue")
 MAIN_CHAIN = frozenset("N CA C O OXT OT1 OT2 H HN H1 H2 H3 HA HA2 HA3".split())

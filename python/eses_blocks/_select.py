@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import re
-import warnings
-import weakref
 from typing import Any, Callable, Iterable, NamedTuple, Optional
 
 import numpy as np
 import numpy.typing as npt
 
-from . import _core
+from . import _core, adaptors
 from ._references import is_polymer
 
 _Bools = npt.NDArray[np.bool_]
@@ -26,6 +24,7 @@ def _listed(names: Iterable[str], limit: int = 10) -> str:
 class _Names(NamedTuple):
     """The columns that selections need. A surface of a molecule keeps them."""
 
+    positions: npt.NDArray[np.float64]
     chain: npt.NDArray[np.str_]
     residue: npt.NDArray[np.str_]
     residue_number: npt.NDArray[np.int64]
@@ -34,23 +33,43 @@ class _Names(NamedTuple):
     element: npt.NDArray[np.str_]
 
 
+def find_points(positions: npt.NDArray[np.float64], points: npt.NDArray[np.float64]) -> npt.NDArray[np.int64]:
+    """Returns the index of the position at each point; -1 if there is none within the precision of a file."""
+    tolerance = 0.002  # angstrom
+    order = np.argsort(positions[:, 0], kind="stable")
+    sorted_x = positions[order, 0]
+    first = np.searchsorted(sorted_x, points[:, 0] - tolerance)
+    last = np.searchsorted(sorted_x, points[:, 0] + tolerance, "right")
+    found = np.full(len(points), -1, np.int64)
+    for k, point in enumerate(points):
+        near = order[first[k]:last[k]]
+        distances = np.abs(positions[near] - point).max(axis=1) if len(near) else np.zeros(0)
+        if len(near) and distances.min() <= tolerance:
+            found[k] = near[distances.argmin()]
+    return found
+
+
 class Selector:
     """Selections of the atoms of a molecule by its columns of names, a value for each atom. `own` returns the
-    mask of a selection in gemmi's syntax or, with `has_own_syntax`, in the language of the molecule's library."""
+    mask of a selection in gemmi's syntax or, with `syntax`, in the language of the molecule's library, which
+    `syntax` names with an example."""
 
-    def __init__(self, names: Any, own: Optional[Callable[[Any], Any]] = None, has_own_syntax: bool = False) -> None:
-        self._names = _Names(names.chain, names.residue, names.residue_number, names.icode, names.name, names.element)
-        self._own, self._has_own_syntax = own, has_own_syntax and own is not None
+    def __init__(self, names: Any, own: Optional[Callable[[Any], Any]] = None, syntax: str = "") -> None:
+        self._names = _Names(*(getattr(names, name) for name in _Names._fields))
+        self._own, self._syntax = own, syntax if own is not None else ""
+
+    def __reduce__(self) -> Any:
+        return Selector, (self._names,)  # without the library's objects and the file
 
     def mask(self, chosen: Any, what: str) -> _Bools:
-        """Returns the mask of a selection, an AtomGroup, a mask or indices. Raises ValueError, which begins with
-        `what`, if the selection is not valid or has no atoms."""
+        """Returns the mask of a selection, a part of a molecule as an object of a library, a mask or indices.
+        Raises ValueError, which begins with `what`, if the selection is not valid or has no atoms."""
         if isinstance(chosen, str):
             mask = self._of_text(chosen, what)
-        elif hasattr(chosen, "ix"):  # an AtomGroup of MDAnalysis
-            if not self._has_own_syntax or self._own is None:
-                raise ValueError(f"{what}: the molecule is not of MDAnalysis; give a selection, a mask or indices")
-            mask = np.asarray(self._own(chosen), bool)
+        elif self._syntax and hasattr(chosen, "universe"):  # an AtomGroup of MDAnalysis
+            mask = self._of_own(chosen, what)
+        elif adaptors.find_adaptor(chosen):
+            mask = self._of_part(chosen, what)
         else:
             mask = self._of_numbers(chosen, what)
         if not mask.any():
@@ -61,11 +80,27 @@ class Selector:
 
     def without_file(self) -> Selector:
         """Returns a selector by the columns of names, or by the library of the molecule."""
-        return self if self._has_own_syntax else Selector(self._names)
+        return self if self._syntax else Selector(self._names)
 
     def ligand(self, text: str) -> bool:
         """Whether a selection is that of ligands by their names, or of all."""
         return text.startswith(_LIGAND) or (text == "ligand" and text not in self._names.chain)
+
+    def _of_own(self, chosen: Any, what: str) -> _Bools:
+        try:
+            return np.array(self._own(chosen), bool) if self._own else np.zeros(0, bool)
+        except ValueError as error:
+            raise ValueError(f"{what}: {error}") from None
+
+    def _of_part(self, part: Any, what: str) -> _Bools:
+        """Returns the mask of the atoms at the positions of a part of the molecule."""
+        found = find_points(self._names.positions, np.array(adaptors.columns_of(part).centers, float).reshape(-1, 3))
+        if not (found >= 0).all():
+            raise ValueError(f"{what}: {int((found < 0).sum())} of {len(found)} atoms of the given "
+                             f"{type(part).__name__} are not at the positions of atoms of the molecule")
+        mask = np.zeros(len(self._names.name), bool)
+        mask[found] = True
+        return mask
 
     def _of_numbers(self, chosen: Any, what: str) -> _Bools:
         count = len(self._names.name)
@@ -96,19 +131,26 @@ class Selector:
         try:
             if text == "ligand":
                 return self._of_gemmi(None)
-            if self._has_own_syntax or re.search(r"[/(\[;:*]|^-?\d", text):
+            if self._syntax or re.search(r"[/(\[;:*]|^-?\d", text):
                 return np.array(self._own(text), bool) if self._own else self._of_gemmi(text)
         except (OSError, MemoryError):
             raise
         except Exception as error:  # those of other libraries
             if text.isdigit():
                 raise ValueError(f"{what}: no chain or residue {text!r}; {self._contents()}") from error
-            message = str(error).removeprefix("selection: ").replace(": selection: ", ": ")
-            raise ValueError(f"{what}: {message}") from error
+            message = re.sub("^selection: |(?<=: )selection: ", "", str(error)).rstrip(". \n")
+            raise ValueError(f"{what}: {message}{self._hint(text)}") from error
         missing = next(name for name in chains if name not in known)
         where = np.flatnonzero(names.residue == missing)
-        advice = f"; residue {missing} is ligand:{missing}" if len(where) else ""
+        advice = f"; residue {missing} is ligand:{missing}" if len(where) else self._hint(text)
         raise ValueError(f"{what}: no chain {missing!r}; {self._contents()}{advice}")
+
+    def _hint(self, text: str) -> str:
+        """Returns the language of selections, for messages about a text that may be in another one."""
+        if self._syntax:
+            return f"; selections have the syntax of {self._syntax}, and not gemmi's" if set(text) & set("/([;") else ""
+        is_other = " " in text.strip() or text in ("protein", "nucleic", "water", "backbone", "all", "hetero")
+        return "; selections have gemmi's syntax, such as //A/57/CA, (HEM) or ;polymer" if is_other else ""
 
     def _of_residue(self, name: str, what: str) -> _Bools:
         chain, slash, residue = name.rpartition("/")
@@ -138,38 +180,3 @@ class Selector:
             numbers = names.residue_number[names.chain == chain]
             texts.append(f"{chain or '(blank)'} (residues {numbers.min()} to {numbers.max()})")
         return f"the chains are {_listed(texts)}"
-
-
-# ------------------------------------------------------------------------------ places of a surface
-
-# The molecules of surfaces: the kept atoms of all, and the selector.
-_molecule_of: weakref.WeakKeyDictionary[_core.Surface, tuple[Any, Selector]] = weakref.WeakKeyDictionary()
-
-
-def remember_molecule(surface: _core.Surface, kept: Any, selector: Selector) -> None:
-    """Remembers the molecule of a surface, whose atoms are the kept ones. Its selections do not read a file again."""
-    _molecule_of[surface] = (kept, selector.without_file())
-
-
-def find_at(surface: _core.Surface, method: str, text: str, options: dict[str, Any]) -> list[dict[str, Any]]:
-    """Returns the cavities or pockets at a selection. Ligands are left out of the surface."""
-    if surface not in _molecule_of:
-        raise ValueError(f"at={text!r}: the surface has no names of atoms; make it from a file or a molecule, or give "
-                         "a point, atoms= or balls=")
-    kept, selector = _molecule_of[surface]
-    chosen = selector.mask(text, "at")[kept]
-    if not chosen.any():
-        raise ValueError(f"at: all atoms of {text!r} are left out of the surface")
-    if not selector.ligand(text):
-        return getattr(surface, method)(atoms=np.flatnonzero(chosen), **options)  # type: ignore[no-any-return]
-    others = np.flatnonzero(~chosen)
-    if not len(others):
-        raise ValueError(f"at: there are no atoms besides {text!r}")
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # the surface has already warned of its atoms
-        rest = _core.Surface(surface.centers[others], surface.radii[others], surface.probe_radius,
-                             fill_cavities=surface.fill_cavities, threads=options["threads"])
-    found: list[dict[str, Any]] = getattr(rest, method)(balls=(surface.centers[chosen], surface.radii[chosen]), **options)
-    for each in found:
-        each["atoms"] = others[each["atoms"]]
-    return found

@@ -55,7 +55,9 @@ class Columns:
     """Whether an atom is a virtual site, which has no radius."""
     select: Optional[Callable[[Any], Any]] = None
     """Returns the mask of the atoms of a selection in the library's own language, or of one of its objects
-    with the attribute ``ix``, such as an AtomGroup."""
+    with the attribute ``universe``, such as an AtomGroup."""
+    syntax: str = ""
+    """The name of this language with an example, for messages."""
 
 
 Adaptor = Callable[[Any, int], Columns]
@@ -83,9 +85,10 @@ def _from_gemmi(found: Any, frame: int) -> Columns:
         chains = list(found)
     elif kind == "Chain":
         chains = [found]
-    else:
-        raise TypeError(f"gemmi.{kind} is not a molecule; give a Structure, Model or Chain")
-    rows = [(chain.name, residue, atom) for chain in chains for residue in chain for atom in residue]
+    elif kind != "Residue":
+        raise TypeError(f"gemmi.{kind} is not a molecule; give a Structure, Model, Chain or Residue")
+    rows = ([("", found, atom) for atom in found] if kind == "Residue" else
+            [(chain.name, residue, atom) for chain in chains for residue in chain for atom in residue])
     return Columns(
         centers=[atom.pos.tolist() for _, _, atom in rows],
         elements=["" if atom.element.name == "X" else atom.element.name for _, _, atom in rows],
@@ -113,13 +116,15 @@ def _from_mdanalysis(found: Any, frame: int) -> Columns:
         return None
 
     def select(chosen: Any) -> Any:
-        atoms = group.select_atoms(chosen) if isinstance(chosen, str) else chosen
+        atoms = group.select_atoms(chosen) if isinstance(chosen, str) else getattr(chosen, "atoms", chosen)
+        if atoms.universe is not group.universe:
+            raise ValueError("the atoms are those of another universe")
         return np.isin(group.ix, atoms.ix)
 
     return Columns(centers=group.positions, elements=column("elements"), names=column("names"),
                    residues=column("resnames"), numbers=column("resnums", "resids"), icodes=column("icodes"),
                    chains=column("chainIDs", "segids"), altlocs=column("altLocs"),
-                   occupancies=column("occupancies"), select=select)
+                   occupancies=column("occupancies"), select=select, syntax="MDAnalysis, such as 'resid 57 and name CA'")
 
 
 def _from_mdtraj(found: Any, frame: int) -> Columns:
@@ -136,7 +141,8 @@ def _from_mdtraj(found: Any, frame: int) -> Columns:
         residues=[atom.residue.name for atom in atoms], numbers=[atom.residue.resSeq for atom in atoms],
         chains=[chain_name(atom.residue.chain) for atom in atoms],
         virtual=[symbol == "VS" for symbol in symbols],
-        select=lambda text: _mask(len(atoms), found.topology.select(text)))
+        select=lambda text: _mask(len(atoms), found.topology.select(text)),
+        syntax="MDTraj, such as 'resSeq 57 and name CA'")
 
 
 def _from_biopython(found: Any, frame: int) -> Columns:
@@ -270,7 +276,7 @@ def _from_prody(found: Any, frame: int) -> Columns:
     return Columns(centers=frames[frame], elements=column("getElements"), names=column("getNames"),
                    residues=column("getResnames"), numbers=column("getResnums"), icodes=column("getIcodes"),
                    chains=column("getChids"), altlocs=column("getAltlocs"), occupancies=column("getOccupancies"),
-                   select=select)
+                   select=select, syntax="ProDy, such as 'resnum 57 and name CA'")
 
 
 ADAPTORS: dict[str, Adaptor] = {

@@ -59,7 +59,7 @@ hydrogens : {'auto', 'keep', 'drop'}, optional
 chains : sequence of str, optional
     Chains to read; empty for all.
 select : str, optional
-    Selection in gemmi's syntax, such as ``/1/A/10-20/CA``.
+    Selection: chains (``A+B``), ``ligand:STI``, ``ligand``, or gemmi's syntax, such as ``/1/A/10-20/CA``.
 assembly : str, optional
     Identifier of the biological assembly to build; empty for the atoms of the file.
 chain_names : {'auth', 'label'}, optional
@@ -148,7 +148,7 @@ std::shared_ptr<AtomFile> parse(const py::bytes& text, const std::string& name,
 std::shared_ptr<AtomFile> read(const py::object& found, ReadOptions options) {
   if (py::hasattr(found, "read")) {
     const py::tuple opened =
-        py::module_::import("eses_blocks._molecule").attr("read_opened")(found, "auto");
+        py::module_::import("eses_blocks._paths").attr("read_opened")(found, "auto");
     if (options.format == AtomFormat::automatic)
       options.format = format_named(opened[2].cast<std::string>());
     return parse(opened[0], opened[1].cast<std::string>(), options);
@@ -180,15 +180,15 @@ py::object read_and_warn(const py::object& found, const std::string& format,
       read(found, read_options(format, radii, unknown_radius, model, altloc, waters, hetatm,
                                hydrogens, chains, select, assembly, chain_names));
   const py::object atoms = py::cast(file);
-  const py::module_ molecule = py::module_::import("eses_blocks._molecule");
-  const py::object name = molecule.attr("name_of")(found);
-  molecule.attr("remember_files")(atoms, name, py::bytes(radii.string()));
+  const py::module_ paths = py::module_::import("eses_blocks._paths");
+  const py::object name = paths.attr("name_of")(found);
+  paths.attr("remember_files")(atoms, name, py::bytes(radii.string()));
   warn_about(*file, name);
   return atoms;
 }
 
 // Returns the name of a set of radii, whether it has united atoms, and for each atom the radius,
-// the element, and whether they follow from the element and from the names.
+// the element, whether they follow from the element and from the names, and the class in the set.
 py::tuple radii_of(const std::vector<std::string>& residues, const std::vector<std::string>& names,
                    const std::vector<std::string>& elements, const std::filesystem::path& set) {
   if (residues.size() != names.size() || elements.size() != names.size())
@@ -201,14 +201,15 @@ py::tuple radii_of(const std::vector<std::string>& residues, const std::vector<s
   }
   NamedRadii found;
   read_file_as_value([&] { found = find_radii(labels, set.string()); });
-  py::list radii, symbols, by_element, by_name;
+  py::list radii, symbols, by_element, by_name, classes;
   for (const NamedRadius& atom : found.atoms) {
     radii.append(atom.radius);
     symbols.append(atom.element);
     by_element.append(atom.is_by_element);
     by_name.append(atom.is_element_by_name);
+    classes.append(static_cast<int>(atom.atom_class));
   }
-  return py::make_tuple(found.set, found.are_united, radii, symbols, by_element, by_name);
+  return py::make_tuple(found.set, found.are_united, radii, symbols, by_element, by_name, classes);
 }
 
 // Returns labels of atoms, whose residues have indices.
@@ -365,19 +366,42 @@ LeftOut left_out_of(const AtomFile& file) {
   return counts;
 }
 
+/// Returns what notes on the atoms of a PDB or mmCIF file tell: the model and the number of models,
+/// chains that are segments, the number of atoms, and the assemblies with several operators or
+/// without some of the atoms. None for other files.
+py::object noted(const AtomFile& file) {
+  if (!file.structure) return py::none();
+  const StructureReport& report = *file.structure;
+  py::list assemblies;
+  for (const OtherAssembly& other : report.other_assemblies)
+    assemblies.append(py::make_tuple(other.id, other.operators, other.atoms));
+  return py::make_tuple(report.model, report.models, report.segment_chains,
+                        report.atom_records + report.hetatm_records + report.waters, assemblies);
+}
+
+/// Returns the classes of the atoms in their set of radii; 0 without labels.
+py::array_t<std::uint8_t> classes_of(const AtomFile& file) {
+  auto classes = make_array<std::uint8_t>(static_cast<py::ssize_t>(file.atoms.size()));
+  for (std::size_t i = 0; i < file.atoms.size(); ++i)
+    classes.mutable_data()[i] =
+        static_cast<std::uint8_t>(i < file.labels.size() ? file.labels[i].atom_class : AtomClass());
+  return classes;
+}
+
 py::tuple atoms_state(const py::object& atoms) {
   const py::object labels = atoms.attr("labels");
   return py::make_tuple(atoms.attr("centers"), atoms.attr("radii"), atoms.attr("lines"),
                         labels.is_none() ? labels : label_state(labels.cast<const Labels&>()),
                         atoms.attr("charge"), atoms.attr("diagnostics"), atoms.attr("left_out"),
-                        files_of(atoms));
+                        files_of(atoms), classes_of(atoms.cast<const AtomFile&>()));
 }
 
 void set_atoms_state(py::detail::value_and_holder& self, const py::tuple& state) {
-  const auto [centers, radii, lines, labels, charges, diagnostics, left_out, files] = unpack_state<
-      std::tuple<py::object, py::object, StateArray<std::uint64_t>, std::optional<py::tuple>,
-                 std::optional<StateArray<double>>, std::vector<Diagnostic>, LeftOut, py::tuple>>(
-      state);
+  const auto [centers, radii, lines, labels, charges, diagnostics, left_out, files, classes] =
+      unpack_state<
+          std::tuple<py::object, py::object, StateArray<std::uint64_t>, std::optional<py::tuple>,
+                     std::optional<StateArray<double>>, std::vector<Diagnostic>, LeftOut, py::tuple,
+                     StateArray<std::uint8_t>>>(state);
   AtomFile file;
   file.atoms = make_atoms(centers, radii);
   file.diagnostics = diagnostics;
@@ -390,6 +414,9 @@ void set_atoms_state(py::detail::value_and_holder& self, const py::tuple& state)
   if (labels) file.labels = labels_of_state(*labels);
   if (labels && file.labels.size() != file.atoms.size())
     throw py::value_error("the numbers of atoms and names of the state differ");
+  require_shape(classes, file.atoms.size());
+  for (std::size_t i = 0; i < file.labels.size(); ++i)
+    file.labels[i].atom_class = static_cast<AtomClass>(classes.data()[i]);
   if (charges) {
     require_shape(*charges, file.atoms.size());
     file.charges.assign(charges->data(), charges->data() + charges->size());
@@ -505,6 +532,8 @@ void bind_atoms(py::module_& module) {
   module.def("_parse_atoms", &parse);
   module.def("_warn_about",
              [](const AtomFile& file, const py::str& name) { warn_about(file, name); });
+  module.def("_noted", &noted);
+  module.def("_classes_of", &classes_of);
   module.def("_find_radii", &radii_of);
   module.def("_correct_elements", &correct);
   module.def("_guessed_names", &guessed_names);

@@ -31,11 +31,13 @@ Parameters
 ----------
 probe_radius : float, optional
     Radius of the probe, in angstrom: 0, or 0.01 to 1000. The default is that of the surface.
-at : str or array_like, optional
-    A place: a selection as ``report`` of ``measure``, of a surface of a file or molecule; a point (3,);
-    or the lowest and highest corner of a box (2, 3). Only what has a point within a probe radius of
-    the point, in the box, or in a ball of a ligand (``ligand:STI``), which is left out of the
-    surface, is returned, or what the atoms of another selection bound.
+at : str, object or array_like, optional
+    A place: a selection as ``report`` of ``measure``, of a surface of a file or molecule; a part of a
+    molecule, such as an AtomGroup or a gemmi.Residue; a point (3,); or the lowest and highest corner
+    of a box (2, 3). Only what has a point within a probe radius of the point, in the box, or in a
+    ball of a ligand (``ligand:STI``), which is left out of the surface, is returned, or what the
+    atoms of another selection bound. A part without amino acids and nucleotides is a ligand. It may
+    be a molecule of its own.
 atoms : sequence of int, optional
     A place: atoms. What they bound is at the place.
 balls : tuple of array_like, optional
@@ -83,11 +85,13 @@ min_volume : float, optional
     the probe.
 probe_radius : float, optional
     Radius of the probe, in angstrom, 0.01 to 1000. The default is that of the surface.
-at : str or array_like, optional
-    A place: a selection as ``report`` of ``measure``, of a surface of a file or molecule; a point (3,);
-    or the lowest and highest corner of a box (2, 3). Only what has a point within a probe radius of
-    the point, in the box, or in a ball of a ligand (``ligand:STI``), which is left out of the
-    surface, is returned, or what the atoms of another selection bound.
+at : str, object or array_like, optional
+    A place: a selection as ``report`` of ``measure``, of a surface of a file or molecule; a part of a
+    molecule, such as an AtomGroup or a gemmi.Residue; a point (3,); or the lowest and highest corner
+    of a box (2, 3). Only what has a point within a probe radius of the point, in the box, or in a
+    ball of a ligand (``ligand:STI``), which is left out of the surface, is returned, or what the
+    atoms of another selection bound. A part without amino acids and nucleotides is a ligand. It may
+    be a molecule of its own.
 atoms : sequence of int, optional
     A place: atoms. What they bound is at the place.
 balls : tuple of array_like, optional
@@ -181,13 +185,19 @@ std::optional<Place> place_of(const py::object& at, const py::object& atoms,
   return place;
 }
 
+/// Returns whether a place is a selection of atoms or a part of a molecule.
+bool names_atoms(const py::object& at) {
+  return !at.is_none() &&
+         py::module_::import("eses_blocks._places").attr("names_atoms")(at).cast<bool>();
+}
+
 /// Finds what `method` finds at a selection of atoms.
 py::list find_at_selection(const ChosenSurface& surface, const char* method, const py::object& at,
                            const py::object& atoms, const py::object& balls,
                            const py::dict& options) {
   if (!atoms.is_none() || !balls.is_none())
     throw py::value_error("a selection at= cannot be combined with atoms= and balls=");
-  const py::object find = py::module_::import("eses_blocks._select").attr("find_at");
+  const py::object find = py::module_::import("eses_blocks._places").attr("find_at");
   return find(py::cast(&surface, py::return_value_policy::reference), method, at, options);
 }
 
@@ -195,7 +205,7 @@ py::list find_cavities(const ChosenSurface& surface, std::optional<double> probe
                        const py::object& at, const py::object& atoms, const py::object& balls,
                        ThreadCount threads) {
   require_excluded(surface, "cavities");
-  if (py::isinstance<py::str>(at))
+  if (names_atoms(at))
     return find_at_selection(
         surface, "cavities", at, atoms, balls,
         py::dict(py::arg("probe_radius") = probe_radius, py::arg("threads") = threads));
@@ -250,7 +260,7 @@ py::list find_all_pockets(const ChosenSurface& surface, double large_probe, doub
                           const py::object& at, const py::object& atoms, const py::object& balls,
                           ThreadCount threads, bool allow_far_atoms) {
   require_excluded(surface, "pockets");
-  if (py::isinstance<py::str>(at))
+  if (names_atoms(at))
     return find_at_selection(
         surface, "pockets", at, atoms, balls,
         py::dict(py::arg("large_probe") = large_probe, py::arg("spacing") = spacing,

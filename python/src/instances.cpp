@@ -27,11 +27,11 @@ void protect_instances(py::handle type) {
 }
 
 py::object files_of(const py::object& object) {
-  return py::module_::import("eses_blocks._molecule").attr("files_of")(object);
+  return py::module_::import("eses_blocks._paths").attr("files_of")(object);
 }
 
 void remember_files(py::handle object, const py::object& files) {
-  py::module_::import("eses_blocks._molecule").attr("remember_files")(object, *files);
+  py::module_::import("eses_blocks._paths").attr("remember_files")(object, *files);
 }
 
 void require_shape(const py::array& array, std::size_t rows, std::size_t columns) {

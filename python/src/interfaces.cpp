@@ -47,15 +47,17 @@ py::list measure_parts(const ChosenSurface& surface, const std::vector<std::int6
 
 // Returns whether each atom is polar. Atoms of a residue follow each other and have its number.
 std::vector<bool> polar_atoms(const py::object& centers, const std::vector<std::string>& elements,
-                              const std::vector<std::int64_t>& residues) {
+                              const std::vector<std::int64_t>& residues,
+                              const std::vector<int>& classes) {
   const std::vector<double> radii(elements.size());
   const std::vector<Atom> atoms = make_atoms(centers, py::cast(radii));
-  if (residues.size() != atoms.size())
-    throw py::value_error("centers, elements and residues differ in length");
+  if (residues.size() != atoms.size() || classes.size() != atoms.size())
+    throw py::value_error("centers, elements, residues and classes differ in length");
   std::vector<AtomLabel> labels(atoms.size());
   for (std::size_t i = 0; i < atoms.size(); ++i) {
     labels[i].element = elements[i];
     labels[i].residue_number = std::to_string(residues[i]);
+    labels[i].atom_class = static_cast<AtomClass>(classes[i]);
   }
   return find_polar_atoms(atoms, labels);
 }

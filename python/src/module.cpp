@@ -8,6 +8,7 @@
 #include <stdexcept>
 #include <string_view>
 
+#include "argument_errors.hpp"
 #include "atoms.hpp"
 #include "background.hpp"
 #include "blocks.hpp"
@@ -60,6 +61,7 @@ PYBIND11_MODULE(_core, module) {
   eses::python::bind_blocks(module);
   eses::python::bind_surface(module);
   eses::python::bind_interfaces(module);
+  eses::python::explain_arguments(module);
   py::module_::import("atexit").attr("register")(py::cpp_function(
       &eses::python::join_threads_left_behind, py::call_guard<py::gil_scoped_release>()));
 }

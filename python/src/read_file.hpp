@@ -10,6 +10,8 @@
 #include <string>
 #include <utility>
 
+#include "option_names.hpp"
+
 namespace eses::python {
 
 /// Returns the path of a file. Raises ValueError for a path with a null character, and TypeError
@@ -39,7 +41,7 @@ auto read_file_as_value(Read&& read) {
   } catch (const MemoryLimitError&) {
     throw;
   } catch (const Error& error) {
-    throw std::invalid_argument(error.what());
+    throw std::invalid_argument(with_python_names(error.what()));
   }
 }
 

@@ -56,6 +56,9 @@ fill_cavities : bool or float, optional
 threads : int, optional
     Number of threads that index the atoms; 0 for all that the process may use, or one for a few
     thousand atoms.
+**options
+    ``waters``, ``hydrogens``, ``unknown_radius``, ``frame``, ``select`` and the further arguments of
+    ``read_molecule``.
 
 Raises
 ------
@@ -64,10 +67,10 @@ ValueError
     negative. The message names the first such atom by its index, with the value. Also if an
     argument does not fit ``surface``.
 TypeError
-    If an array does not contain real numbers.)";
+    If an array does not contain real numbers, or if an argument is unknown or has a wrong type.)";
 
 constexpr const char* init_text =
-    R"(__init__(self, centers, radii=None, probe_radius=None, *, surface='ses', fill_cavities=False, threads=0)
+    R"(__init__(self, centers, radii=None, probe_radius=None, *, surface='ses', fill_cavities=False, threads=0, **options)
 --
 
 Check and index the atoms.)";
@@ -236,13 +239,14 @@ ChosenSurface make_surface(const py::object& centers, const py::object& radii,
 void construct_surface(py::detail::value_and_holder& self, const py::object& centers,
                        const py::object& radii, const std::optional<double>& probe_radius,
                        const std::string& kind, const py::object& fill_cavities,
-                       ThreadCount threads) {
+                       ThreadCount threads, const py::kwargs& options) {
   py::object its_centers = centers, its_radii = radii, files = py::tuple();
   py::object molecule, selector;
   // A molecule of another library, or a file, perhaps with the name or the path of a set of radii.
-  if (radii.is_none() || py::isinstance<py::str>(radii) || py::hasattr(radii, "__fspath__")) {
-    const py::tuple found =
-        py::module_::import("eses_blocks._molecule").attr("read_with_selector")(centers, radii);
+  if (radii.is_none() || py::isinstance<py::str>(radii) || py::hasattr(radii, "__fspath__") ||
+      !options.empty()) {
+    const py::tuple found = py::module_::import("eses_blocks._molecule")
+                                .attr("read_with_selector")(centers, radii, options);
     molecule = found[0];
     selector = found[1];
     its_centers = molecule.attr("centers");
@@ -254,7 +258,7 @@ void construct_surface(py::detail::value_and_holder& self, const py::object& cen
   warn_about(surface.diagnostics());
   construct(self, std::move(surface), files);
   if (selector)
-    py::module_::import("eses_blocks._select")
+    py::module_::import("eses_blocks._places")
         .attr("remember_molecule")(py::handle(reinterpret_cast<PyObject*>(self.inst)),
                                    molecule.attr("kept"), selector);
 }
@@ -262,15 +266,20 @@ void construct_surface(py::detail::value_and_holder& self, const py::object& cen
 py::tuple surface_state(const py::object& surface) {
   return py::make_tuple(surface.attr("centers"), surface.attr("radii"),
                         surface.attr("probe_radius"), surface.attr("fill_cavities"),
-                        surface.attr("surface"), files_of(surface));
+                        surface.attr("surface"), files_of(surface),
+                        py::module_::import("eses_blocks._places").attr("molecule_of")(surface));
 }
 
 void set_surface_state(py::detail::value_and_holder& self, const py::tuple& state) {
-  const auto [centers, radii, probe_radius, fill_cavities, kind, files] =
-      unpack_state<std::tuple<py::object, py::object, double, py::object, std::string, py::tuple>>(
-          state);
+  const auto [centers, radii, probe_radius, fill_cavities, kind, files, molecule] =
+      unpack_state<std::tuple<py::object, py::object, double, py::object, std::string, py::tuple,
+                              std::optional<std::pair<py::array, py::object>>>>(state);
   const auto probe = kind == "vdw" ? std::nullopt : std::optional(probe_radius);
   construct(self, make_surface(centers, radii, probe, kind, fill_cavities, {1}), files);
+  if (molecule)
+    py::module_::import("eses_blocks._places")
+        .attr("remember_molecule")(py::handle(reinterpret_cast<PyObject*>(self.inst)),
+                                   molecule->first, molecule->second);
 }
 
 Grid make_surface_grid(const ChosenSurface& surface, double spacing, std::optional<double> margin,

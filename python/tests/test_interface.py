@@ -36,6 +36,7 @@ def test_chains_that_touch(path):
     assert found[0].polar == pytest.approx(LOST / 2) and found[0].apolar == pytest.approx(LOST / 2)
     assert found.table["sas_area"] == pytest.approx([LOST])
     assert found[0].residues["residue"].tolist() == ["ALA", "HEM"]
+    assert repr(found) == f"<eses_blocks.Interfaces: 1; SAS interface areas: A and B {LOST:.6g}>"
     assert "dimer" not in repr(found) and "A and B" in repr(found[0])
     assert len(found[:0]) == 0
 
@@ -79,6 +80,34 @@ def test_saved_areas(path, tmp_path):
         found.save(tmp_path / "buried.txt")
     with pytest.raises(ValueError, match="column"):
         found.save(tmp_path / "buried.pdb", "sas")
+
+
+def test_cutoffs_and_tables_of_all_interfaces(path, tmp_path):
+    """The areas of all interfaces add up by atom."""
+    row = COMPLEX + "ATOM      4  CA  GLY D   4       3.000   3.000   0.000  0.00 1.70\n"
+    path.write_text(row)
+    found = eses.interfaces(path)
+    assert len(found) == 3 and len(found.residues) == len(found.atoms) == 6
+    assert set(zip(found.residues["first"], found.residues["second"])) == {("A", "B"), ("A", "D"), ("B", "D")}
+    smallest = found[-1].sas_area
+    assert len(eses.interfaces(path, area_cutoff=smallest)) == 3
+    assert len(eses.interfaces(path, area_cutoff=smallest + 1e-6)) == 2
+    assert len(eses.interfaces(path, residue_cutoff=smallest + 1e-6).residues) == 4
+    assert len(eses.interface(path, "A", "B", residue_cutoff=LOST + 1).residues) == 0
+    found.save(tmp_path / "buried.pdb")
+    lines = [line for line in (tmp_path / "buried.pdb").read_text().splitlines() if line.startswith(("ATOM", "HETATM"))]
+    sums = np.zeros(4)
+    np.add.at(sums, found.atoms["index"], found.atoms["sas_lost"])
+    assert [float(line[60:66]) for line in lines] == pytest.approx(sums, abs=0.005)
+    for level, table in (("interface", found.table), ("residue", found.residues), ("atom", found.atoms)):
+        found.save(tmp_path / "buried.csv", level=level)
+        rows = list(csv.DictReader((tmp_path / "buried.csv").open()))
+        assert len(rows) == len(table) and list(rows[0]) == table.keys()
+    with pytest.raises(ValueError, match="level must be one of interface, residue, atom"):
+        found.save(tmp_path / "buried.csv", level="chain")
+    with pytest.raises(ValueError, match="there are no interfaces"):
+        eses.interfaces(([[0, 0, 0]], [1]))[:0].__class__([]).save(tmp_path / "none.pdb")
+    assert found[0].molecule.set.name == "file"
 
 
 def test_errors_name_the_part(path):

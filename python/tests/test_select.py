@@ -73,7 +73,76 @@ OWN_SYNTAX = ["MDAnalysis", "mdtraj", "prody"]
     ("A", ["ALA", "SER"]), ("A+B", ["ALA", "SER", "ZN"]), ("B, C", ["ZN", "STI", "GOL"]),
     ("ligand:STI", ["STI"]), ("ligand", ["STI", "GOL"])])
 def test_texts_choose_the_same_atoms(path, library, text, residues):
-    assert reported(eses.measure(opened(library, path), report=text)) == residues
+    molecule = opened(library, path)
+    assert reported(eses.measure(molecule, report=text)) == residues
+    assert reported(eses.measure(molecule, select=text)) == residues
+    if residues != ["ALA", "SER", "STI", "GOL"]:
+        assert eses.interface(molecule, text).first == text
+    eses.Surface(molecule).cavities(at="B" if text == "ligand" else text)
+
+
+def test_select_of_files_takes_masks_and_pqr_files(path):
+    residues = reported(eses.measure(path, select=range(5)))
+    assert residues == reported(eses.measure(eses.read_atoms(path), select=range(5))) == ["ALA"]
+    atoms = eses.read_atoms(DATA / "fas2.pqr")
+    for text in ("(THR)", "ligand:THR", "550", atoms.labels.residue == "THR"):
+        chosen = eses.measure(DATA / "fas2.pqr", select=text)
+        assert chosen.sas_area == eses.measure(atoms, select=text).sas_area
+        assert chosen.left_out.keys() == {"selection"}
+    xyzr = DATA / "1ubq.xyzr"
+    assert len(eses.measure(xyzr, select=[0, 1]).molecule.kept) == 2
+    with pytest.raises(ValueError, match="select: the atoms have no names of chains and residues; give a mask"):
+        eses.measure(xyzr, select="A")
+
+
+@pytest.mark.parametrize("library", ["gemmi", "Bio", "biotite", "MDAnalysis", "prody", "mdtraj"])
+def test_parts_of_objects_are_selections(path, library):
+    """Parts choose the atoms at their positions, also of the file."""
+    molecule = opened(library, path)
+    part = {"gemmi": lambda: molecule[0]["C"][0], "Bio": lambda: list(molecule[0]["C"])[0],
+            "biotite": lambda: molecule[molecule.res_name == "STI"],
+            "MDAnalysis": lambda: molecule.select_atoms("resname STI"),
+            "prody": lambda: molecule.select("resname STI"),
+            "mdtraj": lambda: molecule.atom_slice(molecule.topology.select("resname STI"))}[library]()
+    for found in (molecule, path):
+        assert reported(eses.measure(found, report=part)) == ["STI"]
+        assert reported(eses.measure(found, select=part)) == ["STI"]
+        assert eses.interface(found, part).first == "2 atoms"
+    with pytest.raises(ValueError, match="report: 2 of 2 atoms of the given .* are not at the positions of atoms"):
+        eses.measure(([[500, 0, 0]], [1.5]), report=part)
+
+
+def test_residues_of_mdanalysis_are_not_indices_of_atoms(path):
+    universe = opened("MDAnalysis", path)
+    assert reported(eses.measure(universe, report=universe.residues[-1])) == reported(
+        eses.measure(universe, report=universe.residues[-1].atoms))
+    other = opened("MDAnalysis", path)
+    with pytest.raises(ValueError, match="report: the atoms are those of another universe"):
+        eses.measure(universe, report=other.atoms[:1])
+
+
+@pytest.mark.parametrize(("library", "text", "hint"), [
+    ("MDAnalysis", "//A/10", "the syntax of MDAnalysis, such as 'resid 57 and name CA', and not gemmi's$"),
+    ("mdtraj", "//A/10", "the syntax of MDTraj, such as 'resSeq 57 and name CA', and not gemmi's$"),
+    ("prody", "//A/10", "the syntax of ProDy, such as 'resnum 57 and name CA', and not gemmi's$"),
+    ("gemmi", "resname ALA", "; selections have gemmi's syntax, such as //A/57/CA, .HEM. or ;polymer$"),
+    ("biotite", "protein", "; selections have gemmi's syntax, such as //A/57/CA, .HEM. or ;polymer$")])
+def test_messages_name_the_language(path, library, text, hint):
+    for argument in ("report", "select"):
+        with pytest.raises(ValueError, match=f"(?s)^{argument}: .*{hint}"):
+            eses.measure(opened(library, path), **{argument: text})
+
+
+@pytest.mark.parametrize(("options", "message"), [
+    ({"select": "protein"}, 'selection: invalid selection syntax, expected .*, found "protein"; its chains are A, B, C$'),
+    ({"select": "A+D"}, 'selection: invalid selection syntax, expected .*, found "A.D"'),
+    ({"chains": ["D"]}, r"there is no chain \"D\" \(chains=\)"), ({"model": 7}, r"there is no model 7 \(model=\)"),
+    ({"select": "/2/A"}, "the selection names model 2, but model .* is read; use model=2$"),
+    ({"select": "//*//[O]", "radii": "bondi", "chains": ["B"]}, r"of water \(waters=True keeps them\)|1 not selected")])
+def test_messages_about_files_name_arguments(path, options, message):
+    for call in (eses.measure, eses.Surface, eses.read_atoms):
+        with pytest.raises(ValueError, match=message):
+            call(path, **options)
 
 
 @pytest.mark.parametrize("library", OWN_SYNTAX)
@@ -189,6 +258,17 @@ def test_pockets_of_a_ligand(tmp_path):
             found = surface.pockets(4.0, at=text)
             assert len(found) == 1 and found[0]["volume"] == expected[0]["volume"]
             assert found[0]["atoms"].tolist() == expected[0]["atoms"].tolist()
+    again = pickle.loads(pickle.dumps(surfaces[0]))
+    assert [each["volume"] for each in again.pockets(4.0, at="ligand:LIG")] == [expected[0]["volume"]]
+    structure = opened("gemmi", path)
+    ligand = structure[0]["B"]
+    without = eses.Surface(structure, select="//A")
+    for surface in (*surfaces, without, again):
+        found = surface.pockets(4.0, at=ligand)
+        assert [each["volume"] for each in found] == pytest.approx([expected[0]["volume"]], rel=1e-6)
+    is_ligand = atoms.labels.residue == "LIG"
+    assert surfaces[0].pockets(4.0, at=structure[0]["A"][117]) == surfaces[0].pockets(4.0, at="//A/118") == []
+    assert len(surfaces[2].cavities(at=~is_ligand)) == len(surfaces[2].cavities(at="A"))
     mask = np.flatnonzero(atoms.labels.residue_number == "118")
     empty = eses.measure(path, select="//A").surface
     expected = [each["volume"] for each in empty.pockets(4.0, atoms=mask)]

@@ -28,7 +28,8 @@ def parameters(arguments):
     keywords = [inspect.Parameter.empty if default is None else ast.literal_eval(default)
                 for default in arguments.kw_defaults]
     return ([(each.arg, default, False) for each, default in zip(plain, defaults)] +
-            [(each.arg, default, True) for each, default in zip(arguments.kwonlyargs, keywords)])
+            [(each.arg, default, True) for each, default in zip(arguments.kwonlyargs, keywords)] +
+            [(each.arg, inspect.Parameter.empty, False) for each in (arguments.kwarg,) if each])
 
 
 def actual_parameters(function):
@@ -79,8 +80,8 @@ def test_stubs_have_the_members_of_classes(name):
 def test_stubs_have_the_parameters_of_constructors(name):
     init = next(node for node in stub_classes()[name].body if node.name == "__init__")
     assert parameters(init.args)[1:] == actual_parameters(getattr(_core, name))
-    for _, node in enumerate(parameters(init.args)[1:]):
-        assert f"\n{node[0]} : " in inspect.getdoc(getattr(_core, name))
+    for parameter, _, _ in parameters(init.args)[1:]:
+        assert (f"\n{parameter} : " if parameter != "options" else "\n**options\n") in inspect.getdoc(getattr(_core, name))
 
 
 def test_stubs_have_the_parameters_of_functions():

@@ -24,12 +24,18 @@ def fixture_path(tmp_path):
     ({"threds": 1}, TypeError, "^unknown argument 'threds'; did you mean threads"),
     ({"fill": 1}, TypeError, "^unknown argument 'fill'; did you mean fill_cavities"),
     ({"zzz": 1}, TypeError, "^unknown argument 'zzz'$"),
-    ({"probe_radius": "1.4"}, TypeError, "^probe_radius must be a number, not '1.4'"),
-    ({"threads": "all"}, TypeError, "^threads must be a number"),
+    ({"probe_radius": "1.4"}, TypeError, "^probe_radius must be a number, not '1.4'$"),
+    ({"threads": "all"}, TypeError, "^threads must be a whole number, not 'all'$"),
     ({"unknown_radius": "x"}, TypeError, "^unknown_radius must be a number"),
+    ({"assembly": 1}, TypeError, "^assembly must be a text such as '1', not 1$"),
+    ({"model": None}, TypeError, "^model must be a whole number, not None$"),
+    ({"altloc": 1}, TypeError, "^altloc must be a text such as 'A', not 1$"),
+    ({"format": 5}, TypeError, "^format must be a text, not 5$"),
+    ({"chains": "A"}, TypeError, r"^chains must be a list of names such as \['A', 'B'\], not 'A'$"),
+    ({"waters": "no"}, TypeError, "^waters must be True or False, not 'no'$"),
+    ({"derivatives": "no"}, TypeError, "^derivatives must be True or False, not 'no'$"),
     ({"hydrogens": True}, ValueError, "^hydrogens must be 'auto', 'keep' or 'drop', not True"),
     ({"models": 5}, ValueError, "^models must be 'all' or numbers, not 5"),
-    ({"select": [0]}, TypeError, r"^select must be a text for files, not \[0\]$"),
 ])
 def test_arguments(path, arguments, error, message):
     with pytest.raises(error, match=message):
@@ -41,8 +47,58 @@ def test_arguments_of_other_functions_are_not_suggested(path):
                        (lambda found, **options: eses.interface(found, "A", **options), "report")):
         with pytest.raises(TypeError, match=f"^unknown argument '{name}'$"):
             call(path, **{name: 1})
-    with pytest.raises(TypeError, match="^threads must be a number, not 'x'"):
+    with pytest.raises(TypeError, match="^threads must be a whole number, not 'x'"):
         eses.interfaces(path, threads="x")
+
+
+READING = {"assembly": 1, "model": None, "altloc": 1, "format": 5, "waters": "no", "unknown_radius": "x", "threads": 1.5,
+           "chains": 7, "hetatm": [], "chain_names": 3, "frame": "1", "hydrogens": 7}
+CALLS = {"measure": eses.measure, "read_molecule": eses.read_molecule, "read_atoms": eses.read_atoms, "Surface": eses.Surface,
+         "interfaces": eses.interfaces}
+
+
+@pytest.mark.parametrize(("call", "name"), [
+    (call, name) for call in CALLS for name in READING
+    if (call, name) not in (("read_atoms", "threads"), ("read_atoms", "frame"), ("read_molecule", "threads"))])
+def test_messages_do_not_list_overloads(path, call, name):
+    """A wrong type is an error that begins with the name of the argument."""
+    with pytest.raises((TypeError, ValueError), match=f"^{name} must be "):
+        CALLS[call](path, **{name: READING[name]})
+
+
+def test_compiled_functions(path):
+    surface = eses.Surface(path)
+    grid = surface.grid(1.0)
+    for call, message in ((lambda: surface.compute(5), "^grid must be a Grid, such as that of Surface.grid.., not 5$"),
+                          (lambda: surface.compute(), "^compute: missing a required argument: 'grid'$"),
+                          (lambda: surface.compute(grid, max_memry=5), "^unknown argument 'max_memry'; did you mean max_memory.$"),
+                          (lambda: surface.compute(grid, region=[1, 2]), "^region must be two corners of three whole numbers"),
+                          (lambda: surface.measure(by_atom="yes"), "^by_atom must be True or False, not 'yes'$"),
+                          (lambda: surface.measure("1.4"), "^probe_radius must be a number, not '1.4'$"),
+                          (lambda: surface.pockets(spacing=None), "^spacing must be a number, not None$"),
+                          (lambda: surface.grid(spacing="fine"), "^spacing must be a number, not 'fine'$"),
+                          (lambda: eses.Grid("x", 1, (2, 2, 2)), "^origin must be three numbers, not 'x'$"),
+                          (lambda: eses.Grid((0, 0, 0), 1), "^__init__: missing a required argument: 'shape'$"),
+                          (lambda: eses.Surface(path, probe=1), "^unknown argument 'probe'; did you mean probe_radius.$"),
+                          (lambda: eses.read_atoms(), "^read_atoms: missing a required argument: 'path'$"),
+                          (lambda: surface.grid(1, 1, 1), "^grid: too many positional arguments$"),
+                          (lambda: surface.compute(grid).mesh(quality="high"), "^quality must be True or False")):
+        with pytest.raises(TypeError, match=message):
+            call()
+    assert surface.measure(2).ses_area == surface.measure(2.0).ses_area  # conversions come first
+
+
+def test_surfaces_read_as_measure(path):
+    molecule = eses.read_molecule(path, select="//A")
+    assert len(eses.Surface(molecule)) == len(molecule.kept) == len(eses.Surface(path, select="//A"))
+    assert eses.measure(molecule).sas_area == eses.measure(path, select="//A").sas_area
+    assert eses.measure(molecule, select="10").molecule.left_out["selection"] > molecule.left_out["selection"]
+    with pytest.raises(TypeError, match="^radii: the molecule was read already; give it to read_molecule$"):
+        eses.measure(molecule, "bondi")
+    with pytest.raises(TypeError, match="^radii: Atoms have radii already"):
+        eses.measure(eses.read_atoms(path), "bondi")
+    assert len(eses.Surface(path, waters=True)) == len(eses.read_atoms(path, waters=True)) > len(eses.Surface(path))
+    assert len(eses.Surface([[0, 0, 0], [5, 0, 0]], [1.5, 1.5], select=[0])) == 1
 
 
 def test_files(path, tmp_path):
