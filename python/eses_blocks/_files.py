@@ -14,6 +14,8 @@ from ._references import is_polymer
 def output_path(path: Any, read: Iterable[str] = ()) -> str:
     """Returns the path of a file to write. Raises TypeError if it is no path, and ValueError if it is one of the
     files that were read, under whatever name."""
+    if not isinstance(path, (str, bytes, os.PathLike)):
+        raise TypeError(f"path must be a path, not {path!r:.80}")
     name = os.fsdecode(path)
     if any(os.path.exists(source) and os.path.exists(name) and os.path.samefile(source, name) for source in read):
         raise ValueError(f"{name} was read, and would be overwritten; choose another name")

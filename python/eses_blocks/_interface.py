@@ -265,7 +265,8 @@ def interface(molecule: Any, first: Any, second: Any = None, radii: Any = None, 
             raise ValueError(f"{name}: the part has no atoms")
     parts = np.full(len(found), -1, np.int64)
     parts[masks[0]], parts[masks[1]] = 0, 1
-    names = [part if isinstance(part, str) else f"{int(mask.sum())} atoms" for part, mask in zip((first, second), masks)]
+    names = [part if isinstance(part, str) else "all other atoms" if part is None else f"{int(mask[found.kept].sum())} atoms"
+             for part, mask in zip((first, second), masks)]
     measured = _measure(found, parts, names, probe_radius, threads, residue_cutoff)
     nothing = np.zeros(0)
     return measured[0] if measured else Interface(found, names[0], names[1], nothing.astype(np.int64),

@@ -339,6 +339,7 @@ class Measurement:
             If a number or a name is too wide for its column of a PDB file, if an argument is unknown,
             or if the file is one that was read.
         """
+        _arguments.check(Measurement.save, column=column, level=level)
         path = output_path(path, self._molecule.files)
         tables = {"atom": self.atoms, "residue": self.residues, "chain": self.chains}
         if level not in tables:
@@ -396,7 +397,7 @@ class Measurement:
 def _surfaces_in(surfaces: Union[str, Iterable[str]]) -> set[str]:
     """Returns the surfaces of a choice, without repetitions."""
     known = {"ses", "sas", "vdw"}
-    chosen = {surfaces} if isinstance(surfaces, str) else set(surfaces)
+    chosen: set[Any] = {surfaces} if isinstance(surfaces, str) or not hasattr(surfaces, "__iter__") else set(surfaces)
     if not chosen or not chosen <= known | {"all"}:
         raise ValueError(f"surfaces must be ses, sas, vdw or all, or several of them, not {surfaces!r}")
     return known if "all" in chosen else chosen
@@ -412,7 +413,9 @@ def _measure_models(molecule: Any, radii: Any, models: Union[str, Iterable[int]]
     text, name, layout = read_content(molecule, options.get("format", "auto"))
     if (isinstance(models, str) and models != "all") or not hasattr(models, "__iter__"):
         raise ValueError(f"models must be 'all' or numbers, not {models!r}")
-    numbers = model_numbers(text, layout) if isinstance(models, str) else [int(number) for number in models]
+    numbers = model_numbers(text, layout) if isinstance(models, str) else list(models)
+    for number in numbers:
+        _arguments.check(measure, model=number)
     options = {**options, "format": layout}
     return [measure(text, radii, model=number, **options) for number in numbers]
 
@@ -478,6 +481,7 @@ def measure(molecule: Any, radii: Any = None, *, probe_radius: float = 1.4, repo
         If it has no coordinates, if an atom has no radius, or if an argument is not valid.
     """
     _molecule.require_known(options, measure)
+    _arguments.check(measure, reference=reference)
     if reference not in REFERENCES:
         raise ValueError(f"reference must be one of {', '.join(REFERENCES)}, not {reference!r}")
     if models is not None:

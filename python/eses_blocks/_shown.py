@@ -8,7 +8,7 @@ import numpy as np
 
 from eses_tools import page as _page
 
-from . import _core
+from . import _arguments, _core
 from ._files import output_path
 
 # The endings of names that no page has.
@@ -164,6 +164,9 @@ def surface_show(self, spacing=0.4, atoms=None, *, color=None, style="none", bac
         If the number of atoms or their order is not that of the surface, or an argument is unknown.
     """
     _check_choices(color, style, backend)
+    _arguments.check(surface_show, spacing=spacing)
+    if not isinstance(atoms, (_core.Atoms, type(None))):
+        raise TypeError(f"atoms must be Atoms, not {atoms!r:.80}")
     result = self.compute(self.grid(spacing, 2 * spacing))  # does not cut the surface
     if atoms is not None:
         _core._require_order(result, atoms)

@@ -98,7 +98,7 @@ void explain_arguments(py::module_& module) {
   const py::list names(py::dict(module.attr("__dict__")).attr("keys")());
   for (const py::handle each : names) {
     const py::object type = module.attr(each);
-    if (!PyType_Check(type.ptr())) continue;
+    if (!PyType_Check(type.ptr()) || each.cast<std::string>().starts_with('_')) continue;
     for_each_function(type, [&](const std::string& name, const py::object& method) {
       type.attr(name.c_str()) = name == "__init__" ? overload_of_constructor(type, method)
                                                    : overload_of_method(type, name, method);

@@ -152,6 +152,16 @@ py::dict cavity_dict(const Cavity& cavity) {
   return item;
 }
 
+/// Returns the value of an argument. Raises TypeError, which says what it must be.
+template <class Value>
+Value cast_argument(const py::object& argument, const char* what) {
+  try {
+    return argument.cast<Value>();
+  } catch (const py::cast_error&) {
+    throw py::type_error(std::string(what) + ", not " + py::repr(argument).cast<std::string>());
+  }
+}
+
 /// Makes a place from a point or the two corners of a box, atoms and balls; nothing without any.
 std::optional<Place> place_of(const py::object& at, const py::object& atoms,
                               const py::object& balls, double probe_radius) {
@@ -172,13 +182,15 @@ std::optional<Place> place_of(const py::object& at, const py::object& atoms,
           shape_text(array));
   }
   if (!atoms.is_none())
-    for (const auto index : atoms.cast<std::vector<std::int64_t>>()) {
+    for (const auto index :
+         cast_argument<std::vector<std::int64_t>>(atoms, "atoms must be a sequence of indices")) {
       if (index < 0 || index > std::int64_t{0xffffffff})
         throw py::value_error("atoms: there is no atom " + std::to_string(index));
       place.atoms.push_back(static_cast<AtomIndex>(index));
     }
   if (!balls.is_none()) {
-    const auto [centers, radii] = balls.cast<std::pair<py::object, py::object>>();
+    const auto [centers, radii] = cast_argument<std::pair<py::object, py::object>>(
+        balls, "balls must be a pair of centers and radii");
     const std::vector<Atom> given = make_atoms(centers, radii);
     place.balls.insert(place.balls.end(), given.begin(), given.end());
   }

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import eses_blocks as eses
-from conftest import PDB
+from conftest import DATA, PDB
 
 pytestmark = pytest.mark.usefixtures("needs_gemmi")
 
@@ -164,7 +164,7 @@ def test_atoms_that_a_file_leaves_out_are_counted():
 def test_options_of_structures_are_refused_for_files_without(tmp_path, suffix):
     path = tmp_path / f"atom.{suffix}"
     path.write_text("0 0 0 1.5\n" if suffix == "xyzr" else "ATOM 1 C LIG 1 0 0 0 0 1.5\n")
-    for options in ({"chain_names": "label"}, {"radii": "occupancy"}, {"chains": ["A"]}, {"select": "A"}):
+    for options in ({"chain_names": "label"}, {"radii": "occupancy"}, {"chains": ["A"]}):
         for found in (path, path.read_text()):
             with pytest.raises(ValueError, match=f"needs a PDB or mmCIF file; .* is read as {suffix}"):
                 eses.measure(found, format=suffix, **options)
@@ -190,3 +190,35 @@ def test_selections_need_names_that_exist(tmp_path):
         eses.interface(pqr, "A", "C")
     with pytest.raises(ValueError, match="the atoms have no names"):
         eses.interface(xyzr, "A", "B")
+
+
+def test_notes_tell_of_models_and_assemblies(tmp_path):
+    """Notes are those of the report of the program."""
+    path = tmp_path / "one.pdb"
+    path.write_text(PDB)
+    models = tmp_path / "models.pdb"
+    models.write_text("".join(f"MODEL     {number:4}\n{PDB.replace('END', 'ENDMDL')}" for number in (3, 4)) + "END\n")
+    result = eses.measure(models)
+    assert result.notes == ("model 3 was read, and the file has 2 models; choose another with model=, or models='all'",)
+    assert "model 3 was read" in repr(result) and "model 3 was read" in result._repr_html_()
+    assert pickle.loads(pickle.dumps(result)).notes == result.notes and eses.measure(path).notes == ()
+    assert eses.measure(DATA.parent / "tests" / "data" / "1a8o.cif.gz").notes == (
+        "assembly 1 has 2 copies; build it with assembly='1'",)
+
+
+def test_polar_atoms_are_those_of_the_set(tmp_path):
+    """Classes are those of FreeSASA's configuration files; objects, files and copies of atoms have the same."""
+    path = tmp_path / "classes.pdb"
+    path.write_text("".join(
+        f"ATOM  {serial:5} {name:4} {residue} A{serial:4}    {9 * serial:8.3f}   0.000   0.000  1.00  0.00          {element:>2}\n"
+        for serial, (name, residue, element) in enumerate(
+            [(" C  ", "ALA", "C"), (" CA ", "ALA", "C"), (" SD ", "MET", "S"), (" CG ", "ASP", "C"), (" O  ", "ALA", "O")], 1)))
+    mine = tmp_path / "mine.config"
+    mine.write_text("types:\nCP 1.7 polar\nOA 1.5 apolar\natoms:\nANY CA CP\nANY O OA\n")
+    for radii, expected in (("protor", [2, 4]), ("naccess", [4]), ("oons", [0, 2, 3, 4]), (mine, [1, 2])):
+        for found in (eses.measure(path, radii), eses.measure(eses.read_atoms(path, radii=radii)),
+                      eses.measure(pickle.loads(pickle.dumps(eses.read_atoms(path, radii=radii))))):
+            assert np.flatnonzero(found.atoms["is_polar"]).tolist() == expected
+            assert found.polar == pytest.approx(found.atoms["sas"][expected].sum())
+    gemmi = pytest.importorskip("gemmi")
+    assert eses.measure(gemmi.read_structure(str(path)), "oons").atoms["is_polar"].tolist() == [True, False, True, True, True]

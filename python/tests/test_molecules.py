@@ -118,8 +118,8 @@ def test_gemmi(pdb, expected):
     result = eses.measure(structure[0]["A"])
     assert result.left_out == {"altloc": 2} and result.chains["chain"].tolist() == ["A"]
     assert eses.measure(structure).left_out == {"altloc": 2, "water": 1}
-    with pytest.raises(TypeError, match="gemmi.Residue is not a molecule"):
-        eses.measure(structure[0]["A"][0])
+    with pytest.raises(TypeError, match="gemmi.Atom is not a molecule"):
+        eses.measure(structure[0]["A"][0][0])
 
 
 def test_biopython(pdb, expected):

@@ -35,6 +35,10 @@ def fixture_path(tmp_path):
     ({"waters": "no"}, TypeError, "^waters must be True or False, not 'no'$"),
     ({"derivatives": "no"}, TypeError, "^derivatives must be True or False, not 'no'$"),
     ({"hydrogens": True}, ValueError, "^hydrogens must be 'auto', 'keep' or 'drop', not True"),
+    ({"models": ["a"]}, TypeError, "^model must be a whole number, not 'a'$"),
+    ({"model": 2**40}, TypeError, "^model must be a whole number, not 1099511627776$"),
+    ({"reference": []}, TypeError, r"^reference must be a text, not \[\]$"),
+    ({"surfaces": 5}, ValueError, "^surfaces must be ses, sas, vdw or all, or several of them, not 5$"),
     ({"models": 5}, ValueError, "^models must be 'all' or numbers, not 5"),
 ])
 def test_arguments(path, arguments, error, message):
@@ -82,6 +86,12 @@ def test_compiled_functions(path):
                           (lambda: eses.Surface(path, probe=1), "^unknown argument 'probe'; did you mean probe_radius.$"),
                           (lambda: eses.read_atoms(), "^read_atoms: missing a required argument: 'path'$"),
                           (lambda: surface.grid(1, 1, 1), "^grid: too many positional arguments$"),
+                          (lambda: surface.cavities(atoms="A"), "^atoms must be a sequence of indices, not 'A'$"),
+                          (lambda: surface.pockets(balls=3), "^balls must be a pair of centers and radii, not 3$"),
+                          (lambda: surface.show(spacing={}), "^spacing must be a number, not {}$"),
+                          (lambda: surface.show(atoms=3), "^atoms must be Atoms, not 3$"),
+                          (lambda: eses.measure(path).save(5), "^path must be a path, not 5$"),
+                          (lambda: eses.measure(path).save("x.csv", level=[]), r"^level must be a text, not \[\]$"),
                           (lambda: surface.compute(grid).mesh(quality="high"), "^quality must be True or False")):
         with pytest.raises(TypeError, match=message):
             call()
