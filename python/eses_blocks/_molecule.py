@@ -159,7 +159,8 @@ def _read_file(found: Any, radii: str, unknown: Optional[float], waters: bool, h
     rows = RowsOfFile(atoms)
 
     def choose(text: str) -> _Bools:
-        return rows.marks(read(text))
+        chosen: _Bools = rows.marks(read(text))
+        return chosen
 
     if is_structure:
         source.select = choose

@@ -71,8 +71,10 @@ def warn_about_residues(named: Any, keep: _Bools) -> None:
 def find_dummies(positions: Any, occupancies: Any) -> _Bools:
     """Marks the atoms without occupancy at 9999 angstrom, by which programs mark missing atoms. An unknown occupancy
     may be zero. Single precision in nanometres has errors below 0.001 angstrom."""
-    far: _Bools = (positions >= 9999 - 0.001).all(axis=1)
-    return far if occupancies is None else far & (np.array(occupancies, float) == 0)
+    are_dummies: _Bools = (positions >= 9999 - 0.001).all(axis=1)
+    if occupancies is not None:
+        are_dummies &= np.array(occupancies, float) == 0
+    return are_dummies
 
 
 def radii_by_bonds(residue: _Texts, name: _Texts, element: _Texts, chosen: _Bools) -> Any:
