@@ -151,7 +151,9 @@ class Reports(Case):
     def test_errors(self):
         path = self.file("a.pdb", peptide())
         self.assertIn("C", self.call("measure", path, "--report", "C", code=1).stderr)
-        for text in ("5", "B:5", "resid 5", "ALA 5", "ALA5", "B:ALA 5", ":5"):
+        number, name = self.json("measure", path, "--report", "5", "--report", "//B/5")[0]["reports"]
+        self.assertEqual([number["atoms"], number["sas_area"]], [name["atoms"], name["sas_area"]])
+        for text in ("B:5", "resid 5", "ALA 5", "ALA5", "B:ALA 5", ":5"):
             done = self.call("measure", path, "--report", text, code=1)
             self.assertTrue(done.stderr.endswith("; residue 5 is //B/5\n"), done.stderr)
         for text in ("ALA", "ala"):
