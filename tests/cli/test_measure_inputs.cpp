@@ -187,7 +187,7 @@ TEST_CASE("measure: bad requests are refused") {
   fs::create_symlink("tables", box.directory() / "link");
   fails({"measure", "two.xyzr", "--write", "atoms", "-o", "tables", "--csv", "link/two.atoms.csv"},
         "link/two.atoms.csv would be written twice; use separate output directories");
-  fs::create_symlink("/dev/null", box.directory() / "device.csv");
+  fs::create_symlink("/dev/zero", box.directory() / "device.csv");
   fails({"measure", "two.xyzr", "--csv", "device.csv"},
         "cannot write device.csv: it is a character device, not a regular file; choose another "
         "name");
