@@ -4,8 +4,6 @@
 #include <array>
 #include <filesystem>
 #include <memory>
-#include <system_error>
-#include <utility>
 
 #include "eses/version.hpp"
 #include "input/closest_name.hpp"

@@ -6,7 +6,6 @@
 #include <cstddef>
 #include <functional>
 #include <sstream>
-#include <string>
 #include <system_error>
 
 #include "cli/command.hpp"

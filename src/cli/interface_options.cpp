@@ -2,12 +2,8 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <filesystem>
 #include <limits>
-#include <optional>
-#include <string>
 #include <system_error>
-#include <vector>
 
 #include "cli/arguments.hpp"
 #include "cli/input_files.hpp"

@@ -4,7 +4,6 @@
 #include <cstddef>
 #include <set>
 #include <span>
-#include <string_view>
 #include <utility>
 
 #include "cli/json.hpp"

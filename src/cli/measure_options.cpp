@@ -3,12 +3,8 @@
 #include <fmt/ranges.h>
 
 #include <CLI/CLI.hpp>
-#include <optional>
 #include <set>
 #include <stdexcept>
-#include <string_view>
-#include <utility>
-#include <vector>
 
 #include "cli/arguments.hpp"
 #include "cli/input_files.hpp"

@@ -3,15 +3,12 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <array>
-#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <map>
 #include <span>
 #include <string_view>
 #include <utility>
-#include <vector>
 
 #include "cli/json.hpp"
 #include "cli/measure_records.hpp"

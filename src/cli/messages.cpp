@@ -11,7 +11,6 @@
 #include <system_error>
 #include <vector>
 
-#include "system/formatted.hpp"
 #include "system/hints.hpp"
 
 namespace eses::detail::cli {

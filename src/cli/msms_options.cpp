@@ -1,14 +1,12 @@
 #include "cli/msms_options.hpp"
 
 #include <algorithm>
-#include <filesystem>
 #include <iterator>
 #include <limits>
 #include <span>
 #include <string>
 #include <string_view>
 #include <utility>
-#include <vector>
 
 #include "cli/arguments.hpp"
 #include "eses/surface.hpp"

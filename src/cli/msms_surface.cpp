@@ -5,11 +5,9 @@
 #include <cmath>
 #include <cstddef>
 #include <numeric>
-#include <utility>
 
 #include "eses/compute.hpp"
 #include "eses/error.hpp"
-#include "eses/grid.hpp"
 #include "eses/surface.hpp"
 #include "output/msms_text.hpp"
 #include "system/formatted.hpp"

@@ -1,12 +1,8 @@
 #include "cli/option_values.hpp"
 
-#include <array>
-#include <cstddef>
 #include <filesystem>
 #include <string_view>
-#include <vector>
 
-#include "cli/arguments.hpp"
 #include "input/grid_reader.hpp"
 #include "output/map_writer.hpp"
 

@@ -5,10 +5,6 @@
 #include <array>
 #include <cstdint>
 #include <cstdlib>
-#include <filesystem>
-#include <optional>
-#include <span>
-#include <string>
 #include <string_view>
 #include <system_error>
 #include <vector>

@@ -8,7 +8,6 @@
 #include <limits>
 #include <optional>
 #include <variant>
-#include <vector>
 
 #include "cli/json.hpp"
 #include "cli/messages.hpp"
@@ -16,7 +15,6 @@
 #include "eses/version.hpp"
 #include "output/file_path.hpp"
 #include "output/mesh_format.hpp"
-#include "output/output_files.hpp"
 #include "system/bytes_text.hpp"
 #include "system/dispatch.hpp"
 #include "system/formatted.hpp"

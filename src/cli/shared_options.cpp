@@ -5,12 +5,7 @@
 #include <array>
 #include <cstdint>
 #include <limits>
-#include <optional>
-#include <string>
-#include <string_view>
-#include <vector>
 
-#include "cli/arguments.hpp"
 #include "input/atom_reader.hpp"
 #include "input/other_formats.hpp"
 #include "input/radii_set.hpp"

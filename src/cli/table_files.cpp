@@ -6,12 +6,10 @@
 
 #include <set>
 #include <system_error>
-#include <utility>
 
 #include "cli/messages.hpp"
 #include "eses/error.hpp"
 #include "eses/version.hpp"
-#include "system/formatted.hpp"
 #include "system/gzip.hpp"
 
 namespace eses::detail::cli {

@@ -6,7 +6,6 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
-#include <optional>
 #include <system_error>
 #include <unordered_map>
 #include <vector>

@@ -9,7 +9,6 @@
 
 #include "system/dispatch.hpp"
 #include "system/lanes-inl.hpp"
-#include "system/padding.hpp"
 #include "system/points-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();

@@ -6,7 +6,6 @@
 #include <hwy/highway.h>
 
 #include <algorithm>
-#include <array>
 
 #include "system/dispatch.hpp"
 #include "system/lanes-inl.hpp"

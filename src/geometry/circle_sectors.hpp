@@ -5,7 +5,6 @@
 /// sector if it does so by more than the error bounds, which doc/algorithm.md derives, and it
 /// touches all others that it may reach.
 
-#include <array>
 #include <bit>
 #include <cstdint>
 #include <vector>

@@ -1,7 +1,6 @@
 #include "geometry/covering_directions.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 namespace eses::detail {
@@ -54,8 +53,9 @@ std::vector<std::array<Vec3, 3>> icosahedron_triangles() {
 
 CoveringDirections make_covering_directions(int frequency) {
   CoveringDirections covering;
-  for (const auto& [a, b, c] : icosahedron_triangles()) {
+  for (const auto& corners : icosahedron_triangles()) {
     const auto point = [&](int i, int j) {
+      const auto& [a, b, c] = corners;
       const double u = static_cast<double>(i) / frequency;
       const double v = static_cast<double>(j) / frequency;
       return normalized((1 - u - v) * a + u * b + v * c);

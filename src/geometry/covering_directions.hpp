@@ -2,7 +2,6 @@
 /// A fixed set of directions whose surrounding caps cover the unit sphere.
 
 #include <array>
-#include <cstddef>
 #include <vector>
 
 #include "eses/vec3.hpp"

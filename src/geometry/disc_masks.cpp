@@ -8,7 +8,6 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <span>
 
 #include "system/dispatch.hpp"
 #include "system/lanes-inl.hpp"

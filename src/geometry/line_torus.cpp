@@ -1,6 +1,5 @@
 #include "geometry/line_torus.hpp"
 
-#include <algorithm>
 #include <cmath>
 
 namespace eses::detail {

@@ -1,7 +1,6 @@
 #include "geometry/sphere_part.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <numbers>
 #include <utility>

@@ -1,7 +1,6 @@
 #include "grid/make_grid.hpp"
 
 #include <algorithm>
-#include <array>
 #include <charconv>
 #include <cmath>
 #include <limits>

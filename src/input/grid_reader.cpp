@@ -3,19 +3,14 @@
 #include "input/grid_reader.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cctype>
 #include <cmath>
-#include <optional>
 #include <stdexcept>
 #include <string>
-#include <string_view>
 
 #include "eses/error.hpp"
-#include "eses/grid.hpp"
 #include "grid/make_grid.hpp"
 #include "input/eses_reader.hpp"
-#include "input/line_reader.hpp"
 #include "input/text_fields.hpp"
 #include "system/formatted.hpp"
 #include "system/gzip.hpp"

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cstddef>
 #include <unordered_map>
 
 #include "eses/atoms.hpp"

@@ -1,7 +1,5 @@
 #include "input/read_spheres.hpp"
 
-#include <cstddef>
-#include <cstdint>
 #include <span>
 #include <string_view>
 #include <system_error>

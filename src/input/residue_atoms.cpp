@@ -1,13 +1,8 @@
 #include "input/residue_atoms.hpp"
 
-#include <algorithm>
 #include <array>
-#include <string>
-#include <utility>
 
-#include "input/pdb_elements.hpp"
 #include "input/radii_set.hpp"
-#include "input/text_fields.hpp"
 
 namespace eses::detail {
 namespace {

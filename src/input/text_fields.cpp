@@ -1,7 +1,5 @@
 #include "input/text_fields.hpp"
 
-#include <algorithm>
-
 #include "eses/error.hpp"
 #include "system/formatted.hpp"
 

@@ -8,7 +8,6 @@
 #include <array>
 #include <cerrno>
 #include <new>
-#include <system_error>
 #include <utility>
 
 #include "eses/error.hpp"

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
-#include <limits>
 
 #include "mesh/quality_mesh.hpp"
 #include "mesh/quality_rules.hpp"

@@ -2,7 +2,6 @@
 /// Vertices of the mesh.
 
 #include <array>
-#include <cstddef>
 #include <cstdint>
 #include <span>
 

@@ -2,7 +2,6 @@
 
 #include <map>
 #include <numeric>
-#include <vector>
 
 #include "system/resources.hpp"
 

@@ -11,12 +11,10 @@
 /// atoms.csv: `serial,name,residue,residue_number,chain,element,radius,area`. One line for each
 /// atom, in the order of the file.
 
-#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <string>
 #include <string_view>
-#include <vector>
 
 #include "input/residue_runs.hpp"
 #include "output/buffered_text.hpp"

@@ -6,7 +6,6 @@
 #include <deque>
 #include <functional>
 #include <mutex>
-#include <span>
 #include <string>
 #include <vector>
 

@@ -2,7 +2,6 @@
 
 #include <fmt/ranges.h>
 
-#include <array>
 #include <stdexcept>
 
 #include "system/formatted.hpp"

@@ -1,15 +1,9 @@
 #include "output/measure_tables.hpp"
 
-#include <fmt/ranges.h>
-
-#include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstddef>
 #include <map>
 #include <set>
 #include <utility>
-#include <vector>
 
 #include "input/residue_runs.hpp"
 #include "output/area_table_writer.hpp"

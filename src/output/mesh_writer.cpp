@@ -1,16 +1,13 @@
 #include "output/mesh_writer.hpp"
 
-#include <algorithm>
 #include <array>
 #include <bit>
 #include <cstring>
 #include <limits>
 #include <string>
-#include <string_view>
 
 #include "eses/error.hpp"
 #include "output/msms_text.hpp"
-#include "output/text_buffer.hpp"
 #include "system/formatted.hpp"
 
 namespace eses::detail::mesh {

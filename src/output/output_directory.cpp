@@ -8,9 +8,7 @@
 #include <cerrno>
 #include <cstdint>
 #include <memory>
-#include <string_view>
 #include <system_error>
-#include <utility>
 
 #include "eses/error.hpp"
 #include "system/formatted.hpp"

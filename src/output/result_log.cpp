@@ -7,7 +7,6 @@
 #include <fstream>
 #include <span>
 #include <system_error>
-#include <utility>
 #include <vector>
 
 #include "eses/error.hpp"

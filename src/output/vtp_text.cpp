@@ -4,7 +4,6 @@
 #include <string>
 
 #include "output/mesh_groups.hpp"
-#include "output/text_buffer.hpp"
 #include "system/formatted.hpp"
 
 namespace eses::detail::mesh {

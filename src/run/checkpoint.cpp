@@ -11,7 +11,6 @@
 #include <utility>
 
 #include "eses/error.hpp"
-#include "output/output_directory.hpp"
 #include "output/output_files.hpp"
 #include "system/formatted.hpp"
 #include "system/gzip.hpp"

@@ -1,8 +1,6 @@
 #pragma once
 /// The file of a chunk of planes during a sweep.
 
-#include <cstdint>
-
 #include "run/checkpoint.hpp"
 #include "run/planned_run.hpp"
 #include "run/sink.hpp"

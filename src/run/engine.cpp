@@ -3,11 +3,9 @@
 #include <fcntl.h>
 #include <sys/resource.h>
 
-#include <algorithm>
 #include <cerrno>
 #include <functional>
 #include <numeric>
-#include <optional>
 #include <span>
 #include <system_error>
 #include <utility>

@@ -1,7 +1,6 @@
 #pragma once
 /// Step 3 of a run: the chunks of all processes become the output files, by one process.
 
-#include <cstdint>
 #include <functional>
 #include <vector>
 

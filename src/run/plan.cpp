@@ -1,7 +1,5 @@
 #include "run/plan.hpp"
 
-#include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -17,8 +15,6 @@
 #include "output/eses_writer.hpp"
 #include "output/grid_map.hpp"
 #include "output/mesh_writer.hpp"
-#include "output/output_files.hpp"
-#include "run/memory.hpp"
 #include "run/piece_bytes.hpp"
 #include "run/verifier.hpp"
 #include "system/bytes_text.hpp"

@@ -2,7 +2,6 @@
 
 #include <fmt/ranges.h>
 
-#include <algorithm>
 #include <span>
 #include <stdexcept>
 #include <string>
@@ -12,14 +11,12 @@
 
 #include "eses/error.hpp"
 #include "grid/make_grid.hpp"
-#include "input/atom_names.hpp"
 #include "input/other_formats.hpp"
 #include "input/pdb_elements.hpp"
 #include "input/read_input.hpp"
 #include "output/mesh_writer.hpp"
 #include "output/output_files.hpp"
 #include "run/chunk_identity.hpp"
-#include "run/far_atoms.hpp"
 #include "run/run_cavities.hpp"
 #include "system/bytes_text.hpp"
 #include "system/formatted.hpp"

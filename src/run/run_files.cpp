@@ -1,10 +1,8 @@
 #include "run/run_files.hpp"
 
 #include <algorithm>
-#include <optional>
 #include <string>
 #include <string_view>
-#include <utility>
 
 #include "output/area_table_writer.hpp"
 #include "output/eses_writer.hpp"

@@ -1,7 +1,6 @@
 #pragma once
 /// The output files of a run, from their sinks to their final names.
 
-#include <cstdint>
 #include <deque>
 #include <functional>
 #include <memory>

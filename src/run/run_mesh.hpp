@@ -1,7 +1,6 @@
 #pragma once
 /// The mesh of a run, from the pieces of the sweep to its file.
 
-#include <cstdint>
 #include <functional>
 #include <optional>
 

@@ -2,12 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <memory>
 #include <optional>
-#include <utility>
 
 #include "run/layer_mesh.hpp"
-#include "surface/patch_schedule.hpp"
 #include "system/stopwatch.hpp"
 
 namespace eses::detail {

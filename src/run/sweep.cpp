@@ -1,7 +1,6 @@
 #include "run/sweep.hpp"
 
 #include <algorithm>
-#include <optional>
 #include <utility>
 
 #include "run/count_points.hpp"

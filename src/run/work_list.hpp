@@ -1,7 +1,6 @@
 #pragma once
 /// The work of a sweep in the order in which threads take it.
 
-#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <optional>

@@ -2,7 +2,6 @@
 /// set.
 
 #include <algorithm>
-#include <array>
 #include <bit>
 #include <cmath>
 #include <cstdint>

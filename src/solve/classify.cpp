@@ -5,10 +5,7 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
-#include <algorithm>
 #include <array>
-#include <cmath>
-#include <span>
 
 #include "geometry/arc_sector-inl.hpp"
 #include "solve/axis_range.hpp"

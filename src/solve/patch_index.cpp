@@ -1,7 +1,6 @@
 #include "solve/patch_index.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 namespace eses::detail {
 namespace {

@@ -1,7 +1,6 @@
 #include "surface/atom_clusters.hpp"
 
 #include <algorithm>
-#include <limits>
 
 namespace eses::detail {
 AtomClusters::AtomClusters(const SurfaceModel& surface)

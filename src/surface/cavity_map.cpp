@@ -1,7 +1,6 @@
 #include "surface/cavity_map.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 
 #include "eses/error.hpp"

@@ -1,7 +1,6 @@
 #pragma once
 /// Checks that all patches of a surface fit together.
 
-#include <cstdint>
 #include <vector>
 
 #include "surface/components.hpp"

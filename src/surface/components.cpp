@@ -4,7 +4,6 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
-#include <utility>
 
 #include "geometry/arc_sector.hpp"
 #include "surface/atom_loops.hpp"

@@ -5,9 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
-#include <span>
 #include <utility>
-#include <vector>
 
 #include "geometry/tolerances.hpp"
 #include "surface/cutters.hpp"

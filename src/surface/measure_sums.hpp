@@ -2,8 +2,6 @@
 /// The sums of the contributions of all patches, by atom and in total.
 
 #include <array>
-#include <span>
-#include <vector>
 
 #include "eses/measure.hpp"
 #include "surface/atom_faces.hpp"

@@ -4,8 +4,6 @@
 #include <array>
 #include <atomic>
 #include <cmath>
-#include <cstdint>
-#include <functional>
 #include <limits>
 #include <mutex>
 #include <optional>

@@ -4,7 +4,6 @@
 /// for all others.
 
 #include <algorithm>
-#include <cmath>
 #include <map>
 #include <span>
 #include <utility>

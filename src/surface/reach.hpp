@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <span>
-#include <vector>
 
 #include "geometry/box.hpp"
 #include "surface/atom_tree.hpp"

@@ -2,7 +2,6 @@
 /// The caps of an atom that can bound the accessible part of its SAS sphere, found by a table of
 /// small discs (geometry/disc_masks.hpp) before any contact circle is computed.
 
-#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>

@@ -1,7 +1,6 @@
 #include "surface/saddle.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 namespace eses::detail {
 namespace {

@@ -1,7 +1,6 @@
 #include "surface/sphere_faces.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>

@@ -4,7 +4,6 @@
 #include <array>
 #include <cstdlib>
 #include <optional>
-#include <string_view>
 
 namespace eses::detail {
 namespace {

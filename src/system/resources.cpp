@@ -10,7 +10,6 @@
 #include <fstream>
 #include <limits>
 #include <optional>
-#include <string>
 #include <string_view>
 #include <vector>
 

@@ -1,7 +1,6 @@
 #pragma once
 /// Assignment of radii to the atoms of a structure.
 
-#include <cstdint>
 #include <functional>
 #include <vector>
 

@@ -6,15 +6,12 @@
 #include <cstddef>
 #include <limits>
 #include <map>
-#include <set>
 #include <string_view>
 #include <unordered_map>
 #include <unordered_set>
 #include <utility>
-#include <vector>
 
 #include "eses/error.hpp"
-#include "input/structure/parse_structure.hpp"
 #include "input/structure/select_atoms.hpp"
 #include "input/text_fields.hpp"
 #include "system/formatted.hpp"

@@ -8,7 +8,6 @@
 #include <gemmi/model.hpp>
 #include <string>
 #include <string_view>
-#include <utility>
 #include <vector>
 
 #include "eses/check.hpp"

@@ -1,7 +1,6 @@
 #include "input/structure/select_atoms.hpp"
 
 #include <algorithm>
-#include <cstddef>
 #include <gemmi/modify.hpp>
 #include <gemmi/select.hpp>
 #include <limits>

@@ -2,7 +2,6 @@
 #include <cstddef>
 #include <gemmi/model.hpp>
 #include <gemmi/select.hpp>
-#include <set>
 #include <span>
 #include <string>
 #include <string_view>
