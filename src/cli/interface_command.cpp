@@ -82,8 +82,11 @@ std::vector<std::string> names_of_tables(const InterfaceOptions& options, std::s
 }
 
 TableChoice files_to_write(const InterfaceOptions& options) {
-  TableChoice choice{options.output_directory, {}, options.csv, {}};
-  if (options.inputs.size() > 1) choice.resumed = options.resumed;
+  TableChoice choice{.directory = options.output_directory,
+                     .names = {},
+                     .csv = options.csv,
+                     .resumed = options.resumed,
+                     .has_many = options.inputs.size() > 1};
   for (std::size_t input = 0; input < options.inputs.size(); ++input)
     for (const std::string& name : names_of_tables(options, input)) choice.names.push_back(name);
   return choice;
@@ -144,18 +147,6 @@ InputResult measure_input(const InterfaceOptions& options, std::size_t input, Ta
                          csv_field(file.path.string()) + ",", ",")};
 }
 
-/// Prints the interfaces of an input, which an earlier run may have kept. Returns its rows of
-/// --csv.
-std::string report_interfaces(const InterfaceOptions& options, std::size_t input,
-                              TableFiles& files) {
-  const std::vector<std::string> names = names_of_tables(options, input);
-  const ResumedInput resumed = files.resume(options.inputs[input], options.structure.model, names);
-  InputResult result = resumed.result ? *resumed.result : measure_input(options, input, files);
-  if (!resumed.result) files.keep(resumed, names, result);
-  print(result.printed);
-  return std::move(result.rows);
-}
-
 /// Prints the heading of a table of several files.
 void print_heading(const InterfaceOptions& options) {
   if (options.table == InterfaceTable::report || options.inputs.size() == 1) return;
@@ -179,15 +170,22 @@ int perform_interface(const Arguments& arguments) {
   print_heading(options);
   bool has_errors = false;
   for (std::size_t input = 0; input < options.inputs.size(); ++input) {
+    const std::vector<std::string> names = names_of_tables(options, input);
+    const ResumedInput resumed =
+        files.resume(options.inputs[input], options.structure.model, names);
+    std::optional<InputResult> result = resumed.result;
     std::vector<std::string> errors;
     try {
-      append_csv(report_interfaces(options, input, files));
+      if (!result) result = measure_input(options, input, files);
     } catch (const StrictError& error) {
       errors = error.lines;
-    } catch (const ClosedPipe&) {
-      throw;
     } catch (const Error& error) {
       errors.push_back(message_with_file(error, options.inputs[input]));
+    }
+    if (result) {
+      if (!resumed.result) files.keep(resumed, names, *result);
+      print(result->printed);
+      append_csv(result->rows);
     }
     for (const std::string& error : errors) print_message("error", error);
     if (!errors.empty()) append_csv(failure_row(options.inputs[input], errors.front()));

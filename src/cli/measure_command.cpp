@@ -52,8 +52,11 @@ std::vector<std::string> names_of_tables(const MeasureCommandOptions& options, s
 }
 
 TableChoice files_to_write(const MeasureCommandOptions& options) {
-  TableChoice choice{options.output_directory, {}, options.csv, {}};
-  if (options.inputs.size() > 1) choice.resumed = options.resumed;
+  TableChoice choice{.directory = options.output_directory,
+                     .names = {},
+                     .csv = options.csv,
+                     .resumed = options.resumed,
+                     .has_many = options.inputs.size() > 1};
   for (std::size_t input = 0; input < options.inputs.size(); ++input)
     for (std::string& name : names_of_tables(options, input))
       choice.names.push_back(std::move(name));
@@ -129,34 +132,37 @@ class Reporter {
   bool has_errors_ = false;
 };
 
-/// Appends a table, with the reported atoms only if there are some.
-void append_table(const Table& table, const MeasuredFile& file,
+/// Appends a table. That of areas has the reported atoms only, if there are some.
+void append_table(const Table& table, const MeasuredFile& file, const MeasuredFile* reported,
                   const std::function<void(std::string_view)>& append) {
   BufferedText text(append);
-  if (table.has(has_areas) && !file.reports.empty()) {
-    const MeasuredFile reported = only_reported(file);
-    table.append(reported.table(), text);
-  } else {
-    table.append(file.table(), text);
-  }
+  table.append((table.has(has_areas) && reported != nullptr ? *reported : file).table(), text);
   text.flush();
+}
+
+std::optional<MeasuredFile> reported_atoms_of(const MeasuredFile& file) {
+  return file.reports.empty() ? std::nullopt : std::optional(only_reported(file));
 }
 
 /// Writes the tables of a file, all or none.
 void write_tables(const MeasureCommandOptions& options, std::size_t input, const MeasuredFile& file,
                   const TableFiles& files) {
+  if (options.written_tables.empty()) return;
+  const std::optional<MeasuredFile> reported = reported_atoms_of(file);
   std::vector<TableContent> contents;
   for (const Table* const table : options.written_tables)
-    contents.push_back({name_of(options, input, *table), [&file, table](OutputFile& output) {
-                          append_table(*table, file,
+    contents.push_back({name_of(options, input, *table), [&, table](OutputFile& output) {
+                          append_table(*table, file, reported ? &*reported : nullptr,
                                        [&](std::string_view part) { output.append(part); });
                         }});
-  if (!contents.empty()) files.write(contents);
+  files.write(contents);
 }
 
 std::string table_text(const Table& table, const MeasuredFile& file) {
   std::string all;
-  append_table(table, file, [&](std::string_view part) { all += part; });
+  const std::optional<MeasuredFile> reported = reported_atoms_of(file);
+  append_table(table, file, reported ? &*reported : nullptr,
+               [&](std::string_view part) { all += part; });
   return all;
 }
 

@@ -362,8 +362,21 @@ std::vector<Column> columns_of(const MeasureCommandOptions& options) {
     });
     add_count("pieces", 8, [](const auto& file) { return file.measures.pieces.size(); });
   }
-  if (options.pockets)
+  if (options.pockets) {
     add_count("pockets", 7, [](const auto& file) { return file.pockets.pockets.size(); });
+    columns.push_back({"pocket_volume", 13, [](const MeasuredFile& file) {
+                         double sum = 0;
+                         for (const Pocket& pocket : file.pockets.pockets) sum += pocket.volume;
+                         return sum;
+                       }});
+    if (options.at)
+      columns.push_back({"volume_at_place", 15, [](const MeasuredFile& file) {
+                           double sum = 0;
+                           for (const PlacedPocket& pocket : file.place->pockets.pockets)
+                             sum += pocket.volume_at_place;
+                           return sum;
+                         }});
+  }
   if (options.parts.is_chosen())
     for (const auto& [name, area] : buried_areas(options.surfaces))
       columns.push_back(
@@ -423,10 +436,10 @@ std::vector<std::string> empty_table_notes(const MeasureCommandOptions& options,
     if (table->name != "pockets" || !found.pockets.empty()) continue;
     reasons.push_back(
         file.place ? no_pocket_reason(search, *file.place)
-                   : formatted("no pocket is large enough (--min-pocket-volume): the probe of {} "
-                               "reaches {:.2f} A^3 that the one of {} does not, of these {:.2f} "
-                               "A^3 in no pocket",
-                               options.probe_radius, found.difference_volume,
+                   : formatted("no pocket has the volume of --min-pocket-volume: {:.2f} A^3 are "
+                               "reached by the probe of {} but not by that of {}; {:.2f} A^3 of "
+                               "this are in no pocket",
+                               found.difference_volume, options.probe_radius,
                                search.large_probe_radius, found.shallow_volume));
   }
   for (const std::string& reason : reasons)

@@ -190,7 +190,7 @@ std::string files_text(const FileSizes& sizes, const Outputs& outputs) {
 }
 
 /// Returns the bound of the memory. A small run of several threads may end before all of them work
-/// at the same time. Its peak is then only a part of the bound, which only plans show.
+/// at the same time. Its peak is then far below the bound, which --dry-run prints.
 std::string memory_text(const Plan& plan, bool is_dry_run) {
   constexpr std::uint64_t small_bytes = 128'000'000;
   return plan.threads > 1 && plan.memory_bytes < small_bytes && !is_dry_run

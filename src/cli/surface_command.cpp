@@ -262,7 +262,7 @@ std::optional<FinishedPart> finish_part(Report& report, const Processes& process
   if (has_faults(report.result.summary)) return std::nullopt;
   Checkpoint& checkpoint = *report.run.checkpoint;
   const bool is_locked = checkpoint.is_locked();
-  // If it looked before, two parts that end together would each leave the join to the other.
+  // The check follows the release: otherwise neither of two parts that end together would join.
   checkpoint.unlock();
   return FinishedPart{report.options.json ? json_text(report) : part_text(report, is_locked),
                       is_locked && are_parts_complete(report.run)};

@@ -2,7 +2,6 @@
 
 #include <fmt/ranges.h>
 #include <sys/stat.h>
-#include <unistd.h>
 
 #include <set>
 #include <system_error>
@@ -114,7 +113,7 @@ TableFiles::TableFiles(const TableChoice& choice, std::span<const ReadFile> read
                        const std::function<bool(std::string_view name)>& is_table)
     : run_(paths_of(choice, read)),
       directory_of_tables_(choice.directory),
-      log_path_(log_path(choice)) {
+      log_path_(choice.resumed && !choice.has_many ? "" : log_path(choice)) {
   if (!choice.names.empty()) {
     directory_.emplace(choice.directory);
     run_.check();  // a signal removes the lock from now on
@@ -122,11 +121,11 @@ TableFiles::TableFiles(const TableChoice& choice, std::span<const ReadFile> read
   }
   if (!choice.csv.empty()) {
     const auto [parent, name] = end_of_links(choice.csv);
-    if (!std::filesystem::exists(parent)) created_folder_ = parent;
+    if (std::error_code error; !std::filesystem::exists(parent, error)) created_folder_ = parent;
     directory_of_csv_.emplace(parent, name);
     csv_.emplace(*directory_of_csv_, name);
   }
-  if (choice.resumed) log_.emplace(log_path_, *choice.resumed);
+  if (choice.resumed && choice.has_many) log_.emplace(log_path_, *choice.resumed);
 }
 
 void TableFiles::write(std::span<const TableContent> contents) const {
@@ -138,15 +137,11 @@ void TableFiles::write(std::span<const TableContent> contents) const {
   commit_all(files);
 }
 
-std::uint64_t TableFiles::bytes_of(std::span<const std::string> names) const {
-  std::uint64_t sum = names.size();  // distinguishes missing tables from empty ones
+std::uint32_t TableFiles::checksum_of(std::span<const std::string> names) const {
+  std::uint32_t sum = 0;
   for (const std::string& name : names) {
-    std::error_code error;
-    const std::uint64_t bytes = std::filesystem::file_size(directory_of_tables_ / name, error);
-    if (error)
-      --sum;
-    else
-      sum += bytes;
+    const std::optional<InputKey> table = key_of_input(directory_of_tables_ / name, 0);
+    sum = checksum(table ? formatted("{} {};", table->bytes, table->checksum) : "missing;", sum);
   }
   return sum;
 }
@@ -156,7 +151,7 @@ ResumedInput TableFiles::resume(const std::filesystem::path& input, int model,
   if (!log_) return {};
   ResumedInput resumed{.key = key_of_input(input, model), .result = {}};
   if (!resumed.key) return resumed;
-  resumed.key->table_bytes = bytes_of(names);
+  resumed.key->tables = checksum_of(names);
   resumed.result = log_->find(*resumed.key);
   if (resumed.result) ++resumed_count_;
   return resumed;
@@ -166,7 +161,7 @@ void TableFiles::keep(const ResumedInput& input, std::span<const std::string> na
                       const InputResult& result) {
   if (!input.key) return;
   InputKey key = *input.key;
-  key.table_bytes = bytes_of(names);
+  key.tables = checksum_of(names);
   log_->add(key, result);
 }
 
@@ -181,9 +176,10 @@ void TableFiles::finish(bool has_errors, bool is_quiet) {
     print_message("note",
                   formatted("{} of an earlier run kept", counted(resumed_count_.load(), "result")));
   if (log_ && has_errors) {
-    if (!is_quiet) print_message("note", "the same command measures only the files that failed");
+    if (!is_quiet)
+      print_message("note", "run the same command again to measure only the files that failed");
   } else if (!log_path_.empty()) {
-    unlink(log_path_.c_str());
+    remove_result_log(log_path_);
   }
 }
 

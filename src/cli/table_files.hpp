@@ -83,8 +83,10 @@ struct TableChoice {
   std::filesystem::path directory;  ///< of the tables of inputs
   std::vector<std::string> names;   ///< of the tables of inputs; empty if there are none
   std::filesystem::path csv;        ///< file of --csv; empty if there is none
-  /// With --resume and several inputs, a text that identifies the run; see resume_identity.
+  /// With --resume, a text that identifies the run; see resume_identity.
   std::optional<std::string> resumed = {};
+  /// Whether there are several inputs. The result of a single one is not kept.
+  bool has_many = false;
 };
 
 /// A table of an input, and a function that appends its text to a file.
@@ -127,15 +129,16 @@ class TableFiles {
             const InputResult& result);
 
   /// Completes the file of --csv. Removes the log of results, unless files could not be measured
-  /// and the same command can try them again. Prints notes about that, unless `is_quiet`.
+  /// and the same command can try them again, or a single input was measured with --resume. Prints
+  /// notes about that, unless `is_quiet`.
   void finish(bool has_errors, bool is_quiet);
 
  private:
-  std::uint64_t bytes_of(std::span<const std::string> names) const;
+  std::uint32_t checksum_of(std::span<const std::string> names) const;
 
   InterruptibleRun run_;
   std::filesystem::path directory_of_tables_;
-  std::string log_path_;        // empty if no files are written
+  std::string log_path_;        // of the log to write or to remove; empty if there is none
   std::string created_folder_;  // of the file of --csv; empty if it existed
   std::optional<ResultLog> log_;
   std::atomic<std::size_t> resumed_count_ = 0;

@@ -7,7 +7,6 @@
 #include <span>
 #include <system_error>
 #include <unordered_map>
-#include <unordered_set>
 #include <utility>
 #include <vector>
 
@@ -161,12 +160,12 @@ class ConfigurationReader {
     if (parse_number(number, radius) != std::errc{} || !(radius >= 0 && radius <= max_set_radius))
       fail(formatted("expected a radius from 0 to {:.0f} angstrom, found {}", max_set_radius,
                      quoted(number)));
-    const std::string word = lower_case(std::string(polarity));
-    if (word != "polar" && word != "apolar")
-      fail(formatted("expected polar or apolar, found {}", quoted(polarity)));
     if (types_.emplace(std::string(type), radius).first->second != radius)
       fail(formatted("the type {} has another radius already", quoted(type)));
-    if (word == "polar") polar_types_.insert(std::string(type));
+    // Some files divide types in another way, such as backbone and sidechain.
+    const std::string word = lower_case(std::string(polarity));
+    if (word == "polar" || word == "apolar")
+      polar_types_.emplace(std::string(type), word == "polar" ? 1.0 : 0.0);
   }
 
   void add_atom(std::string_view residue, std::string_view atom, std::string_view type) {
@@ -177,8 +176,8 @@ class ConfigurationReader {
     if (const double before = entry->second; before != found->second)
       fail(formatted("the atom {} of {} has another radius already, {}; remove one of the entries",
                      quoted(atom), quoted(residue), before));
-    are_polar_.emplace(formatted("{} {}", residue, atom),
-                       polar_types_.contains(std::string(type)) ? 1.0 : 0.0);
+    if (const auto polarity = polar_types_.find(std::string(type)); polarity != polar_types_.end())
+      are_polar_.emplace(formatted("{} {}", residue, atom), polarity->second);
     if (is_hydrogen_name(atom)) names_hydrogens_ = true;
   }
 
@@ -192,7 +191,7 @@ class ConfigurationReader {
   Section section_ = Section::none;
   std::string name_ = "unnamed";
   std::unordered_map<std::string, double> types_;
-  std::unordered_set<std::string> polar_types_;
+  std::unordered_map<std::string, double> polar_types_;  ///< values as in are_polar_
   NamedRadii radii_;
   NamedRadii are_polar_;  ///< 1 for polar atoms, 0 for apolar ones
   bool names_hydrogens_ = false;

@@ -3,6 +3,9 @@
 #include <fcntl.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <array>
+#include <bit>
 #include <cerrno>
 #include <fstream>
 #include <span>
@@ -16,17 +19,26 @@
 namespace eses::detail {
 namespace {
 
-/// Begins each record. Changes with the format.
-constexpr std::uint64_t record_mark = 0x31746c7573657265;
+// Begins each record: the text `eresult` and the version of the format.
+constexpr std::uint64_t record_mark = 0x32746c7573657265;
 
-/// A record is a header, and then the path, the printed text and the rows.
+// Returns whether a file begins like a log. Only a part of its first record may have been written.
+bool is_result_log(const std::string& path) {
+  std::array<char, sizeof(record_mark) - 1> start{};  // without the version
+  std::ifstream file(path, std::ios::binary);
+  file.read(start.data(), start.size());
+  const auto mark = std::bit_cast<std::array<char, sizeof(record_mark)>>(record_mark);
+  return std::equal(start.begin(), start.begin() + file.gcount(), mark.begin());
+}
+
+// A record is a header, and then the path, the printed text and the rows.
 struct RecordHeader {
   std::uint64_t mark = record_mark;
   std::uint64_t path_bytes = 0, printed_bytes = 0, row_bytes = 0;
-  std::uint64_t input_bytes = 0, table_bytes = 0;
+  std::uint64_t input_bytes = 0, table_checksum = 0;
   std::int64_t model = 0;
   std::uint64_t input_checksum = 0;
-  std::uint64_t checksum = 0;  ///< of all that is before it, and of the texts
+  std::uint64_t checksum = 0;  // of all that is before it, and of the texts
 
   std::uint64_t text_bytes() const { return path_bytes + printed_bytes + row_bytes; }
 };
@@ -36,7 +48,7 @@ std::uint64_t checksum_of(RecordHeader header, std::span<const char> texts) {
   return checksum(texts, checksum(as_chars(std::span<const RecordHeader>(&header, 1))));
 }
 
-/// The key of the record with the identity of the run.
+// The key of the record with the identity of the run.
 InputKey key_of_identity() { return {.path = "", .model = -1}; }
 
 }  // namespace
@@ -60,9 +72,15 @@ std::string result_log_path(const std::filesystem::path& directory, const std::s
   return hidden_path(directory, file, ".eses-blocks.results");
 }
 
+void remove_result_log(const std::string& path) {
+  if (is_result_log(path)) unlink(path.c_str());
+}
+
 ResultLog::ResultLog(const std::string& path, std::string_view identity) : File(path), path_(path) {
   file_ = FileDescriptor(open(path.c_str(), O_RDWR | O_CREAT | O_NOFOLLOW | O_CLOEXEC, 0666));
   if (!file_.is_open()) fail("open", errno);
+  if (!is_result_log(path))
+    throw Error(formatted("{} is no file of kept results, which have this name; rename it", path));
   read_records(identity);
 }
 
@@ -85,7 +103,7 @@ void ResultLog::read_records(std::string_view identity) {
                        .model = static_cast<int>(header.model),
                        .bytes = header.input_bytes,
                        .checksum = static_cast<std::uint32_t>(header.input_checksum),
-                       .table_bytes = header.table_bytes};
+                       .tables = static_cast<std::uint32_t>(header.table_checksum)};
     if (end == 0)
       found.assign(texts.begin(), texts.end());
     else
@@ -124,7 +142,7 @@ void ResultLog::append_record(const InputKey& key, const InputResult& result) {
                       .printed_bytes = result.printed.size(),
                       .row_bytes = result.rows.size(),
                       .input_bytes = key.bytes,
-                      .table_bytes = key.table_bytes,
+                      .table_checksum = key.tables,
                       .model = key.model,
                       .input_checksum = key.checksum};
   const std::string texts = key.path + result.printed + result.rows;

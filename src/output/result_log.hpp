@@ -17,11 +17,11 @@ namespace eses::detail {
 
 /// What a result depends on besides the options of the run.
 struct InputKey {
-  std::string path;               ///< as it was given
-  int model = 0;                  ///< number of the model; 0 if not each model is measured
-  std::uint64_t bytes = 0;        ///< size of the file
-  std::uint32_t checksum = 0;     ///< crc32 of the file
-  std::uint64_t table_bytes = 0;  ///< size of the tables that belong to the result
+  std::string path;            ///< as it was given
+  int model = 0;               ///< number of the model; 0 if not each model is measured
+  std::uint64_t bytes = 0;     ///< size of the file
+  std::uint32_t checksum = 0;  ///< crc32 of the file
+  std::uint32_t tables = 0;    ///< crc32 of the tables that belong to the result
 
   auto operator<=>(const InputKey&) const = default;
 };
@@ -38,13 +38,16 @@ struct InputResult {
 /// Path of the log in `directory`: of the table `file`, or of the directory if `file` is empty.
 std::string result_log_path(const std::filesystem::path& directory, const std::string& file = "");
 
+/// Removes a log. Leaves other files of its name.
+void remove_result_log(const std::string& path);
+
 /// A hidden file to which each result is appended with a checksum. If the process is killed, all
 /// results before the first damaged one remain. All failures throw Error.
 class ResultLog : public File {
  public:
   /// Opens the log, or creates it. The directory must be locked. `identity` is a text that
   /// identifies the options of the run. Throws Error if the log has results of a run with another
-  /// identity.
+  /// identity, or if another file has its name.
   ResultLog(const std::string& path, std::string_view identity);
 
   /// Returns the result that an earlier run has kept.

@@ -4,9 +4,9 @@
 /// A run is a sweep over ranges of planes that delivers rows, crossings and triangles in canonical
 /// order. A single process has one range and writes its pieces directly to the output files.
 /// Otherwise the pieces of each range go into a chunk of a checkpoint, and the first process passes
-/// those of all chunks to the output files at the end. There are several ranges if the run can be
-/// resumed, or if there are several MPI ranks, each with its slab of planes. The bytes of the files
-/// do not depend on the ranges.
+/// the pieces of all chunks to the output files at the end. There are several ranges if the run can
+/// be resumed, or if there are several MPI ranks, each with its slab of planes. The bytes of the
+/// files do not depend on the ranges.
 
 #include <cstdint>
 #include <optional>

@@ -39,6 +39,7 @@ struct MemoryBudget {
   LabelTotals labels = {};   ///< totals of the labels that the process has read
   bool has_groups = false;   ///< whether chains and residues of atoms are numbered
   CallerMemory caller = {};  ///< memory that the caller needs for the results
+  bool makes_maps = true;    ///< whether this process makes the files of maps
 };
 
 /// Returns what the outputs need of each block besides points and crossings.

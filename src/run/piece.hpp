@@ -25,11 +25,11 @@ struct PieceText {
   std::uint64_t offset = 0;  ///< see Sink::place
 };
 
-/// The beginning of a piece in a chunk on disk: the lengths of its lists, and what they do not
-/// have.
+/// The head of a piece in a chunk on disk.
 struct PieceHead {
-  std::uint64_t checksum = 0;  ///< crc32 of the other fields and the lists
-  std::int64_t first_row = 0;  ///< see Piece
+  std::uint32_t checksum = 0;        ///< crc32 of the following fields
+  std::uint32_t lists_checksum = 0;  ///< crc32 of the lists
+  std::int64_t first_row = 0;        ///< see Piece
   std::uint64_t vertex_count = 0;
   /// Length of each list in bytes: both texts, two lists of each map, and four of the mesh.
   std::array<std::uint64_t, 6 + 2 * map_quantities> bytes{};

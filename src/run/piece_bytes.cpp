@@ -2,7 +2,6 @@
 
 #include <cstddef>
 #include <span>
-#include <utility>
 #include <vector>
 
 #include "system/gzip.hpp"
@@ -47,20 +46,26 @@ void for_each_list(SomePiece& piece, Head& head, Visit&& visit) {
   visit(piece.mesh.corners, head.bytes[next++]);
 }
 
-std::uint64_t checksum_of(const Piece& piece, PieceHead head) {
-  head.checksum = 0;
-  std::uint32_t sum = checksum(as_chars(std::span(&std::as_const(head), 1)));
-  for_each_list(piece, head, [&](const auto& list, auto&) { sum = checksum(bytes_of(list), sum); });
+std::uint32_t checksum_of(const PieceHead& head) {
+  return checksum(as_chars(std::span(&head, 1)).subspan(sizeof head.checksum));
+}
+
+std::uint32_t checksum_of_lists(const Piece& piece) {
+  std::uint32_t sum = 0;
+  for_each_list(piece, piece.head,
+                [&](const auto& list, auto&) { sum = checksum(bytes_of(list), sum); });
   return sum;
 }
 
 }  // namespace
 
 PieceHead head_of(const Piece& piece) {
-  PieceHead head{.first_row = piece.first_row, .vertex_count = piece.mesh.vertex_count};
+  PieceHead head{.lists_checksum = checksum_of_lists(piece),
+                 .first_row = piece.first_row,
+                 .vertex_count = piece.mesh.vertex_count};
   for_each_list(piece, head,
                 [](const auto& list, std::uint64_t& bytes) { bytes = bytes_of(list).size(); });
-  head.checksum = checksum_of(piece, head);
+  head.checksum = checksum_of(head);
   return head;
 }
 
@@ -85,10 +90,8 @@ bool read_piece(const File& file, std::uint64_t offset, std::uint64_t end, Piece
   file.read_at(as_chars(std::span(&head, 1)), offset);
   offset += sizeof head;
   // A damaged head may have any lengths.
-  for (std::uint64_t left = end - offset; const std::uint64_t bytes : head.bytes) {
-    if (bytes > left) return false;
-    left -= bytes;
-  }
+  if (head.checksum != checksum_of(head) || length_of(head) - sizeof head > end - offset)
+    return false;
   piece.first_row = head.first_row;
   piece.mesh.vertex_count = head.vertex_count;
   for_each_list(piece, head, [&](auto& list, std::uint64_t bytes) {
@@ -96,7 +99,7 @@ bool read_piece(const File& file, std::uint64_t offset, std::uint64_t end, Piece
       file.read_at(memory, offset);
     offset += bytes;
   });
-  return head.checksum == checksum_of(piece, head);
+  return head.lists_checksum == checksum_of_lists(piece);
 }
 
 double piece_bytes_per_vertex(const mesh::PieceContents& contents) {

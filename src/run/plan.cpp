@@ -236,7 +236,8 @@ void choose_schedule(const SurfaceSurvey& survey, const MemoryBudget& budget,
   };
   const double always = static_cast<double>(budget.held) +
                         budget.caller.per_point * static_cast<double>(region.point_count()) +
-                        budget.caller.per_crossing * plan.crossings + map_bytes(outputs, plan) +
+                        budget.caller.per_crossing * plan.crossings +
+                        (budget.makes_maps ? map_bytes(outputs, plan) : 0) +
                         (p.exact ? exact_measure_bytes(survey.atom_count()) : 0);
   double smallest = std::numeric_limits<double>::infinity();
   for (const Schedule& schedule : possible_schedules(plan.grid, region, p, survey)) {

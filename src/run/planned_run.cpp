@@ -151,7 +151,8 @@ void plan_slab(std::uint64_t sharing, const Processes& processes, PlannedRun& ru
                    .held = processes.mpi_memory() + held_bytes(run),
                    .labels = run.labels,
                    .has_groups = run.groups.are_known,
-                   .caller = request.caller_memory},
+                   .caller = request.caller_memory,
+                   .makes_maps = processes.is_first() && !request.part},
                   run.slab.molecule, request.outputs, run.slab_plan);
   };
   try {

@@ -31,7 +31,7 @@ class HintedError : public Error, public Hints {
 /// A grid needs more memory than there is.
 class GridTooLarge : public MemoryLimitError {
  public:
-  /// `need` is what it needs, and `advice` what to do.
+  /// `need` states the required and the available memory, `advice` the options to change.
   GridTooLarge(const std::string& need, const std::string& advice)
       : MemoryLimitError(need + "; " + advice), need_(need) {}
   const std::string& need() const { return need_; }

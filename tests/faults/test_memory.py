@@ -114,8 +114,9 @@ class Limits(FaultTest):
 
     def test_the_named_limit_suffices(self):
         cases = [(name, ["--spacing", spacing, *more]) for name, spacing, more in (
-            ("c60", "1", []), ("c60", "0.25", []), ("1ubq", "1", ["--mesh", "m.ply"]),
-            ("1ubq", "0.5", ["--dielectric", "d", "--kappa", "k.dx"]), ("1ubq", "0.5", ["--mesh", "m.vtp", "--mesh-quality"]),
+            ("c60", "1", []), ("c60", "0.25", []), ("1ubq", "1", ["--mesh", self.output / "m.ply"]),
+            ("1ubq", "0.5", ["--dielectric", "d", "--kappa", "k.dx"]),
+            ("1ubq", "0.5", ["--mesh", self.output / "m.vtp", "--mesh-quality"]),
             ("1a0q", "1", []), ("1a0q", "0.5", ["--fill-cavities"]), ("1a0q", "0.5", ["--exact"]))]
         for name, options in cases:
             with self.subTest(name=name, options=options):

@@ -35,7 +35,7 @@ class Results(FaultTest):
         done = self.resumed(*more)
         self.assertDone(done, 1)
         self.assertIn(LOG, self.all_files())
-        self.assertIn("the same command measures only the files that failed", done.stderr)
+        self.assertIn("run the same command again to measure only the files that failed", done.stderr)
         bad.unlink()
 
     def assertKept(self, done, count):
@@ -93,7 +93,8 @@ class Results(FaultTest):
         reference = self.contents()
         self.fail_once()
         log = (self.output / LOG).read_bytes()
-        for i in range(0, len(log), len(log) // 29):
+        mark = 8  # A file without it is none of results.
+        for i in range(mark, len(log), len(log) // 29):
             self.put({**reference, LOG: log[:i] + bytes([log[i] ^ 1]) + log[i + 1:]})
             done = self.resumed()
             self.assertDone(done, 0)
@@ -167,9 +168,38 @@ class Results(FaultTest):
         self.assertKept(done, COUNT)
         self.assertNotIn(".eses-blocks.results", self.all_files())
 
+    def test_tables_of_another_run_are_measured_again(self):
+        """Tables with other areas may have the same size."""
+        done = self.run_program(*self.arguments())
+        self.assertDone(done)
+        reference = self.contents()
+        self.put({})
+        self.fail_once()
+        self.assertDone(self.run_program("measure", self.inputs, "--csv", self.output / "other.csv", "--write", "residues",
+                                         "--probe-radius", "1.41"))
+        (self.output / "other.csv").unlink()
+        done = self.resumed()
+        self.assertDone(done)
+        self.assertKept(done, 0)
+        self.assertEqual(self.contents(), reference)
+
+    def test_single_inputs_leave_results_of_many(self):
+        self.fail_once()
+        self.assertDone(self.run_program("measure", self.inputs / "1.pdb", "--csv", self.table, "--resume"))
+        self.assertIn(LOG, self.all_files())
+        done = self.resumed()
+        self.assertDone(done)
+        self.assertKept(done, COUNT)
+
+    def test_other_files_with_the_name_of_results_stay(self):
+        (self.output / LOG).write_text("important\n")
+        self.assertFailed(self.resumed(), "is no file of kept results")
+        self.assertDone(self.run_program(*self.arguments()))
+        self.assertEqual((self.output / LOG).read_text(), "important\n")
+
     def test_signals_keep_results(self):
         atoms = "".join(f"{x * 3} {y * 3} {z * 3} 1.7\n" for x in range(12) for y in range(12) for z in range(12))
-        for i in range(40):
+        for i in range(400):
             (self.inputs / f"a{i:02}.xyzr").write_text(atoms)
         arguments = ("measure", self.inputs, "--csv", self.table, "-t", "1", "--resume")
         program = self.start(*arguments)

@@ -211,6 +211,10 @@ class Places(Case):
         self.assertGreater(pocket["volume"], 50)
         self.assertGreater(pocket["volume_at_place"], 5)
         self.assertEqual(pocket["mouths"], 1)
+        row, = csv.DictReader(io.StringIO(self.call("measure", path, "--pockets", "--at", "ligand:LIG", "--large-probe", "6",
+                                                    "--csv", "-").stdout))
+        self.assertAlmostEqual(float(row["pocket_volume"]), pocket["volume"], delta=1e-3)
+        self.assertAlmostEqual(float(row["volume_at_place"]), pocket["volume_at_place"], delta=1e-3)
         for axis in range(2):  # the pit is symmetric, the grid is not
             self.assertAlmostEqual(pocket["centroid"][axis], 0, delta=0.3)
         for low, middle, high in zip(pocket["low"], pocket["centroid"], pocket["high"]):
@@ -242,7 +246,7 @@ class Places(Case):
     def test_empty_tables_have_a_reason(self):
         path = self.file("cup.pdb", cup(3))
         nothing = ("--min-pocket-volume", 1e6, "--large-probe", "6")
-        for arguments, reason in ((("--table", "pockets", *nothing), "no pocket is large enough (--min-pocket-volume): "),
+        for arguments, reason in ((("--table", "pockets", *nothing), "no pocket has the volume of --min-pocket-volume: "),
                                   (("--table", "pockets", "--at", "0,0,30", *nothing),
                                    "no pocket at the place: it is far from all atoms\n"),
                                   (("--table", "cavities", "--probe-radius", "5"),
@@ -252,7 +256,7 @@ class Places(Case):
             self.assertIn(f"note: {path}: {reason}", done.stderr)
             self.assertEqual(self.call("measure", path, *arguments, "-q").stderr, "")
         done = self.call("measure", path, "--write", "pockets", "-o", self.folder, *nothing)
-        self.assertIn("no pocket is large enough", done.stderr)
+        self.assertIn("no pocket has the volume of --min-pocket-volume", done.stderr)
         self.assertNotIn("no pocket", self.call("measure", path, "--table", "pockets", "--large-probe", "6").stderr)
 
     def test_the_same_pocket_at_a_point_a_box_and_atoms(self):
