@@ -48,7 +48,11 @@ TEST_CASE("select_atoms: selections have gemmi's syntax", "[structure][select]")
                                                            {"A", {0, 1, 2, 11, 12}},
                                                            {"ligand:ZN", {6}},
                                                            {"ligand", {3, 4, 5, 11, 12}},
-                                                           {"10", {0}}};
+                                                           {"10", {0}},
+                                                           {"-2", {2}},
+                                                           {"//A/-2", {2}},
+                                                           {"//A/-3--1", {2}},
+                                                           {"//A/-2-9/OG", {2}}};
   for (const auto& [selection, expected] : cases) {
     INFO(selection);
     CHECK(chosen(select_atoms(labels, selection)) == expected);

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <exception>
 #include <gemmi/polyheur.hpp>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -27,9 +28,52 @@ std::string reworded(std::string_view text) {
   return printable(message);
 }
 
-/// Returns the part of a selection that names residues: the field after that of the chain.
+using ResidueNumber = gemmi::Selection::SequenceId;
+
+/// Removes the number at the start of a text, such as -3, 52A or 52.A, and returns it.
+std::optional<ResidueNumber> take_number(std::string_view& text) {
+  const std::size_t sign = text.starts_with('-') ? 1 : 0;
+  std::size_t length = sign;
+  while (length < text.size() && is_digit(text[length])) ++length;
+  int number = 0;
+  if (!parse_integer(text.substr(0, length), number)) return std::nullopt;
+  text.remove_prefix(length);
+  ResidueNumber result{number, '*'};
+  if (text.starts_with('.')) {
+    text.remove_prefix(1);
+    result.icode = ' ';
+  }
+  if (!text.empty() && is_letter(text.front())) {
+    result.icode = text.front();
+    text.remove_prefix(1);
+  }
+  return result;
+}
+
+/// Numbers of the first and the last residue of a range.
+struct ResidueRange {
+  ResidueNumber first, last;
+};
+
+/// Returns the range of a field of residues that has a negative number, which old versions of gemmi
+/// misread: -3, -3--1, -3-5 or -3-.
+std::optional<ResidueRange> negative_range(std::string_view field) {
+  if (!field.starts_with('-') && field.find("--") == std::string_view::npos) return std::nullopt;
+  const std::optional<ResidueNumber> first = take_number(field);
+  if (!first) return std::nullopt;
+  ResidueRange range{*first, *first};
+  if (field.starts_with('-')) {
+    field.remove_prefix(1);
+    range.last = take_number(field).value_or(gemmi::Selection().to_seqid);
+  }
+  return field.empty() ? std::optional(range) : std::nullopt;
+}
+
+/// Returns the part of a selection that names residues: the field after that of the chain. A text
+/// that begins with a number has no chain.
 std::string_view residue_field(std::string_view text) {
-  const int fields_before = text.starts_with('/') ? 3 : 1;
+  const bool is_number = !text.empty() && (is_digit(text.front()) || text.front() == '-');
+  const int fields_before = text.starts_with('/') ? 3 : (is_number ? 0 : 1);
   for (int k = 0; k < fields_before; ++k) {
     const std::size_t slash = text.find('/');
     if (slash == std::string_view::npos) return {};
@@ -69,9 +113,18 @@ std::string chains_text(const std::set<std::string>& chains) {
 
 gemmi::Selection parse_selection(const std::string& text, std::string_view option) {
   try {
+    const std::string_view residues = residue_field(text);
+    if (const std::optional<ResidueRange> range = negative_range(residues)) {
+      std::string others = text;
+      others.erase(static_cast<std::size_t>(residues.data() - text.data()), residues.size());
+      gemmi::Selection selection{others};
+      selection.from_seqid = range->first;
+      selection.to_seqid = range->last;
+      return selection;
+    }
     gemmi::Selection selection{text};
     // Old versions of gemmi take a single residue, as in A/57, for the begin of a range.
-    const bool is_range = residue_field(text).find('-') != std::string_view::npos;
+    const bool is_range = residues.find('-') != std::string_view::npos;
     if (!selection.from_seqid.empty() && !is_range) selection.to_seqid = selection.from_seqid;
     return selection;
   } catch (const std::exception& error) {
