@@ -424,17 +424,7 @@ void set_atoms_state(py::detail::value_and_holder& self, const py::tuple& state)
   construct(self, std::move(file), files);
 }
 
-}  // namespace
-
-py::object texts_of(const AtomFile& file, std::size_t count, std::string AtomLabel::*member) {
-  const py::module_ numpy = py::module_::import("numpy");
-  if (file.labels.empty()) return read_only(numpy.attr("zeros")(count, py::arg("dtype") = "U1"));
-  py::list values;
-  for (const AtomLabel& label : file.labels) values.append(decode(label.*member));
-  return read_only(numpy.attr("array")(values, py::arg("dtype") = "U"));
-}
-
-void bind_atoms(py::module_& module) {
+void bind_labels(py::module_& module) {
   py::class_<Labels> labels(module, "Labels", labels_text);
   labels.attr("__module__") = "eses_blocks";
   labels.def("__len__", [](const Labels& self) { return self.file->labels.size(); })
@@ -461,7 +451,9 @@ void bind_atoms(py::module_& module) {
         return Labels{file};
       }));
   protect_instances(labels);
+}
 
+void bind_atoms_class(py::module_& module) {
   py::class_<AtomFile, std::shared_ptr<AtomFile>> atoms(module, "Atoms", atoms_text);
   atoms.attr("__module__") = "eses_blocks";
   atoms.def("__len__", [](const AtomFile& self) { return self.atoms.size(); })
@@ -520,7 +512,9 @@ void bind_atoms(py::module_& module) {
       .def("__setstate__", &set_atoms_state, py::detail::is_new_style_constructor());
   bind_atoms_frame(atoms);
   protect_instances(atoms);
+}
 
+void bind_reading(py::module_& module) {
   module.def("read_atoms", &read_and_warn, read_atoms_text, py::arg("path"), py::kw_only(),
              py::arg("format") = "auto", py::arg("radii") = "protor",
              py::arg("unknown_radius") = py::none(), py::arg("model") = 0, py::arg("altloc") = "",
@@ -532,6 +526,10 @@ void bind_atoms(py::module_& module) {
   module.def("_parse_atoms", &parse);
   module.def("_warn_about",
              [](const AtomFile& file, const py::str& name) { warn_about(file, name); });
+}
+
+// What the package needs for molecules of files and of other libraries.
+void bind_molecule_helpers(py::module_& module) {
   module.def("_noted", &noted);
   module.def("_classes_of", &classes_of);
   module.def("_find_radii", &radii_of);
@@ -542,6 +540,23 @@ void bind_atoms(py::module_& module) {
   module.def("_maximum_area", &maximum_area);
   module.def("_source_of_reference", &source_of_reference);
   module.attr("_reference_probe_radius") = reference_probe_radius;
+}
+
+}  // namespace
+
+py::object texts_of(const AtomFile& file, std::size_t count, std::string AtomLabel::*member) {
+  const py::module_ numpy = py::module_::import("numpy");
+  if (file.labels.empty()) return read_only(numpy.attr("zeros")(count, py::arg("dtype") = "U1"));
+  py::list values;
+  for (const AtomLabel& label : file.labels) values.append(decode(label.*member));
+  return read_only(numpy.attr("array")(values, py::arg("dtype") = "U"));
+}
+
+void bind_atoms(py::module_& module) {
+  bind_labels(module);
+  bind_atoms_class(module);
+  bind_reading(module);
+  bind_molecule_helpers(module);
 }
 
 }  // namespace eses::python

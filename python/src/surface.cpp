@@ -416,40 +416,8 @@ void bind_diagnostic(py::module_& module) {
   protect_instances(type);
 }
 
-}  // namespace
-
-void require_excluded(const ChosenSurface& surface, const std::string& method,
-                      const std::string& hint) {
-  if (surface.kind == "ses") return;
-  throw std::invalid_argument("Surface." + method +
-                              " needs the solvent excluded surface, not surface='" + surface.kind +
-                              "'" + hint);
-}
-
-// A boolean is also a real number, so it is recognized first. Scalars of other libraries are arrays
-// without an axis, or have the methods of one.
-std::optional<double> max_filled_void(const py::object& fill_cavities) {
-  const bool is_scalar = py::hasattr(fill_cavities, "item") &&
-                         py::getattr(fill_cavities, "ndim", py::int_(1)).equal(py::int_(0));
-  const py::object value = is_scalar ? fill_cavities.attr("item")() : fill_cavities;
-  if (py::isinstance<py::bool_>(value)) {
-    if (!value.cast<bool>()) return std::nullopt;
-    return std::numeric_limits<double>::infinity();
-  }
-  if (!py::hasattr(value, "ndim")) {
-    const double volume = PyFloat_AsDouble(value.ptr());
-    if (PyErr_Occurred() == nullptr) return volume;
-    if (PyErr_ExceptionMatches(PyExc_TypeError) == 0) throw py::error_already_set();
-    PyErr_Clear();
-  }
-  throw py::type_error("fill_cavities must be a boolean or a volume in cubic angstrom, not " +
-                       py::repr(fill_cavities).cast<std::string>());
-}
-
-void bind_surface(py::module_& module) {
-  bind_diagnostic(module);
-  py::class_<ChosenSurface> type(module, "Surface", class_text);
-  type.attr("__module__") = "eses_blocks";
+// The constructor, the representation and the properties.
+void bind_properties(py::class_<ChosenSurface>& type) {
   type.def("__init__", &construct_surface, py::detail::is_new_style_constructor(), init_text,
            py::arg("centers"), py::arg("radii") = py::none(), py::arg("probe_radius") = py::none(),
            py::kw_only(), py::arg("surface") = "ses", py::arg("fill_cavities") = false,
@@ -489,8 +457,45 @@ void bind_surface(py::module_& module) {
             const std::span<const Diagnostic> found = self.diagnostics();
             return std::vector<Diagnostic>(found.begin(), found.end());
           },
-          "list of Diagnostic: suspicious properties of the atoms.")
-      .def("grid", &make_surface_grid, grid_text, py::arg("spacing") = 0.4,
+          "list of Diagnostic: suspicious properties of the atoms.");
+}
+
+}  // namespace
+
+void require_excluded(const ChosenSurface& surface, const std::string& method,
+                      const std::string& hint) {
+  if (surface.kind == "ses") return;
+  throw std::invalid_argument("Surface." + method +
+                              " needs the solvent excluded surface, not surface='" + surface.kind +
+                              "'" + hint);
+}
+
+// A boolean is also a real number, so it is recognized first. Scalars of other libraries are arrays
+// without an axis, or have the methods of one.
+std::optional<double> max_filled_void(const py::object& fill_cavities) {
+  const bool is_scalar = py::hasattr(fill_cavities, "item") &&
+                         py::getattr(fill_cavities, "ndim", py::int_(1)).equal(py::int_(0));
+  const py::object value = is_scalar ? fill_cavities.attr("item")() : fill_cavities;
+  if (py::isinstance<py::bool_>(value)) {
+    if (!value.cast<bool>()) return std::nullopt;
+    return std::numeric_limits<double>::infinity();
+  }
+  if (!py::hasattr(value, "ndim")) {
+    const double volume = PyFloat_AsDouble(value.ptr());
+    if (PyErr_Occurred() == nullptr) return volume;
+    if (PyErr_ExceptionMatches(PyExc_TypeError) == 0) throw py::error_already_set();
+    PyErr_Clear();
+  }
+  throw py::type_error("fill_cavities must be a boolean or a volume in cubic angstrom, not " +
+                       py::repr(fill_cavities).cast<std::string>());
+}
+
+void bind_surface(py::module_& module) {
+  bind_diagnostic(module);
+  py::class_<ChosenSurface> type(module, "Surface", class_text);
+  type.attr("__module__") = "eses_blocks";
+  bind_properties(type);
+  type.def("grid", &make_surface_grid, grid_text, py::arg("spacing") = 0.4,
            py::arg("margin") = py::none(), py::kw_only(), py::arg("origin") = py::none(),
            py::arg("center") = py::none(), py::arg("shape") = py::none(),
            py::arg("allow_far_atoms") = false)
