@@ -243,10 +243,10 @@ void construct_surface(py::detail::value_and_holder& self, const py::object& cen
   py::object its_centers = centers, its_radii = radii, files = py::tuple();
   py::object molecule, selector;
   // A molecule of another library, or a file, perhaps with the name or the path of a set of radii.
+  const auto reading = py::module_::import("eses_blocks._molecule");
   if (radii.is_none() || py::isinstance<py::str>(radii) || py::hasattr(radii, "__fspath__") ||
-      !options.empty()) {
-    const py::tuple found = py::module_::import("eses_blocks._molecule")
-                                .attr("read_with_selector")(centers, radii, options);
+      !options.empty() || reading.attr("is_molecule")(centers).cast<bool>()) {
+    const py::tuple found = reading.attr("read_with_selector")(centers, radii, options);
     molecule = found[0];
     selector = found[1];
     its_centers = molecule.attr("centers");
