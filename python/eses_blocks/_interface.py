@@ -154,9 +154,11 @@ class Interfaces(Sequence[Interface]):
         ``ses_lost_second`` and the numbers of ``residues`` and ``atoms``."""
         rows = [(each.first, each.second, each.sas_area, *each.sas_lost, each.polar, each.apolar, each.ses_area,
                  *each.ses_lost, len(each.residues), len(each.atoms)) for each in self]
+        types = {"first": str, "second": str, "residues": np.int64, "atoms": np.int64}
         names = ("first", "second", "sas_area", "sas_lost_first", "sas_lost_second", "polar", "apolar", "ses_area",
                  "ses_lost_first", "ses_lost_second", "residues", "atoms")
-        return Table({name: np.array([row[k] for row in rows]) for k, name in enumerate(names)}, self._files)
+        return Table({name: np.array([row[k] for row in rows], types.get(name, float)) for k, name in enumerate(names)},
+                     self._files)
 
     def to_pandas(self) -> Any:
         """Returns `table` as a pandas.DataFrame."""
@@ -164,8 +166,9 @@ class Interfaces(Sequence[Interface]):
 
     def _joined(self, name: str) -> Table:
         """Returns the rows of a table of all interfaces, with the names of the parts."""
-        tables = [getattr(each, name) for each in self]
-        columns = {key: np.array([getattr(each, key) for each, table in zip(self, tables) for _ in range(len(table))], str)
+        found = self._interfaces or ((_without_contact(self._molecule, "", ""),) if self._molecule else ())
+        tables = [getattr(each, name) for each in found]
+        columns = {key: np.array([getattr(each, key) for each, table in zip(found, tables) for _ in range(len(table))], str)
                    for key in ("first", "second")}
         for key in tables[0] if tables else ():
             columns[key] = np.concatenate([table[key] for table in tables])
@@ -210,6 +213,13 @@ def _measure(molecule: _molecule.Molecule, parts: Any, names: Sequence[str], pro
         interfaces.append(Interface(molecule, names[first], names[second], (parts[index] == second).astype(np.int64),
                                     polar[index], index, sas_lost, ses_lost, residue_cutoff))
     return interfaces
+
+
+def _without_contact(molecule: _molecule.Molecule, first: str, second: str) -> Interface:
+    """Returns the interface of parts that do not touch."""
+    nothing = np.zeros(0)
+    return Interface(molecule, first, second, nothing.astype(np.int64), nothing.astype(bool), nothing.astype(np.int64),
+                     nothing, nothing)
 
 
 def _gives_ligands_to(part: Any, other: Any, select: Selector) -> bool:
@@ -268,9 +278,7 @@ def interface(molecule: Any, first: Any, second: Any = None, radii: Any = None, 
     names = [part if isinstance(part, str) else "all other atoms" if part is None else f"{int(mask[found.kept].sum())} atoms"
              for part, mask in zip((first, second), masks)]
     measured = _measure(found, parts, names, probe_radius, threads, residue_cutoff)
-    nothing = np.zeros(0)
-    return measured[0] if measured else Interface(found, names[0], names[1], nothing.astype(np.int64),
-                                                  nothing.astype(bool), nothing.astype(np.int64), nothing, nothing)
+    return measured[0] if measured else _without_contact(found, names[0], names[1])
 
 
 def interfaces(molecule: Any, radii: Any = None, *, probe_radius: float = 1.4, waters: bool = False,

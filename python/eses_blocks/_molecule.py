@@ -210,7 +210,7 @@ def _source_of(found: Any, radii: Any, unknown: Optional[float], waters: bool, h
     if frame:
         raise TypeError("frame: use model= for a file")
     if radii is not None and not isinstance(radii, (str, os.PathLike)):
-        raise TypeError("a file needs the name of a set of radii, not an array")
+        raise TypeError(f"radii: a file needs the name of a set of radii, not {type(radii).__name__}")
     source = _read_file(found, os.fspath(radii or "protor"), unknown, waters, hydrogens, options)
     if _radii_are_assigned(source, found) and radii != "occupancy":
         source.set_name = os.fspath(radii or "protor")
@@ -400,7 +400,11 @@ def _take_radii(named: _Named, radii: Any, set_name: str) -> _Choice:
     """Takes the radii that the object or the caller has, and keeps all atoms. The name of a set tells that the
     library has assigned them."""
     count, nothing = len(named.name), np.zeros(0, np.int64)
-    values = np.array(radii, dtype=float)
+    try:
+        values = np.array(radii, dtype=float)
+    except (TypeError, ValueError) as error:
+        kind = TypeError if isinstance(error, TypeError) else ValueError
+        raise kind(f"radii must be an array of real numbers: {error}") from None
     if values.shape != (count,):
         raise ValueError(f"radii must have shape ({count},), one for each atom, not {values.shape}")
     choice = _Choice(np.ones(count, bool), set_name, values, nothing, nothing, np.zeros(count, bool),
@@ -453,7 +457,9 @@ def _read(found: Any, radii: Any, waters: bool, hydrogens: str, unknown: Optiona
           options: dict[str, Any]) -> tuple[Molecule, Selector]:
     """Returns the molecule and its selector."""
     if isinstance(found, Molecule):
-        return _select_again(found, {"radii": radii, "waters": waters or None, "frame": frame or None, **options})
+        return _select_again(found, {"radii": radii, "waters": waters or None, "unknown_radius": unknown,
+                                     "hydrogens": None if hydrogens == "auto" else hydrogens, "frame": frame or None,
+                                     **options})
     if hydrogens not in ("auto", "keep", "drop"):
         raise ValueError(f"hydrogens must be 'auto', 'keep' or 'drop', not {hydrogens!r}")
     _arguments.check(read_molecule, waters=waters, unknown_radius=unknown, frame=frame)
@@ -510,6 +516,14 @@ def _select_again(molecule: Molecule, options: dict[str, Any]) -> tuple[Molecule
     for column in columns.values():
         column.flags.writeable = False
     return dataclasses.replace(molecule, left_out=left_out, **columns), selector
+
+
+def is_molecule(found: Any) -> bool:
+    """Whether an object is a file, or a molecule of a class, and no array of centres."""
+    if isinstance(found, np.ndarray):
+        return False
+    return (is_file(found) or isinstance(found, (Molecule, _core.Atoms, _core.Surface))
+            or adaptors.find_adaptor(found) is not None)
 
 
 def _require_finite(named: _Named, keep: _Bools) -> None:

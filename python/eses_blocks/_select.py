@@ -66,7 +66,7 @@ class Selector:
         Raises ValueError, which begins with `what`, if the selection is not valid or has no atoms."""
         if isinstance(chosen, str):
             mask = self._of_text(chosen, what)
-        elif self._syntax and hasattr(chosen, "universe"):  # an AtomGroup of MDAnalysis
+        elif self._syntax.startswith("MDAnalysis") and hasattr(chosen, "universe"):  # such as an AtomGroup
             mask = self._of_own(chosen, what)
         elif adaptors.find_adaptor(chosen):
             mask = self._of_part(chosen, what)

@@ -54,8 +54,8 @@ class Columns:
     virtual: Optional[Sequence[bool]] = None
     """Whether an atom is a virtual site, which has no radius."""
     select: Optional[Callable[[Any], Any]] = None
-    """Returns the mask of the atoms of a selection in the library's own language, or of one of its objects
-    with the attribute ``universe``, such as an AtomGroup."""
+    """Returns the mask of the atoms of a selection in the library's own language; for MDAnalysis also that of one of its
+    objects, such as an AtomGroup."""
     syntax: str = ""
     """The name of this language with an example, for messages."""
 

@@ -1,19 +1,28 @@
 #include "option_names.hpp"
 
+#include <array>
 #include <regex>
 #include <string>
+#include <utility>
 
 namespace eses::python {
 
 std::string with_python_names(const std::string& message) {
   if (message.find("--") == std::string::npos) return message;
-  std::string text = std::regex_replace(message, std::regex("--unknown-radius"), "unknown_radius=");
-  text = std::regex_replace(text, std::regex("--format (\\w+)"), "format='$1'");
-  text = std::regex_replace(text, std::regex("--(model|assembly) (\\w+)"), "$1=$2");
-  text = std::regex_replace(text, std::regex("--waters"), "waters=True");
-  text = std::regex_replace(text, std::regex("--(select|chains): "), "$1: ");
-  return std::regex_replace(
-      text, std::regex("--(format|model|assembly|select|chains|altloc|radii)"), "$1=");
+  // A blank or a parenthesis precedes the options in messages, but rarely two hyphens in file
+  // names.
+  static constexpr std::array<std::pair<const char*, const char*>, 6> names{
+      {{"unknown-radius", "unknown_radius="},
+       {"format (\\w+)", "format='$2'"},
+       {"(model|assembly) (\\w+)", "$2=$3"},
+       {"waters", "waters=True"},
+       {"(select|chains): ", "$2: "},
+       {"(format|model|assembly|select|chains|altloc|radii)", "$2="}}};
+  std::string text = message;
+  for (const auto& [option, name] : names)
+    text = std::regex_replace(text, std::regex(std::string("(^|[ (])--") + option),
+                              std::string("$1") + name);
+  return text;
 }
 
 }  // namespace eses::python

@@ -55,6 +55,15 @@ def test_parts_that_do_not_touch_lose_nothing(path):
     assert len(found.residues) == len(found.atoms) == 0
 
 
+def test_tables_without_interfaces_have_all_columns(path):
+    found, without = eses.interfaces(path), eses.interfaces(path, area_cutoff=1e6)
+    assert len(without) == len(without.table) == len(without.residues) == len(without.atoms) == 0
+    for name in ("table", "residues", "atoms"):
+        of_some, of_none = getattr(found, name), getattr(without, name)
+        assert of_none.keys() == of_some.keys()
+        assert [of_none[key].dtype.kind for key in of_none] == [of_some[key].dtype.kind for key in of_some]
+
+
 def test_random_atoms_have_the_differences_of_areas():
     random = np.random.default_rng(49)
     centers, radii = random.uniform(0, 12, (90, 3)), random.uniform(1.2, 2, 90)

@@ -98,14 +98,15 @@ def test_select_of_files_takes_masks_and_pqr_files(path):
 
 @pytest.mark.parametrize("library", ["gemmi", "Bio", "biotite", "MDAnalysis", "prody", "mdtraj"])
 def test_parts_of_objects_are_selections(path, library):
-    """Parts choose the atoms at their positions, also of the file."""
+    """Parts choose the atoms at their positions, also of the file and of objects of other libraries."""
     molecule = opened(library, path)
     part = {"gemmi": lambda: molecule[0]["C"][0], "Bio": lambda: list(molecule[0]["C"])[0],
             "biotite": lambda: molecule[molecule.res_name == "STI"],
             "MDAnalysis": lambda: molecule.select_atoms("resname STI"),
             "prody": lambda: molecule.select("resname STI"),
             "mdtraj": lambda: molecule.atom_slice(molecule.topology.select("resname STI"))}[library]()
-    for found in (molecule, path):
+    others = [opened(other, path) for other in OWN_SYNTAX if other != library]
+    for found in (molecule, path, *others):
         assert reported(eses.measure(found, report=part)) == ["STI"]
         assert reported(eses.measure(found, select=part)) == ["STI"]
         assert eses.interface(found, part).first == "2 atoms"
@@ -144,6 +145,15 @@ def test_messages_about_files_name_arguments(path, options, message):
     for call in (eses.measure, eses.Surface, eses.read_atoms):
         with pytest.raises(ValueError, match=message):
             call(path, **options)
+
+
+def test_messages_keep_the_name_of_the_file(path):
+    other = path.with_name("a--model 1--waters--unknown-radius.pdb")
+    path.rename(other)
+    for options, message in (({"model": 7}, "there is no model 7 (model=)"), ({"chains": ["D"]}, 'there is no chain "D" (chains=)')):
+        with pytest.raises(ValueError) as error:
+            eses.read_atoms(other, **options)
+        assert str(error.value).startswith(f"{other}: {message}")
 
 
 @pytest.mark.parametrize("library", OWN_SYNTAX)

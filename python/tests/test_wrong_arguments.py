@@ -105,10 +105,28 @@ def test_surfaces_read_as_measure(path):
     assert eses.measure(molecule, select="10").molecule.left_out["selection"] > molecule.left_out["selection"]
     with pytest.raises(TypeError, match="^radii: the molecule was read already; give it to read_molecule$"):
         eses.measure(molecule, "bondi")
+    for name, value in (("waters", True), ("hydrogens", "keep"), ("unknown_radius", 2.0), ("frame", 1)):
+        with pytest.raises(TypeError, match=f"^{name}: the molecule was read already; give it to read_molecule$"):
+            eses.measure(molecule, **{name: value})
     with pytest.raises(TypeError, match="^radii: Atoms have radii already"):
         eses.measure(eses.read_atoms(path), "bondi")
     assert len(eses.Surface(path, waters=True)) == len(eses.read_atoms(path, waters=True)) > len(eses.Surface(path))
     assert len(eses.Surface([[0, 0, 0], [5, 0, 0]], [1.5, 1.5], select=[0])) == 1
+    for call in (eses.measure, eses.Surface):
+        for radii in (object(), [1.5]):
+            with pytest.raises(TypeError, match=f"^radii: a file needs the name of a set of radii, not {type(radii).__name__}$"):
+                call(path, radii=radii)
+        for radii in (object(), ["x"]):
+            with pytest.raises((TypeError, ValueError), match="^radii must be an array of real numbers"):
+                call(([[0, 0, 0]], radii) if call is eses.measure else [[0, 0, 0]], radii)
+
+
+def test_surfaces_of_objects_take_radii(path):
+    structure = pytest.importorskip("gemmi").read_structure(str(path))
+    radii = np.full(len(eses.measure(structure).molecule), 1.5)
+    assert eses.Surface(structure, radii).measure().sas_area == eses.measure(structure, radii).sas_area
+    with pytest.raises(ValueError, match="^radii must have shape "):
+        eses.Surface(structure, radii[:3])
 
 
 def test_files(path, tmp_path):
