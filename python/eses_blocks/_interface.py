@@ -224,7 +224,7 @@ def _without_contact(molecule: _molecule.Molecule, first: str, second: str) -> I
 
 def _gives_ligands_to(part: Any, other: Any, select: Selector) -> bool:
     """Whether a part of chains leaves atoms to another part, as its ligands."""
-    names_chains = isinstance(part, str) and not set("/([;") & set(part) and not select.ligand(part)
+    names_chains = isinstance(part, str) and not set("/([;!") & set(part) and not select.ligand(part)
     return names_chains and isinstance(other, str) and select.ligand(other)
 
 

@@ -6,6 +6,7 @@ import csv
 import functools
 import html
 import importlib
+import io
 import os
 from typing import Any, Iterable, Iterator, Optional, Union, overload
 
@@ -68,9 +69,12 @@ class Table:
 
     def save(self, path: _Path) -> None:
         """Writes a CSV file with a line of column names, in which missing values are empty; or a Parquet
-        file, if this is the suffix, which needs pandas and pyarrow. Raises ValueError if the table is of
-        this file, which would be overwritten."""
+        file, if this is the suffix, which needs pandas and pyarrow. Raises ValueError for other suffixes, and
+        if the table is of this file, which would be overwritten."""
         path = output_path(path, self._files)
+        suffix = os.path.splitext(path)[1].lower()
+        if suffix not in ("", ".csv", ".parquet"):
+            raise ValueError(f"{path}: the suffix of a table must be .csv or .parquet")
         if _is_parquet(path):
             self.to_pandas().to_parquet(path, engine="pyarrow", index=False)
             return
@@ -347,7 +351,7 @@ class Measurement:
         if os.path.splitext(path)[1].lower() == ".csv" or _is_parquet(path):
             tables[level].save(path)
             return
-        if column not in tables[level] or column in ("chain", "label_chain", "auth_chain", "residue", "icode"):
+        if column not in tables[level] or tables[level][column].dtype.kind == "U":
             raise ValueError(f"column must be a number of the {level}s, not {column!r}")
         write_structure(path, self._molecule, self._values(column, level))
 
@@ -417,7 +421,12 @@ def _measure_models(molecule: Any, radii: Any, models: Union[str, Iterable[int]]
     for number in numbers:
         _arguments.check(measure, model=number)
     options = {**options, "format": layout}
-    return [measure(text, radii, model=number, **options) for number in numbers]
+    found = []
+    for number in numbers:
+        opened = io.BytesIO(text)
+        opened.name = name  # for messages, and so that save does not overwrite the file
+        found.append(measure(opened, radii, model=number, **options))
+    return found
 
 
 @overload

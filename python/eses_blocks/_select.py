@@ -131,7 +131,7 @@ class Selector:
         try:
             if text == "ligand":
                 return self._of_gemmi(None)
-            if self._syntax or re.search(r"[/(\[;:*]|^-?\d", text):
+            if self._syntax or re.search(r"[/(\[;:*!]|^-?\d", text):
                 return np.array(self._own(text), bool) if self._own else self._of_gemmi(text)
         except (OSError, MemoryError):
             raise
@@ -148,7 +148,7 @@ class Selector:
     def _hint(self, text: str) -> str:
         """Returns the language of selections, for messages about a text that may be in another one."""
         if self._syntax:
-            return f"; selections have the syntax of {self._syntax}, and not gemmi's" if set(text) & set("/([;") else ""
+            return f"; selections have the syntax of {self._syntax}, and not gemmi's" if set(text) & set("/([;!") else ""
         is_other = " " in text.strip() or text in ("protein", "nucleic", "water", "backbone", "all", "hetero")
         return "; selections have gemmi's syntax, such as //A/57/CA, (HEM) or ;polymer" if is_other else ""
 

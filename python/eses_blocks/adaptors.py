@@ -248,6 +248,8 @@ def _from_openmm(found: Any, frame: int) -> Columns:
         positions = 10.0 * np.asarray(positions, float)  # OpenMM's numbers without units are nanometres
     atoms = list(topology.atoms())
     numbers = [atom.residue.id for atom in atoms]
+    # A virtual site belongs to the other atoms of its residue. An ion may lack its element, too.
+    is_alone = {residue: sum(1 for _ in residue.atoms()) == 1 for residue in topology.residues()}
     return Columns(
         centers=np.array([tuple(position) for position in positions]),
         elements=["" if atom.element is None else atom.element.symbol for atom in atoms],
@@ -255,7 +257,8 @@ def _from_openmm(found: Any, frame: int) -> Columns:
         numbers=[int(number) if str(number).lstrip("-").isdigit() else atom.residue.index + 1
                  for number, atom in zip(numbers, atoms)],
         icodes=[atom.residue.insertionCode.strip() for atom in atoms],
-        chains=[atom.residue.chain.id for atom in atoms], virtual=[atom.element is None for atom in atoms])
+        chains=[atom.residue.chain.id for atom in atoms],
+        virtual=[atom.element is None and not is_alone[atom.residue] for atom in atoms])
 
 
 def _from_prody(found: Any, frame: int) -> Columns:

@@ -58,10 +58,14 @@ def shrake_rupley(traj: Any, probe_radius: float = 0.14, n_sphere_points: int = 
     mapping = np.arange(len(atoms), dtype=np.int32)
     if mode == "residue":
         mapping = np.array([atom.residue.index for atom in atoms], np.int32)
-    chosen = np.arange(len(atoms)) if atom_indices is None else np.asarray(atom_indices)
+    chosen = np.arange(len(atoms))
+    if atom_indices is not None:
+        given = np.asarray(atom_indices)
+        chosen = np.flatnonzero(given) if given.dtype == bool else np.unique(given.astype(np.int64))
+    counted = chosen[chosen >= 0]  # as in MDTraj, a negative index chooses a column, but no area
     result = np.full((traj.n_frames, traj.n_atoms if mode == "atom" else traj.n_residues), -1.0, np.float32)
     sums = np.zeros(result.shape)
+    np.add.at(sums, (slice(None), mapping[counted]), areas[:, counted])
     columns: Any = (slice(None), mapping[chosen])
-    np.add.at(sums, columns, areas[:, chosen])
     result[columns] = sums[columns]
     return (result, mapping) if get_mapping else result

@@ -43,7 +43,8 @@ def test_mdtraj(pdb):
     frames = mdtraj.join([one, one])
     frames.xyz[1] *= 1.01
     for mode in ("atom", "residue"):
-        for arguments in ({}, {"atom_indices": np.arange(100)}, {"change_radii": {"C": 0.2}, "probe_radius": 0.1}):
+        for arguments in ({}, {"atom_indices": np.arange(100)}, {"atom_indices": [0] * 50 + [5]},
+                          {"atom_indices": []}, {"atom_indices": [-1]}, {"change_radii": {"C": 0.2}, "probe_radius": 0.1}):
             expected, mapping = mdtraj.shrake_rupley(frames, mode=mode, get_mapping=True, **arguments)
             found, same = drop_in.shrake_rupley(frames, mode=mode, get_mapping=True, **arguments)
             np.testing.assert_array_equal(mapping, same)

@@ -134,8 +134,12 @@ def test_models_of_a_file(tmp_path):
         eses.measure(path, models="all", model=1)
     with pytest.raises(TypeError, match="only files have models"):
         eses.measure(([[0, 0, 0]], [1]), models="all")
-    with pytest.raises(ValueError, match="there is no model 3"):
+    with open(path, "rb") as opened, pytest.raises(ValueError, match="nmr.pdb: there is no model 3"):
+        eses.measure(opened, models=[3])
+    with pytest.raises(ValueError, match="nmr.pdb: there is no model 3"):
         eses.measure(path, models=[3])
+    with pytest.raises(ValueError, match="nmr.pdb was read, and would be overwritten"):
+        found[1].save(path)
 
 
 def test_models_of_an_mmcif_file():

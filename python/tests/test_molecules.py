@@ -209,6 +209,11 @@ def test_openmm(pdb):
         check(eses.measure(each), expected, range(12), 13, atol=1e-6)
     with pytest.raises(TypeError, match="give the pair"):
         eses.measure(found.topology)
+    elements = [atom.element for atom in found.topology.atoms()]
+    for atom in found.topology.atoms():  # an ion that has no element, as manganese of PDB files
+        atom.element = None if atom.residue.name == "ZN" else atom.element
+    assert elements.count(None) < sum(atom.element is None for atom in found.topology.atoms())
+    check(eses.measure(found), expected, range(12), 13, atol=1e-6)
 
 
 def test_rdkit():
@@ -461,9 +466,14 @@ def test_wide_numbers_are_refused(pdb, tmp_path):
     big.save(tmp_path / "good.cif", level="chain")
     for name, column, level, message in (("a.xyz", "sas", "atom", "suffix must be .pdb"),
                                          ("a.pdb", "sas", "all", "level must"),
-                                         ("a.pdb", "chain", "atom", "column must be a number of the atoms")):
+                                         ("a.pdb", "chain", "atom", "column must be a number of the atoms"),
+                                         ("a.pdb", "element", "atom", "column must be a number of the atoms"),
+                                         ("a.pdb", "name", "atom", "column must be a number of the atoms")):
         with pytest.raises(ValueError, match=message):
             result.save(tmp_path / name, column, level)
+    for name in ("a.pdb", "a.csv.gz"):
+        with pytest.raises(ValueError, match=f"{name}: the suffix of a table must be .csv or .parquet"):
+            result.atoms.save(tmp_path / name)
 
 
 def test_only_chosen_surfaces_are_measured(pdb):

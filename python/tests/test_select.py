@@ -72,7 +72,7 @@ OWN_SYNTAX = ["MDAnalysis", "mdtraj", "prody"]
     ("//*//[O]", ["ALA", "SER", "STI", "GOL"]), ("//A/10-11/CA", ["ALA", "SER"]), (";polymer", ["ALA", "SER"]),
     ("A", ["ALA", "SER"]), ("A+B", ["ALA", "SER", "ZN"]), ("B, C", ["ZN", "STI", "GOL"]),
     ("ligand:STI", ["STI"]), ("ligand", ["STI", "GOL"]), ("ligand:C/2", ["GOL"]), ("ligand:C/STI", ["STI"]),
-    ("ligand:A/10A", ["SER"]), ("10", ["ALA"])])
+    ("ligand:A/10A", ["SER"]), ("10", ["ALA"]), ("!A", ["ZN", "STI", "GOL"])])
 def test_texts_choose_the_same_atoms(path, library, text, residues):
     molecule = opened(library, path)
     assert reported(eses.measure(molecule, report=text)) == residues
