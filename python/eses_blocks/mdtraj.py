@@ -65,7 +65,7 @@ def shrake_rupley(traj: Any, probe_radius: float = 0.14, n_sphere_points: int = 
     counted = chosen[chosen >= 0]  # as in MDTraj, a negative index chooses a column, but no area
     result = np.full((traj.n_frames, traj.n_atoms if mode == "atom" else traj.n_residues), -1.0, np.float32)
     sums = np.zeros(result.shape)
-    np.add.at(sums, (slice(None), mapping[counted]), areas[:, counted])
-    columns: Any = (slice(None), mapping[chosen])
-    result[columns] = sums[columns]
+    columns: Any = (slice(None), mapping[counted])
+    np.add.at(sums, columns, areas[:, counted])
+    result[:, mapping[chosen]] = sums[:, mapping[chosen]]
     return (result, mapping) if get_mapping else result

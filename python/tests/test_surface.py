@@ -93,7 +93,8 @@ def test_columns_of_pandas_are_taken(chain, type):
     np.full((2, 3), None), None, "atoms", {"x": 1},
 ])
 def test_other_kinds_are_refused(values):
-    with pytest.raises(TypeError, match="centers must be an array of real numbers"):
+    message = "radii: a file needs the name" if isinstance(values, str) else "centers must be an array of real numbers"
+    with pytest.raises(TypeError, match=message):
         eses.Surface(values, np.ones(2))
     message = "radii must be an array of real numbers" if not (values is None or isinstance(values, str)) else "an array of centres needs radii"
     with pytest.raises(TypeError, match=message):
