@@ -6,6 +6,7 @@ import dataclasses
 import inspect
 import os
 import re
+import warnings
 from typing import Any, Callable, Iterable, Optional
 
 import numpy as np
@@ -423,6 +424,9 @@ def _choose_atoms(named: _Named, columns: adaptors.Columns, which: str, waters: 
     set_name, are_united, values, named.element, by_element, by_name, classes = find_radii(
         named.residue, named.name, named.element, which)
     choice = _Choice(np.ones(len(values), bool), set_name, values, None, None, by_element, classes)
+    if columns.lacks_hydrogens and not are_united and hydrogens != "drop":
+        warnings.warn("the molecule lacks hydrogens; add them with Chem.AddHs(molecule, addCoords=True), or choose radii of "
+                      "united atoms", stacklevel=4)
     choice.drop(~selected, "selection")
     if columns.virtual is not None:
         choice.drop(columns.virtual, "virtual")

@@ -15,7 +15,7 @@ _Bools = npt.NDArray[np.bool_]
 _LIGAND = "ligand:"
 
 
-def _listed(names: Iterable[str], limit: int = 10) -> str:
+def listed(names: Iterable[str], limit: int = 10) -> str:
     known = list(dict.fromkeys(names))
     shown = ", ".join(name or "(blank)" for name in known[:limit])
     return shown + (f" and {len(known) - limit} more" if len(known) > limit else "")
@@ -161,7 +161,7 @@ class Selector:
             mask = (names.chain == chain) & (mask | (numbers == residue))
         if not mask.any():
             residues = sorted(dict.fromkeys(self._names.residue.tolist()), key=is_polymer)  # ligands first
-            raise ValueError(f"{what}: no residue {name!r}; the residues are {_listed(residues)}")
+            raise ValueError(f"{what}: no residue {name!r}; the residues are {listed(residues)}")
         return mask
 
     def _of_gemmi(self, text: Optional[str]) -> _Bools:
@@ -179,4 +179,4 @@ class Selector:
         for chain in dict.fromkeys(names.chain.tolist()):
             numbers = names.residue_number[names.chain == chain]
             texts.append(f"{chain or '(blank)'} (residues {numbers.min()} to {numbers.max()})")
-        return f"the chains are {_listed(texts)}"
+        return f"the chains are {listed(texts)}"

@@ -53,6 +53,8 @@ class Columns:
     """(N,) radii in angstrom, if the object has radii of its own."""
     virtual: Optional[Sequence[bool]] = None
     """Whether an atom is a virtual site, which has no radius."""
+    lacks_hydrogens: bool = False
+    """Whether hydrogens of the molecule are no atoms."""
     select: Optional[Callable[[Any], Any]] = None
     """Returns the mask of the atoms of a selection in the library's own language; for MDAnalysis also that of one of its
     objects, such as an AtomGroup."""
@@ -183,12 +185,10 @@ def _from_rdkit(found: Any, frame: int) -> Columns:
     if not conformer.Is3D() and not all(labels):  # atoms of a PDB file may lie in a plane
         raise ValueError("the molecule has coordinates of a drawing; make others with AllChem.EmbedMolecule")
     atoms = list(found.GetAtoms())
-    if any(atom.GetTotalNumHs() > 0 for atom in atoms):  # hydrogens that are no atoms
-        warnings.warn("the molecule lacks hydrogens; add them with Chem.AddHs(molecule, addCoords=True), or "
-                      "choose radii of united atoms", stacklevel=7)
     columns = Columns(centers=conformer.GetPositions(), elements=[atom.GetSymbol() for atom in atoms],
                       names=[f"{atom.GetSymbol()}{atom.GetIdx() + 1}" for atom in atoms],
-                      virtual=[atom.GetAtomicNum() == 0 for atom in atoms])
+                      virtual=[atom.GetAtomicNum() == 0 for atom in atoms],
+                      lacks_hydrogens=any(atom.GetTotalNumHs() > 0 for atom in atoms))
     if all(labels):
         columns.names = [label.GetName().strip() for label in labels]
         columns.residues = [label.GetResidueName().strip() for label in labels]

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import importlib
+import warnings
 from typing import Any, Optional
 
 import numpy as np
 
 from ._measurement import measure
+from ._select import listed
 
 __all__ = ["SASAAnalysis"]
 
@@ -24,7 +26,8 @@ class SASAAnalysis(AnalysisBase):  # type: ignore[misc]
     select : str, optional
         The atoms whose areas are reported.
     block : str, optional
-        The atoms that make up the surface; by default those of ``select``.
+        The atoms that make up the surface, beside those of ``select``; by default only these. Without another
+        atom, a warning names the residues.
     surface : {'sas', 'ses'}, optional
         The surface.
     **options
@@ -48,6 +51,9 @@ class SASAAnalysis(AnalysisBase):  # type: ignore[misc]
             raise ValueError(f"surface must be 'sas' or 'ses', not {surface!r}")
         self.atomgroup = group.select_atoms(select)
         self._block = self.atomgroup if block is None else group.select_atoms(block) | self.atomgroup
+        if block not in (None, select) and len(self._block) == len(self.atomgroup):
+            warnings.warn(f"block={block!r} adds no atoms to select={select!r}, so that nothing else blocks; the residues of other atoms "
+                          f"are {listed((group - self.atomgroup).residues.resnames)}", stacklevel=2)
         self._mask = np.isin(self._block.ix, self.atomgroup.ix)
         self._surface, self._options = surface, options
 

@@ -113,6 +113,9 @@ def test_mdanalysis(pdb):
     if "backend" in inspect.signature(SASAAnalysis.run).parameters:  # MDAnalysis 2.8 and later
         parallel = SASAAnalysis(universe, select=half, block="all").run(backend="multiprocessing", n_workers=2)
         np.testing.assert_array_equal(parallel.results.residue_area, done.results.residue_area)
+    with pytest.warns(UserWarning, match="block='name ZZ' adds no atoms to select='index 0:9', .* other atoms are \\w+, ") as found:
+        SASAAnalysis(universe, select="index 0:9", block="name ZZ")
+    assert found[-1].filename == __file__
     alone = SASAAnalysis(universe.atoms, select=half, surface="ses").run(step=2)
     assert alone.results.total_area.shape == (2,)
     universe.trajectory[0]

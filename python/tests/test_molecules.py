@@ -231,11 +231,15 @@ def test_rdkit():
     polar = result.atoms["is_polar"]
     assert polar.sum() == 2 and result.polar + result.apolar == pytest.approx(result.sas_area)
     assert eses.measure(molecule, frame=1).sas_area != result.sas_area
-    with pytest.warns(UserWarning, match="lacks hydrogens"):
+    with pytest.warns(UserWarning, match="lacks hydrogens") as found:
         eses.measure(chem.RemoveHs(molecule))
+    assert found[0].filename == __file__
     text = "".join(line for line in PDB.splitlines(True) if not line.startswith("HETATM"))
-    with pytest.warns(UserWarning, match="lacks hydrogens"):
+    with warnings.catch_warnings():  # the radii are those of united atoms
+        warnings.simplefilter("error")
         peptide = eses.measure(chem.MolFromPDBBlock(text))
+    with pytest.warns(UserWarning, match="lacks hydrogens"):
+        eses.measure(chem.MolFromPDBBlock(text), "bondi")
     assert peptide.residues["residue"].tolist() == ["ALA", "SER"]
 
 
