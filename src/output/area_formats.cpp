@@ -76,13 +76,29 @@ std::string area_columns_of(double area, std::optional<double> reference, const 
                    in_column(formatted("{:.1f}", relative), 5, "relative area", label));
 }
 
-std::string cif_text(std::string_view text) {
+/// Returns whether a text in these quotation marks would end before its last character.
+bool ends_quotation(std::string_view text, char mark) {
+  return text.find(std::string{mark, ' '}) != text.npos;
+}
+
+/// Returns a value of a CIF file (https://www.iucr.org/resources/cif/spec/version1.1/cifsyntax).
+/// `what` is the kind of the value. Throws Error if the format has no way to write the text.
+std::string cif_text(std::string_view text, std::string_view what, const AtomLabel& label) {
   if (text.empty()) return ".";
+  const bool is_allowed = std::ranges::all_of(
+      text, [](char c) { return (c >= ' ' && c <= '~') || c == '\t' || c == '\n'; });
+  if (!is_allowed || text.find("\n;") != text.npos)
+    throw Error(formatted("{} {} of {} has characters that CIF files cannot hold; write csv", what,
+                          printable(text), printable(residue_name(label))));
   const bool is_plain =
-      text.find_first_of(" '\"#$_[];") == std::string_view::npos && text != "?" && text != ".";
+      text.find_first_of(" \t\n'\"#$_[];") == std::string_view::npos && text != "?" && text != ".";
   if (is_plain) return std::string(text);
-  return text.find('"') == std::string_view::npos ? formatted("\"{}\"", text)
-                                                  : formatted("'{}'", text);
+  if (text.find_first_of("\t\n") == text.npos) {
+    if (text.find('"') == text.npos) return formatted("\"{}\"", text);
+    if (!ends_quotation(text, '\'')) return formatted("'{}'", text);
+    if (!ends_quotation(text, '"')) return formatted("\"{}\"", text);
+  }
+  return formatted("\n;{}\n;", text);
 }
 
 /// Returns the name of an atom in its four columns: elements of one letter begin in the second.
@@ -195,15 +211,18 @@ void append_cif(const MeasuredAtoms& atoms, BufferedText& text) {
     const AtomLabel& label = atoms.labels[i];
     const Vec3 center = atoms.atoms[i].center;
     const auto [number, icode] = split_number(label.residue_number);
-    const std::string name = cif_text(label.atom_name), residue = cif_text(label.residue),
-                      chain = cif_text(label.chain),
-                      auth = atoms.chains.empty() ? chain
-                                                  : cif_text(std::string(auth_chain(atoms, label)));
+    const std::string name = cif_text(label.atom_name, "atom name", label),
+                      residue = cif_text(label.residue, "residue name", label),
+                      chain = cif_text(label.chain, "chain name", label),
+                      auth = atoms.chains.empty()
+                                 ? chain
+                                 : cif_text(auth_chain(atoms, label), "chain name", label);
     text.append("{} {} {} {} . {} {} . . {} {:.3f} {:.3f} {:.3f} 1.00 {:.6f} {} {} {} {} 1\n",
                 record_of(label), serial_number(atoms, static_cast<AtomIndex>(i)),
                 label.element.empty() ? "X" : label.element, name, residue, chain,
-                icode.empty() ? "?" : icode, center.x, center.y, center.z, atoms.areas.sas[i],
-                number.empty() ? "." : number, residue, auth, name);
+                icode.empty() ? "?" : cif_text(icode, "insertion code", label), center.x, center.y,
+                center.z, atoms.areas.sas[i], cif_text(number, "residue number", label), residue,
+                auth, name);
   }
   text.append("#\n");
 }

@@ -12,6 +12,7 @@
 #include "catch.hpp"
 #include "eses/error.hpp"
 #include "eses/read_atoms.hpp"
+#include "output/area_formats.hpp"
 #include "output/area_table_writer.hpp"
 #include "support/eses_files.hpp"
 #include "support/run.hpp"
@@ -167,6 +168,43 @@ TEST_CASE("the table of atoms has the names, radii and areas of all atoms", "[re
     const std::string bytes = read_bytes(directory.path() / "atoms.csv");
     if (first.empty()) first = bytes;
     CHECK(bytes == first);
+  }
+}
+
+TEST_CASE("names in tables of CIF files are quoted", "[residues]") {
+  const auto name_of = [](const std::string& name) {
+    const std::vector<Atom> atoms{{{}, 1}};
+    const std::vector<AtomLabel> labels{{"A", "LIG", "1", name, "C"}};
+    eses::AtomAreas areas;
+    areas.sas = {1};
+    std::string text;
+    BufferedText table([&text](std::string_view part) { text += part; });
+    append_cif({.atoms = atoms,
+                .labels = labels,
+                .file_indices = {},
+                .areas = areas,
+                .gradients = {},
+                .cavities = {},
+                .pieces = {},
+                .pockets = {}},
+               table);
+    table.flush();
+    const std::string start = "\nHETATM 1 C ", end = " . LIG A . ";
+    const std::size_t begin = text.find(start) + start.size();
+    return text.substr(begin, text.find(end) - begin);
+  };
+  CHECK(name_of("CA") == "CA");
+  CHECK(name_of("O5'") == "\"O5'\"");
+  CHECK(name_of("A B") == "\"A B\"");
+  CHECK(name_of("A\"B") == "'A\"B'");
+  CHECK(name_of("A'\"B") == "'A'\"B'");
+  CHECK(name_of("A' \"B") == "\"A' \"B\"");
+  CHECK(name_of("A' B\" C") == "\n;A' B\" C\n;");
+  CHECK(name_of("A\tB") == "\n;A\tB\n;");
+  CHECK(name_of("A\nB") == "\n;A\nB\n;");
+  for (const std::string name : {"C\xc3\xa9", "A\n;B", "A\rB"}) {
+    INFO(name);
+    CHECK_THROWS_AS(name_of(name), Error);
   }
 }
 
