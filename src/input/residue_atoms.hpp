@@ -33,14 +33,15 @@ bool is_other_molecule(std::string_view residue, const Atoms& atoms, NameOf&& na
   });
 }
 
-/// Returns whether a residue is water. Some names of water also belong to ligands, which have other
-/// atoms, and `W` to tungsten. `names_of` returns the name and the element symbol of an atom.
+/// Returns whether a residue is water. The names of the PDB hold in any case of letters. Other
+/// names also belong to ligands, which have other atoms, and `W` to tungsten. `names_of` returns
+/// the name and the element symbol of an atom.
 template <class Atoms, class NamesOf>
 bool is_water_residue(std::string_view residue, const Atoms& atoms, NamesOf&& names_of) {
   constexpr std::string_view waters = "HOH DOD WAT H2O";
   constexpr std::string_view ambiguous =
       "SOL TIP TIP2 TIP3 TIP4 TIP5 TP3 TP4 TP5 T3P T4P T5P SPC SPCE SPE OPC OP3";
-  if (has_word(waters, residue)) return true;
+  if (has_word(waters, upper_case(std::string(residue)))) return true;
   const bool is_bead = is_water_bead(residue);
   if (!is_bead && !has_word(ambiguous, residue)) return false;
   std::set<std::string> oxygens;  // names, because an oxygen may have alternate locations

@@ -110,6 +110,13 @@ TEST_CASE("waters, ligands, hydrogens and chains are read as the options say", "
   REQUIRE(file.structure->by_element.size() == 1);
   CHECK(file.structure->by_element[0].atom_name == "C1");
 
+  for (const std::string water : {"hoh", "Wat", "dod"})
+    CHECK(read_pdb(
+              line_of({}) +
+              line_of(
+                  {.record = "HETATM", .name = " O  ", .residue = water, .x = 9, .element = " O"}))
+              .structure->dropped_waters == 1);
+
   StructureOptions options;
   options.with_waters = true;
   CHECK(read_pdb(text, options).lines == std::vector<std::uint64_t>{1, 3, 4, 5});
