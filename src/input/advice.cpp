@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <filesystem>
+#include <system_error>
 
 #include "input/text_fields.hpp"
 #include "system/gzip.hpp"
@@ -24,6 +25,17 @@ std::string shell_word(const std::string& name) {
   return word + "'";
 }
 
+/// Returns the name of a file of an advised command. The name of its output is another one if a
+/// file has it.
+std::string file_of_command(const std::string& stem, std::string_view suffix) {
+  constexpr std::string_view outputs = ".pdb .cif .pqr .xyzrn";
+  std::string name = stem + std::string(suffix);
+  std::error_code error;
+  for (std::string to = stem; has_word(outputs, suffix) && std::filesystem::exists(name, error);)
+    name = (to += ".converted") + std::string(suffix);
+  return name;
+}
+
 }  // namespace
 
 std::string advice_for(std::string_view file, std::string_view advice) {
@@ -41,7 +53,7 @@ std::string advice_for(std::string_view file, std::string_view advice) {
     advice.remove_prefix(at + word.size());
     const std::size_t end = std::min(advice.find_first_of(" `;'"), advice.size());
     const bool has_suffix = advice.starts_with('.');
-    text += shell_word(has_suffix ? stem.string() + std::string(advice.substr(0, end))
+    text += shell_word(has_suffix ? file_of_command(stem.string(), advice.substr(0, end))
                                   : std::string(file));
     if (has_suffix) advice.remove_prefix(end);
   }

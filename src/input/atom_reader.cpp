@@ -57,8 +57,9 @@ Problem parse_xyzr(std::string_view line, Record& record) {
   return {};
 }
 
-/// Describes the fault of a line. `rest` is the text from this line on.
-std::string describe_xyzr(const Problem& problem, std::string_view line, std::string_view rest) {
+/// Describes the fault of a line of a file. `rest` is the text from this line on.
+std::string describe_xyzr(const Problem& problem, std::string_view line, std::string_view rest,
+                          std::string_view name) {
   std::string text = describe(problem, line);
   if (problem.text.find_first_of(",;") != problem.text.npos)
     return text + "; separate the fields by blanks, and write numbers with a decimal point";
@@ -68,7 +69,9 @@ std::string describe_xyzr(const Problem& problem, std::string_view line, std::st
            "file";
   const bool is_first_field = problem.quantity == quantity_x.name;
   if (problem.pattern != not_a_number || !is_first_field) return text;
-  const AtomFormat format = format_of_records(rest);
+  AtomFormat format = format_of_records(rest);
+  if (format == AtomFormat::pdb && input_suffix(std::string(name)) == ".pqr")
+    format = AtomFormat::pqr;
   if (format == AtomFormat::pdb)
     text += "; this looks like a PDB file; read it with --format pdb";
   else if (format == AtomFormat::pqr)
@@ -188,7 +191,7 @@ void parse_lines(std::string_view text, const AtomLines& lines, LinesRead& read,
       const std::string_view rest(
           line.data(), static_cast<std::size_t>(text.data() + text.size() - line.data()));
       fail_at_line(name, number,
-                   is_pqr ? describe_pqr(problem, line) : describe_xyzr(problem, line, rest));
+                   is_pqr ? describe_pqr(problem, line) : describe_xyzr(problem, line, rest, name));
     }
     if (result.atoms.size() == max_atoms_of_file)
       fail_at_line(name, number, formatted("more than {} atoms", max_atoms_of_file));

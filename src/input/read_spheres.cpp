@@ -47,8 +47,11 @@ std::vector<std::string> names_on(std::string_view text, std::span<const std::ui
 
 /// Throws Error if a text is a file of atoms in another format.
 void refuse_other_format(std::string_view text, std::string_view name) {
-  const AtomFormat format = format_by_content(text);
+  AtomFormat format = format_by_content(text);
   if (format == AtomFormat::automatic) return;
+  // Charge and radius may look like occupancy and B-factor.
+  if (format == AtomFormat::pdb && input_suffix(std::string(name)) == ".pqr")
+    format = AtomFormat::pqr;
   const std::string_view kind = format == AtomFormat::pqr     ? "a PQR"
                                 : format == AtomFormat::mmcif ? "an mmCIF"
                                                               : "a PDB";

@@ -459,6 +459,14 @@ TEST_CASE("msms: names of files are checked, and other formats are named", "[msm
   CHECK(
       contains(box.run({"msms", "-if", "a.pqr"}).err,
                "this is a PQR file; make spheres of it with `eses-pdb_to_xyzrn a.pqr > a.xyzrn`"));
+  // The columns of this file may be those of both formats, and other files are not overwritten.
+  write_file(box.directory() / "b.pqr", record);
+  write_file(box.directory() / "b.xyzrn", "");
+  CHECK(contains(box.run({"msms", "-if", "b.pqr"}).err,
+                 "b.pqr: this is a PQR file; make spheres of it with `eses-pdb_to_xyzrn b.pqr > "
+                 "b.converted.xyzrn`"));
+  CHECK(
+      contains(box.run({"measure", "b.pqr", "--format", "xyzr"}).err, "read it with --format pqr"));
   CHECK(box.run({"pdb_to_xyzrn", "a.pqr"}).out ==
         "1.000000 2.000000 3.000000 1.500000 1 N_ALA_1\n");
 }

@@ -211,6 +211,17 @@ TEST_CASE("formats that are not read are refused with a command that converts th
   CHECK(error_of([] { parse_atoms("@<TRIPOS>MOLECULE\nx\n", AtomFormat::xyzr, "a.pdb"); }) ==
         "a.pdb: Tripos MOL2 files are not read; convert it with `obabel -imol2 a.pdb -O "
         "a.converted.pdb`");
+  const TemporaryDirectory directory;
+  const std::string mol2 = (directory.path() / "a.mol2").string(),
+                    stem = (directory.path() / "a").string();
+  CHECK(contains(by_suffix(mol2), "-O " + stem + ".pdb`"));
+  write_file(stem + ".pdb", "");
+  CHECK(contains(by_suffix(mol2), "-O " + stem + ".converted.pdb`"));
+  write_file(stem + ".converted.pdb", "");
+  CHECK(contains(by_suffix(mol2), "-O " + stem + ".converted.converted.pdb`"));
+  // Inputs of commands exist.
+  write_file(stem + ".inpcrd", "");
+  CHECK(contains(by_suffix(stem + ".prmtop"), "-c " + stem + ".inpcrd -pqr > " + stem + ".pqr`"));
   const auto by_content = [](std::string_view text) {
     return error_of([&] { parse_atoms(text, AtomFormat::xyzr, "t"); });
   };
