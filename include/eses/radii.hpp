@@ -37,10 +37,10 @@ NamedRadii find_radii(std::span<const AtomLabel> atoms, const std::string& set =
 /// Corrects elements that a program has derived from names, and adds those of ions that lack them.
 /// An atom that is named as an ion and alone in its residue is an ion. Names tell the elements of
 /// amino acids and nucleotides. In other residues, an element is replaced if the length of the
-/// shortest bond contradicts it, as that of CL1 to be carbon, or of NA to be sodium. Atoms without
-/// a residue name keep their elements. Returns the atoms whose elements have changed, ascending.
-/// The numbers of centres and labels are the same; consecutive atoms with the same chain, residue
-/// and number belong to the same residue.
+/// shortest bond contradicts it. For example, CL1 is not carbon if its shortest bond is longer than
+/// 1.63 angstrom. Atoms without a residue name keep their elements. Consecutive atoms with the same
+/// chain, residue and number belong to the same residue. Returns the atoms whose elements have
+/// changed, ascending. Throws Error if the numbers of centres and labels differ.
 std::vector<AtomIndex> correct_elements(std::span<const Vec3> centers, std::span<AtomLabel> labels);
 
 /// Returns whether each atom belongs to a molecule of water, by the names in the PDB, in force
