@@ -36,17 +36,20 @@ std::string type_of(std::string_view record) {
   return lower_case(std::string(without_trailing_blanks(record.substr(0, 6))));
 }
 
-bool is_hetatm_record(std::string_view record) { return starts_with_ignoring_case(record, "heta"); }
-
 /// Returns a text of a record in capital letters if the whole record is in small ones.
 std::string in_capitals(std::string_view text, std::string_view record) {
   return record[0] < 'a' ? std::string(text) : upper_case(std::string(text));
 }
 
-/// Looks at four characters, because records of more than 99999 atoms may have a serial number in
-/// the sixth column.
+/// Returns whether a record is ATOM or HETATM. Serial numbers of more than 99999 atoms may begin in
+/// the fifth or sixth column.
 bool is_atom_record(std::string_view record) {
-  return starts_with_ignoring_case(record, "atom") || is_hetatm_record(record);
+  const auto is_followed = [&](std::size_t length) {
+    return record.size() == length || is_blank(record[length]) || is_digit(record[length]);
+  };
+  return starts_with_ignoring_case(record, "hetatm") ||
+         (starts_with_ignoring_case(record, "hetat") && is_followed(5)) ||
+         (starts_with_ignoring_case(record, "atom") && is_followed(4));
 }
 
 bool is_assembly_record(std::string_view record) {
