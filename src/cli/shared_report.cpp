@@ -101,8 +101,10 @@ std::string guessed_text(const std::vector<RadiusSource>& sources) {
   const auto text = [](const RadiusSource& source) {
     return printable(formatted("{} {}: {}", source.residue, source.atom_name, source.element));
   };
-  return formatted("elements: {} by name, not by the file ({})\n",
-                   counted(count_atoms(sources), "atom"), first_texts(sources, 8, text));
+  constexpr std::size_t max_texts = 8;
+  return formatted("elements: {} by name, not by the file ({}){}\n",
+                   counted(count_atoms(sources), "atom"), first_texts(sources, max_texts, text),
+                   sources.size() > max_texts ? "; --json lists all" : "");
 }
 
 /// Returns the note on chains that are segments.

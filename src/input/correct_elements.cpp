@@ -27,9 +27,21 @@ namespace {
 struct MisreadElement {
   std::string_view symbol, taken_for;
   double min_distance;
+  double max_distance = std::numeric_limits<double>::infinity();
 };
-constexpr std::array<MisreadElement, 5> misread_elements{
-    {{"CL", "C", 1.63}, {"BR", "B", 1.7}, {"SI", "S", 1.55}, {"SE", "S", 1.87}, {"FE", "F", 1.6}}};
+// Longest bond of these metals, in angstrom. Without another atom within it, as in residues of
+// which only some atoms are known, nothing contradicts the element.
+constexpr double max_metal_bond = 2.7;
+constexpr std::array<MisreadElement, 10> misread_elements{{{"CL", "C", 1.63},
+                                                           {"BR", "B", 1.7},
+                                                           {"SI", "S", 1.55},
+                                                           {"SE", "S", 1.87},
+                                                           {"FE", "F", 1.6},
+                                                           {"CU", "C", 1.75, max_metal_bond},
+                                                           {"CO", "C", 1.75, max_metal_bond},
+                                                           {"NI", "N", 1.75, max_metal_bond},
+                                                           {"PT", "P", 1.92, max_metal_bond},
+                                                           {"PD", "P", 1.92, max_metal_bond}}};
 
 /// The atoms of a residue, in a range of the atoms of a molecule.
 struct ResidueRange {
@@ -50,11 +62,13 @@ struct ResidueRange {
 /// letter; empty if there is none.
 std::string_view misread_element(const ResidueRange& residue, std::size_t atom,
                                  std::string_view name, std::string_view element) {
-  for (const auto& [symbol, taken_for, min_distance] : misread_elements)
-    if (element == taken_for && name.starts_with(symbol) &&
-        (name.size() == symbol.size() || is_digit(name[symbol.size()])) &&
-        residue.distance_to_nearest(atom) > min_distance)
-      return symbol;
+  for (const auto& [symbol, taken_for, min_distance, max_distance] : misread_elements) {
+    if (element != taken_for || !name.starts_with(symbol) ||
+        (name.size() > symbol.size() && !is_digit(name[symbol.size()])))
+      continue;
+    const double distance = residue.distance_to_nearest(atom);
+    if (distance > min_distance && distance <= max_distance) return symbol;
+  }
   return {};
 }
 

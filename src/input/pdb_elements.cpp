@@ -47,7 +47,9 @@ constexpr std::string_view left_aligned_elements = "CL BR CU NI SI SE PT PD IR O
 
 // Some of them are also meant where the name begins in the second column, as GROMACS and others
 // write it, if the symbol is the whole name or a digit follows.
-constexpr std::string_view shifted_elements = "CL BR SI SE";
+// The first letter of the symbols from MG on is no element.
+constexpr std::string_view shifted_elements =
+    "CL BR SI SE MG MN MO ZN ZR AG AL AS AU EU GA GD RB RE RH RU TB TI TL";
 
 // Names of amino acids with four letters in GROMACS and CHARMM, and of water.
 constexpr std::string_view long_residues =
@@ -166,6 +168,7 @@ bool is_ion(const NamedAtom& atom) {
 std::string element_by_name(const NamedAtom& atom) {
   const auto& [name_columns, residue, is_polymer, is_alone, is_left_aligned] = atom;
   std::string_view name = trimmed(name_columns);
+  if (stem_of(name) == "UNK") return "X";  // the unknown atom of the residue UNX
   if (is_ion(atom)) return ion_element(name);
   if (is_water_bead(residue)) return "O";
   while (!name.empty() && is_digit(name.front())) name.remove_prefix(1);

@@ -16,6 +16,9 @@ namespace eses::detail {
 /// empty if there is none.
 std::string usual_spelling(std::string_view text);
 
+/// Returns whether a symbol is X, which stands for an unknown element.
+inline bool is_unknown_element(std::string_view symbol) { return symbol == "X" || symbol == "x"; }
+
 /// Returns the element symbol, in its usual spelling, of an atom whose name is not in columns;
 /// empty if it is unknown.
 std::string symbol_by_name(std::string_view name, std::string_view residue);

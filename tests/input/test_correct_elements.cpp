@@ -70,6 +70,16 @@ TEST_CASE("correct_elements: lengths of bonds decide in ligands", "[radii]") {
                    {"HEM", "1", "CO", "Co", {0, 0, 2}},
                    {"HEM", "1", "HO", "Ho", {9, 0, 0}},
                    {"HEM", "1", "O", "O", {9.97, 0, 0}}}) == Texts{"Fe", "N", "C", "Co", "H", "O"});
+  CHECK(corrected({{"CUA", "1", "CU1", "C", {}},
+                   {"CUA", "1", "CU2", "C", {2.5, 0, 0}},
+                   {"F43", "2", "NI", "N", {}},
+                   {"F43", "2", "NA", "N", {2, 0, 0}},
+                   {"LIG", "3", "CO", "C", {}},
+                   {"LIG", "3", "C1", "C", {1.5, 0, 0}},
+                   {"LIG", "3", "PT1", "P", {0, 9, 0}},
+                   {"LIG", "4", "PT1", "P", {}},
+                   {"LIG", "4", "N1", "N", {0, 2.03, 0}}}) ==
+        Texts{"Cu", "Cu", "Ni", "N", "C", "C", "P", "Pt", "N"});
   // Without names of residues, elements are those of the source.
   CHECK(corrected({{"", "", "NA", "Na", {}}, {"", "", "C", "C", {1.4, 0, 0}}}) == Texts{"Na", "C"});
 }
@@ -77,6 +87,14 @@ TEST_CASE("correct_elements: lengths of bonds decide in ligands", "[radii]") {
 TEST_CASE("correct_elements: as many centres as labels", "[radii]") {
   std::vector<AtomLabel> labels(2);
   CHECK_THROWS_AS(correct_elements(std::vector<Vec3>(1), labels), Error);
+}
+
+TEST_CASE("find_waters: names in any case of letters", "[radii]") {
+  const std::vector<AtomLabel> labels{{"A", "hoh", "1", "O", "O"},
+                                      {"A", "Wat", "2", "O", "O"},
+                                      {"A", "h2o", "3", "O", "O"},
+                                      {"A", "lig", "4", "O", "O"}};
+  CHECK(find_waters(labels) == std::vector<bool>{true, true, true, false});
 }
 
 TEST_CASE("check_residues: coarse-grained residues and traces", "[radii]") {

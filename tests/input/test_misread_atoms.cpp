@@ -129,7 +129,8 @@ TEST_CASE("halogens, silicon and selenium of ligands", "[structure][cli]") {
   CHECK(
       contains(sandbox.run({"ligand.pdb", "--dry-run"}).out,
                "\nelements: 9 atoms by name, not by the file (IND C1: C, IND CL: Cl, IND CL1: Cl, "
-               "IND BR1: Br, IND BR: Br, IND SI1: Si, IND SE1: Se, IND CLA: C, ...)\n"));
+               "IND BR1: Br, IND BR: Br, IND SI1: Si, IND SE1: Se, IND CLA: C, ...); --json lists "
+               "all\n"));
   check_json(sandbox, sandbox.run({"ligand.pdb", "--dry-run", "--json"}).out,
              "[s['element'] for s in r['structure']['elements_by_name']][:3]", "['C', 'Cl', 'Cl']");
   write_file(sandbox.directory() / "whole.pdb", line_of({}));
@@ -420,6 +421,10 @@ TEST_CASE("mmCIF: atoms without an element have that of their name", "[structure
       "_atom_site.Cartn_z\n"
       "? N ALA A 52 1 2 3\n. CA ALA A 52 2.4 2 3\n? CL1 LIG B 1 9 0 0\n. ZN ZN C 1 19 0 0\n";
   CHECK(elements_of(read_mmcif(text)) == Names{"N", "C", "Cl", "Zn"});
+  // Names tell the unknown elements of amino acids, but not those of ligands.
+  const std::string head = text.substr(0, text.find("? N ALA"));
+  CHECK(elements_of(read_mmcif(head + "X SE MSE A 52 1 2 3\n")) == Names{"Se"});
+  CHECK_THROWS_AS(read_mmcif(head + "X C1 LIG A 52 1 2 3\n"), Error);
 }
 
 TEST_CASE("PDB: segments are chains where chains are blank or the same", "[structure][cli]") {
@@ -576,6 +581,13 @@ TEST_CASE("records of unknown names with coordinates give a warning", "[structur
     CHECK(sandbox.run({"measure", file}).err == "eses-blocks: warning: " + file + message);
     CHECK(sandbox.run({file, "--write", "none", "--strict"}).code == 1);
   }
+  write_file(sandbox.directory() / "b.pdb",
+             "HETATX" + line_of({}).substr(6) + "HETERO" + line_of({}).substr(6) + "ATOMS " +
+                 line_of({}).substr(6) + "atom  " + line_of({.x = 9}).substr(6) + "HETAT100000" +
+                 line_of({.x = 19}).substr(11));
+  CHECK(contains(sandbox.run({"b.pdb", "--write", "none"}).err,
+                 "3 lines have coordinates, but their record names are neither ATOM nor HETATM; "
+                 "they are not read: lines 1, 2, 3\n"));
   check_json(sandbox, sandbox.run({"a.pqr", "--dry-run", "--json"}).out,
              "r['diagnostics'][0]['first'][0]['line'], r['diagnostics'][0]['first'][0]['atom']",
              "(2, None)");

@@ -135,7 +135,7 @@ class ChainBuilder {
       gemmi::Atom atom = atom_of(row, residue.id.name);
       if (!is_in_chosen_model(row)) continue;
       if (!residue.has_number()) number_residue(atom, lines, residue);
-      if (element_.text(row).empty()) table_.guessed_elements.push_back(row.index);
+      if (element_text(row, residue.id.name).empty()) table_.guessed_elements.push_back(row.index);
       place_of(residue, row).atoms.push_back(std::move(atom));
     }
     return std::move(table_);
@@ -204,10 +204,18 @@ class ChainBuilder {
     residue.id.seqid.num = last_number_;
   }
 
+  // Returns the symbol of the file. It is empty if the names decide: names in amino acids and
+  // nucleotides tell the elements that the file marks as unknown.
+  std::string element_text(const Row& row, const std::string& residue) const {
+    std::string text = element_.text(row);
+    if (is_unknown_element(text) && is_polymer_residue(residue)) text.clear();
+    return text;
+  }
+
   gemmi::Atom atom_of(const Row& row, const std::string& residue) const {
     gemmi::Atom atom;
     atom.name = atom_name_.text(row);
-    const std::string element = element_.text(row);
+    const std::string element = element_text(row, residue);
     atom.element = gemmi::Element(element.empty() ? symbol_by_name(atom.name, residue) : element);
     atom.altloc = altloc_.character(row, "the alternate location", '\0');
     if (const std::string number = label_number_.text(row); !number.empty())

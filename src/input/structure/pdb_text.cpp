@@ -366,8 +366,9 @@ class PdbRecords {
   // decide. An atom that is named as an ion and alone in its residue is an ion, because programs
   // that derive elements from names write C for calcium, and P for potassium.
   void write_element(std::string_view line, std::string_view residue) {
-    const std::string_view given =
+    std::string_view given =
         has_element_in_segment(line) ? element_in_segment(line) : element_of_columns(line);
+    if (is_unknown_element(given) && is_polymer_residue(residue)) given = {};
     const std::string name = in_capitals(line.substr(name_columns.first, name_columns.width), line),
                       of = in_capitals(residue, line);
     NamedAtom atom{name, of};

@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "eses/error.hpp"
+#include "eses/radii.hpp"
 #include "eses/surface.hpp"
 #include "input/atom_reader.hpp"
 #include "input/other_formats.hpp"
@@ -156,6 +157,42 @@ void split_residues(gemmi::Model& model) {
   }
 }
 
+/// Returns whether an atom of a ligand has an element that follows from its name, and bonds can
+/// contradict it. The distances between alternate locations are no bonds.
+bool has_guessed_element(const gemmi::Residue& residue, const std::vector<int>& guessed) {
+  if (residue.atoms.size() < 2 || is_polymer_residue(residue.name) ||
+      gemmi::find_tabulated_residue(residue.name).is_water())
+    return false;
+  const auto is_guessed = [&](const gemmi::Atom& atom) {
+    return std::binary_search(guessed.begin(), guessed.end(), atom.serial);
+  };
+  return std::any_of(residue.atoms.begin(), residue.atoms.end(), is_guessed) &&
+         std::all_of(residue.atoms.begin(), residue.atoms.end(),
+                     [](const gemmi::Atom& atom) { return atom.altloc == '\0'; });
+}
+
+/// Corrects the elements of ligands that follow from names, as for atoms of other sources.
+void correct_guessed_elements(gemmi::Model& model, const std::vector<int>& guessed) {
+  if (guessed.empty()) return;
+  std::vector<Vec3> centers;
+  std::vector<AtomLabel> labels;
+  for (gemmi::Chain& chain : model.chains)
+    for (gemmi::Residue& residue : chain.residues) {
+      if (!has_guessed_element(residue, guessed)) continue;
+      centers.clear();
+      labels.clear();
+      for (const gemmi::Atom& atom : residue.atoms) {
+        centers.push_back({atom.pos.x, atom.pos.y, atom.pos.z});
+        labels.push_back({{}, residue.name, {}, atom.name, symbol_of(atom.element)});
+      }
+      for (const AtomIndex changed : correct_elements(centers, labels)) {
+        gemmi::Atom& atom = residue.atoms[changed];
+        if (std::binary_search(guessed.begin(), guessed.end(), atom.serial))
+          atom.element = gemmi::Element(labels[changed].element);
+      }
+    }
+}
+
 ParsedStructure parse(const StructureText& text, bool needs_occupancies) {
   const StructureOptions& options = text.options.structure;
   const auto& parse_text = text.format == AtomFormat::pdb ? parse_pdb_text : parse_mmcif_text;
@@ -168,6 +205,7 @@ ParsedStructure parse(const StructureText& text, bool needs_occupancies) {
   require_model(parsed, text.name);
   mark_residues(parsed.structure.models.front());
   split_residues(parsed.structure.models.front());
+  correct_guessed_elements(parsed.structure.models.front(), parsed.guessed_elements);
   text.require_memory(0);
   return parsed;
 }
