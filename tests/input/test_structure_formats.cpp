@@ -241,7 +241,6 @@ TEST_CASE("formats that are not read are refused with a command that converts th
                             "encoder\xa3"),
                  "BinaryCIF"));
   // A format that the user gives is used.
-  const TemporaryDirectory directory;
   const fs::path path = directory.path() / "spheres.xyz";
   std::ofstream(path) << "0 0 0 1\n";
   CHECK(contains(error_of([&] { read_atoms(path); }), "XYZ files are not read"));
