@@ -17,7 +17,7 @@ from . import _arguments, _core, _molecule
 from ._files import model_numbers, output_path, write_structure
 from ._references import CLASSES, MAIN_CHAIN, REFERENCE_PROBE_RADIUS, REFERENCES, is_amino_acid
 from ._paths import is_file, read_content, remember_files
-from ._places import remember_molecule
+from ._select import remember_molecule
 
 _Doubles = npt.NDArray[np.float64]
 _Bools = npt.NDArray[np.bool_]

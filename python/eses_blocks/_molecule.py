@@ -18,7 +18,7 @@ from ._paths import files_of, format_of, is_file, is_path, name_of, read_content
 from ._radii import (SOURCES, atoms_named, correct_elements, find_dummies, find_radii, radii_by_bonds, refuse_unknown,
                      warn_about_residues)
 from ._references import is_polymer
-from ._select import Selector
+from ._select import Selector, molecule_of
 
 _Texts = npt.NDArray[np.str_]
 _Bools = npt.NDArray[np.bool_]
@@ -227,8 +227,14 @@ def _object_source(found: Any, radii: Any, frame: int) -> _Source:
         source.files = files_of(found)
         return source
     if isinstance(found, _core.Surface):
-        return _Source(adaptors.Columns(centers=found.centers, radii=found.radii), are_read=True, set_name="given",
-                       files=files_of(found))
+        columns = adaptors.Columns(centers=found.centers, radii=found.radii)
+        if known := molecule_of(found):
+            kept, selector = known
+            names = selector.names
+            columns.names, columns.residues, columns.chains, columns.icodes, columns.numbers, columns.elements = (
+                column[kept].tolist() for column in (names.name, names.residue, names.chain, names.icode, names.residue_number,
+                                                     names.element))
+        return _Source(columns, are_read=True, set_name="given", files=files_of(found))
     if adaptors.find_adaptor(found):
         columns = adaptors.columns_of(found, frame)
         return _Source(columns, select=columns.select)

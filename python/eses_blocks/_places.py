@@ -3,27 +3,13 @@
 from __future__ import annotations
 
 import warnings
-import weakref
-from typing import Any, Optional
+from typing import Any
 
 import numpy as np
 
 from . import _core, _molecule, adaptors
 from ._references import is_polymer
-from ._select import Selector, find_points
-
-# The molecules of surfaces: the kept atoms of all, and the selector.
-_molecule_of: weakref.WeakKeyDictionary[_core.Surface, tuple[Any, Selector]] = weakref.WeakKeyDictionary()
-
-
-def remember_molecule(surface: _core.Surface, kept: Any, selector: Selector) -> None:
-    """Remembers the molecule of a surface, whose atoms are the kept ones. Its selections do not read a file again."""
-    _molecule_of[surface] = (kept, selector.without_file())
-
-
-def molecule_of(surface: _core.Surface) -> Optional[tuple[Any, Selector]]:
-    """Returns the kept atoms and the selector of a surface, if it is of a molecule."""
-    return _molecule_of.get(surface)
+from ._select import find_points, molecule_of
 
 
 def names_atoms(at: Any) -> bool:
@@ -35,10 +21,11 @@ def names_atoms(at: Any) -> bool:
 
 def _atoms_of_selection(surface: _core.Surface, at: Any) -> tuple[Any, bool]:
     """Returns the mask of a selection among the atoms of the surface, and whether it is that of ligands."""
-    if surface not in _molecule_of:
+    molecule = molecule_of(surface)
+    if molecule is None:
         raise ValueError(f"at={at!r:.40}: the surface has no names of atoms; make it from a file or a molecule, or give "
                          "a point, atoms= or balls=")
-    kept, selector = _molecule_of[surface]
+    kept, selector = molecule
     chosen = selector.mask(at, "at")[kept]
     if not chosen.any():
         raise ValueError(f"at: all atoms of {at!r:.40} are left out of the surface")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import weakref
 from typing import Any, Callable, Iterable, NamedTuple, Optional
 
 import numpy as np
@@ -16,6 +17,7 @@ _LIGAND = "ligand:"
 
 
 def listed(names: Iterable[str], limit: int = 10) -> str:
+    """Returns the names without repetitions as a text, with the number of those beyond a limit."""
     known = list(dict.fromkeys(names))
     shown = ", ".join(name or "(blank)" for name in known[:limit])
     return shown + (f" and {len(known) - limit} more" if len(known) > limit else "")
@@ -49,17 +51,30 @@ def find_points(positions: npt.NDArray[np.float64], points: npt.NDArray[np.float
     return found
 
 
+def _may_be_left_out(columns: adaptors.Columns) -> _Bools:
+    """Marks the atoms of an object that are left out when a file is read: hydrogens, waters and alternate locations."""
+    centers = np.array(columns.centers, float)
+    count = len(centers)
+    residues, names, elements, altlocs = ([str(value or "") for value in column or [""] * count] for column in (
+        columns.residues, columns.names, columns.elements, columns.altlocs))
+    keys = list(zip(columns.chains or [""] * count, columns.numbers or range(count), columns.icodes or [""] * count, residues))
+    order = {key: k for k, key in enumerate(dict.fromkeys(keys))}
+    symbols, _, waters = _core._correct_elements([order[key] for key in keys], residues, names, elements, centers)
+    marks: _Bools = np.isin(symbols, ["H", "D"]) | np.array(waters, bool) | [bool(text.strip()) for text in altlocs]
+    return marks
+
+
 class Selector:
     """Selections of the atoms of a molecule by its columns of names, a value for each atom. `own` returns the
     mask of a selection in gemmi's syntax or, with `syntax`, in the language of the molecule's library, which
     `syntax` names with an example."""
 
     def __init__(self, names: Any, own: Optional[Callable[[Any], Any]] = None, syntax: str = "") -> None:
-        self._names = _Names(*(getattr(names, name) for name in _Names._fields))
+        self.names = _Names(*(getattr(names, name) for name in _Names._fields))
         self._own, self._syntax = own, syntax if own is not None else ""
 
     def __reduce__(self) -> Any:
-        return Selector, (self._names,)  # without the library's objects and the file
+        return Selector, (self.names,)  # without the library's objects and the file
 
     def mask(self, chosen: Any, what: str) -> _Bools:
         """Returns the mask of a selection, a part of a molecule as an object of a library, a mask or indices.
@@ -80,11 +95,11 @@ class Selector:
 
     def without_file(self) -> Selector:
         """Returns a selector by the columns of names, or by the library of the molecule."""
-        return self if self._syntax else Selector(self._names)
+        return self if self._syntax else Selector(self.names)
 
     def ligand(self, text: str) -> bool:
         """Whether a selection is that of ligands by their names, or of all."""
-        return text.startswith(_LIGAND) or (text == "ligand" and text not in self._names.chain)
+        return text.startswith(_LIGAND) or (text == "ligand" and text not in self.names.chain)
 
     def _of_own(self, chosen: Any, what: str) -> _Bools:
         try:
@@ -94,16 +109,21 @@ class Selector:
 
     def _of_part(self, part: Any, what: str) -> _Bools:
         """Returns the mask of the atoms at the positions of a part of the molecule."""
-        found = find_points(self._names.positions, np.array(adaptors.columns_of(part).centers, float).reshape(-1, 3))
-        if not (found >= 0).all():
-            raise ValueError(f"{what}: {int((found < 0).sum())} of {len(found)} atoms of the given "
+        columns = adaptors.columns_of(part)
+        found = find_points(self.names.positions, np.array(columns.centers, float).reshape(-1, 3))
+        is_known = found >= 0
+        missing = ~is_known
+        if is_known.any() and missing.any():
+            missing &= ~_may_be_left_out(columns)
+        if missing.any():
+            raise ValueError(f"{what}: {int(missing.sum())} of {len(found)} atoms of the given "
                              f"{type(part).__name__} are not at the positions of atoms of the molecule")
-        mask = np.zeros(len(self._names.name), bool)
-        mask[found] = True
+        mask = np.zeros(len(self.names.name), bool)
+        mask[found[is_known]] = True
         return mask
 
     def _of_numbers(self, chosen: Any, what: str) -> _Bools:
-        count = len(self._names.name)
+        count = len(self.names.name)
         given = np.asarray(chosen)
         if given.dtype == bool:
             if given.shape != (count,):
@@ -119,7 +139,7 @@ class Selector:
         return mask
 
     def _of_text(self, text: str, what: str) -> _Bools:
-        names = self._names
+        names = self.names
         if text.startswith(_LIGAND):
             return self._of_residue(text.removeprefix(_LIGAND), what)
         chains = [name.strip() for name in re.split("[+,]", text)]
@@ -154,19 +174,19 @@ class Selector:
 
     def _of_residue(self, name: str, what: str) -> _Bools:
         chain, slash, residue = name.rpartition("/")
-        names = self._names
+        names = self.names
         mask: _Bools = names.residue == residue
         if slash:  # CHAIN/NUMBER or CHAIN/NAME
             numbers = np.char.add(names.residue_number.astype(str), names.icode)
             mask = (names.chain == chain) & (mask | (numbers == residue))
         if not mask.any():
-            residues = sorted(dict.fromkeys(self._names.residue.tolist()), key=is_polymer)  # ligands first
+            residues = sorted(dict.fromkeys(self.names.residue.tolist()), key=is_polymer)  # ligands first
             raise ValueError(f"{what}: no residue {name!r}; the residues are {listed(residues)}")
         return mask
 
     def _of_gemmi(self, text: Optional[str]) -> _Bools:
         """Returns the mask of a selection in gemmi's syntax; without one, that of all ligands."""
-        names = self._names
+        names = self.names
         numbers = [f"{number}{icode}" for number, icode in zip(names.residue_number.tolist(), names.icode.tolist())]
         rows = list(zip(names.chain.tolist(), names.residue.tolist(), numbers, names.name.tolist(),
                         names.element.tolist()))
@@ -174,9 +194,23 @@ class Selector:
 
     def _contents(self) -> str:
         """Returns the chains with their residues, for messages."""
-        names = self._names
+        names = self.names
         texts = []
         for chain in dict.fromkeys(names.chain.tolist()):
             numbers = names.residue_number[names.chain == chain]
             texts.append(f"{chain or '(blank)'} (residues {numbers.min()} to {numbers.max()})")
         return f"the chains are {listed(texts)}"
+
+
+# The molecules of surfaces: the kept atoms of all, and the selector.
+_molecule_of: weakref.WeakKeyDictionary[_core.Surface, tuple[Any, Selector]] = weakref.WeakKeyDictionary()
+
+
+def remember_molecule(surface: _core.Surface, kept: Any, selector: Selector) -> None:
+    """Remembers the molecule of a surface, whose atoms are the kept ones. Its selections do not read a file again."""
+    _molecule_of[surface] = (kept, selector.without_file())
+
+
+def molecule_of(surface: _core.Surface) -> Optional[tuple[Any, Selector]]:
+    """Returns the kept atoms and the selector of a surface, if it is of a molecule."""
+    return _molecule_of.get(surface)

@@ -258,7 +258,7 @@ void construct_surface(py::detail::value_and_holder& self, const py::object& cen
   warn_about(surface.diagnostics());
   construct(self, std::move(surface), files);
   if (selector)
-    py::module_::import("eses_blocks._places")
+    py::module_::import("eses_blocks._select")
         .attr("remember_molecule")(py::handle(reinterpret_cast<PyObject*>(self.inst)),
                                    molecule.attr("kept"), selector);
 }
@@ -267,7 +267,7 @@ py::tuple surface_state(const py::object& surface) {
   return py::make_tuple(surface.attr("centers"), surface.attr("radii"),
                         surface.attr("probe_radius"), surface.attr("fill_cavities"),
                         surface.attr("surface"), files_of(surface),
-                        py::module_::import("eses_blocks._places").attr("molecule_of")(surface));
+                        py::module_::import("eses_blocks._select").attr("molecule_of")(surface));
 }
 
 void set_surface_state(py::detail::value_and_holder& self, const py::tuple& state) {
@@ -277,7 +277,7 @@ void set_surface_state(py::detail::value_and_holder& self, const py::tuple& stat
   const auto probe = kind == "vdw" ? std::nullopt : std::optional(probe_radius);
   construct(self, make_surface(centers, radii, probe, kind, fill_cavities, {1}), files);
   if (molecule)
-    py::module_::import("eses_blocks._places")
+    py::module_::import("eses_blocks._select")
         .attr("remember_molecule")(py::handle(reinterpret_cast<PyObject*>(self.inst)),
                                    molecule->first, molecule->second);
 }

@@ -114,6 +114,29 @@ def test_parts_of_objects_are_selections(path, library):
         eses.measure(([[500, 0, 0]], [1.5]), report=part)
 
 
+def test_parts_may_have_atoms_that_files_leave_out(path):
+    hydrogen = "ATOM     30  HA  ALA A  10      11.000   6.900  -7.300  1.00  0.00           H\n"
+    path.write_text(TEXT.replace("TER", hydrogen + "TER", 1))
+    model = opened("gemmi", path)[0]
+    assert reported(eses.measure(path, report=model["A"])) == ["ALA", "SER"]
+    assert reported(eses.measure(path, report=model["B"])) == ["ZN"]
+    with pytest.raises(ValueError, match="report: 1 of 1 atoms of the given Residue are not at"):
+        eses.measure(path, report=model["B"][1])  # a water
+    model["A"][0][0].pos.x += 1
+    with pytest.raises(ValueError, match="report: 1 of .* atoms of the given Chain are not at"):
+        eses.measure(path, report=model["A"])
+
+
+def test_surfaces_of_molecules_have_names(path):
+    surface = eses.Surface(path)
+    assert reported(eses.measure(surface, report="ligand")) == ["STI", "GOL"]
+    assert reported(eses.measure(surface, select="B")) == ["ZN"]
+    assert eses.measure(surface).polar == eses.measure(path).polar
+    assert eses.interface(surface, "ligand:STI").sas_area == eses.interface(path, "ligand:STI").sas_area
+    chosen = eses.Surface(path, select="//C")
+    assert eses.measure(chosen).atoms["residue"].tolist() == ["STI", "STI", "GOL", "GOL"]
+
+
 def test_residues_of_mdanalysis_are_not_indices_of_atoms(path):
     universe = opened("MDAnalysis", path)
     assert reported(eses.measure(universe, report=universe.residues[-1])) == reported(
