@@ -160,7 +160,8 @@ def test_messages_name_the_language(path, library, text, hint):
 
 @pytest.mark.parametrize(("options", "message"), [
     ({"select": "protein"}, 'selection: invalid selection syntax, expected .*, found "protein"; its chains are A, B, C$'),
-    ({"select": "A+D"}, 'selection: invalid selection syntax, expected .*, found "A.D"'),
+    ({"select": "A+D"}, "selection: no atoms of chain D; its chains are A, B, C$"),
+    ({"select": "ligand:HEM"}, "selection: no atoms of residue HEM; the residues are "),
     ({"chains": ["D"]}, r"there is no chain \"D\" \(chains=\)"), ({"model": 7}, r"there is no model 7 \(model=\)"),
     ({"select": "/2/A"}, "the selection names model 2, but model .* is read; use model=2$"),
     ({"select": "//*//[O]", "radii": "bondi", "chains": ["B"]}, r"of water \(waters=True keeps them\)|1 not selected")])

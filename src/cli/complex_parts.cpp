@@ -12,9 +12,9 @@
 #include "cli/arguments.hpp"
 #include "cli/messages.hpp"
 #include "eses/error.hpp"
+#include "eses/radii.hpp"
 #include "eses/select_atoms.hpp"
 #include "input/other_formats.hpp"
-#include "input/pdb_elements.hpp"
 #include "input/residue_runs.hpp"
 #include "input/text_fields.hpp"
 #include "input/text_source.hpp"
@@ -23,33 +23,14 @@
 namespace eses::detail::cli {
 namespace {
 
-constexpr std::string_view all_ligands = "ligand", ligand_prefix = "ligand:";
-
-/// Returns the different texts in the order of first occurrence.
-std::vector<std::string> different(std::span<const AtomLabel> labels,
-                                   std::string AtomLabel::*name) {
-  std::vector<std::string> texts;
-  std::set<std::string_view> seen;
-  for (const AtomLabel& label : labels)
-    if (seen.insert(label.*name).second) texts.push_back(label.*name);
-  return texts;
+/// Returns an error about a selection, with its option.
+Error with_origin(const Error& error, std::string_view option, const std::string& selection) {
+  return Error(formatted("{} ({} {})", error.what(), option, printable(selection)));
 }
 
-/// Returns names for messages. PQR files often have a blank name.
-std::string list_of(const std::vector<std::string>& names) {
-  return first_texts(names, 10, [](const std::string& name) {
-    return name.empty() ? "(blank)" : printable(name);
-  });
-}
-
-/// Returns whether each atom of the file is in a selection.
-std::vector<bool> selected(const std::string& selection, const DividedFile& file,
-                           std::string_view option) {
-  const bool is_pdb = is_structure(format_of(file.path, file.reading.format));
-  if (!is_pdb && !file.labels.empty()) return select_atoms(file.labels, selection);
-  if (!is_pdb)
-    throw Error(formatted("{}: selections such as {} ({}) need a PDB or mmCIF file",
-                          input_name(file.path), printable(selection), option));
+/// Returns whether each atom of a PDB or mmCIF file, which is read again, is in a selection.
+std::vector<bool> selected_in_structure(const std::string& selection, const DividedFile& file,
+                                        std::string_view option) {
   if (file.path == "-")
     throw Error(formatted("<stdin>: selections ({}) read the file twice; give its name", option));
   ReadOptions reading = file.reading;
@@ -59,8 +40,10 @@ std::vector<bool> selected(const std::string& selection, const DividedFile& file
   AtomFile found;
   try {
     found = read_atoms(file.path, reading);
+  } catch (const EmptyPart&) {
+    return std::vector<bool>(file.labels.size());
   } catch (const Error& error) {
-    throw Error(formatted("{} ({} {})", error.what(), option, printable(selection)));
+    throw with_origin(error, option, selection);
   }
   std::set<std::uint64_t> lines(found.lines.begin(), found.lines.end());
   std::set<std::tuple<std::uint64_t, std::string, std::string>> names;
@@ -76,15 +59,23 @@ std::vector<bool> selected(const std::string& selection, const DividedFile& file
   return is_in;
 }
 
-/// Moves the names of residues that are no amino acids and nucleotides to the front.
-std::vector<std::string> ligands_first(std::vector<std::string> residues) {
-  std::stable_partition(residues.begin(), residues.end(),
-                        [](const std::string& name) { return !is_named_polymer(name); });
-  return residues;
+/// Returns whether each atom of the file is in a selection.
+std::vector<bool> selected(const std::string& selection, const DividedFile& file,
+                           std::string_view option) {
+  if (is_structure(format_of(file.path, file.reading.format)))
+    return selected_in_structure(selection, file, option);
+  if (file.labels.empty())
+    throw Error(formatted("{}: selections such as {} ({}) need a PDB or mmCIF file",
+                          input_name(file.path), printable(selection), option));
+  try {
+    return select_atoms(file.labels, selection);
+  } catch (const Error& error) {
+    throw with_origin(error, option, selection);
+  }
 }
 
-/// Returns what a name of a chain that no atom has was probably meant for: the name or the number
-/// of a residue, also in the notations of other programs, such as A:57 or LYS57.
+/// Returns a hint about a name that is no chain: the residue with this name or number. Notations of
+/// other programs, such as A:57 or LYS57, are understood.
 std::string advice_for_chain(const DividedFile& file, const std::string& name) {
   const std::size_t last = name.find_last_not_of("0123456789");
   const std::string number = last == std::string::npos ? name : name.substr(last + 1);
@@ -96,73 +87,36 @@ std::string advice_for_chain(const DividedFile& file, const std::string& name) {
     if (number.empty() || label.residue_number != number) continue;
     if (found == nullptr || (found->chain != chain && label.chain == chain)) found = &label;
   }
-  return found == nullptr ? "" : formatted("; residue {1} is //{0}/{1}", found->chain, number);
+  if (found == nullptr) return "";
+  return found->chain.empty() ? formatted("; residue {0} is ligand:/{0}", number)
+                              : formatted("; residue {1} is //{0}/{1}", found->chain, number);
 }
 
-/// Returns what a name of a ligand that no atom has was probably meant for.
-std::string advice_for_ligand(const DividedFile& file, const std::string& name) {
-  for (const AtomLabel& label : file.labels) {
-    if (lower_case(label.residue) == lower_case(name))
-      return formatted("; did you mean {}?", label.residue);
-    if (label.residue_number == name)
-      return formatted("; residue {1} is {0}/{1}", label.chain, name);
-  }
-  return "";
+/// Returns whether a name of a residue, which may have a chain, is that of water.
+bool is_water_name(std::string_view residue) {
+  const std::string name(residue.substr(residue.find('/') + 1));
+  const std::vector<AtomLabel> oxygen{
+      {.chain = {}, .residue = name, .residue_number = {}, .atom_name = "O", .element = "O"}};
+  return find_waters(oxygen).front();
 }
 
-/// Throws Error about a name that no atom has.
-[[noreturn]] void refuse_unknown(const DividedFile& file, std::string_view what,
-                                 const std::string& name, std::string_view option,
-                                 const std::vector<std::string>& known, const std::string& advice) {
-  throw Error(formatted("{}: no atoms of {} {}, which {} names; the {}s are {}{}",
-                        input_name(file.path), what, printable(name), option, what, list_of(known),
-                        advice));
-}
-
-/// Returns whether the name of a ligand is a selection in gemmi's syntax. Otherwise it is NAME,
-/// CHAIN/NUMBER or CHAIN/NAME.
-bool is_selection(std::string_view ligand) {
-  return ligand.starts_with('/') || std::ranges::count(ligand, '/') > 1 ||
-         ligand.find_first_of("([;") != std::string_view::npos;
-}
-
-/// Returns whether an atom belongs to a ligand whose name is no selection.
-bool is_in_ligand(const AtomLabel& label, std::string_view ligand) {
-  const std::size_t slash = ligand.find('/');
-  if (slash == std::string_view::npos) return label.residue == ligand;
-  const std::string_view residue = ligand.substr(slash + 1);
-  return label.chain == ligand.substr(0, slash) &&
-         (label.residue_number == residue || label.residue == residue);
-}
-
-/// Returns CHAIN/NUMBER of the residues that are no amino acids and nucleotides, with their names.
-std::vector<std::string> numbered_ligands(std::span<const AtomLabel> labels) {
-  std::vector<std::string> names;
-  residue_runs(labels).for_each([&](const AtomLabel& label, std::size_t, std::size_t) {
-    if (!is_named_polymer(label.residue))
-      names.push_back(formatted("{}/{} ({})", label.chain, label.residue_number, label.residue));
-  });
-  return names;
-}
-
-/// Returns whether each atom of the file belongs to a ligand. Throws Error if none does.
-std::vector<bool> atoms_of_ligand(const std::string& ligand, const DividedFile& file,
-                                  std::string_view option) {
-  if (is_selection(ligand)) return selected(ligand, file, option);
-  std::vector<bool> is_in;
-  for (const AtomLabel& label : file.labels) is_in.push_back(is_in_ligand(label, ligand));
+/// Returns whether each atom of the file is in a residue. Throws Error if none is.
+std::vector<bool> atoms_of_residue(const NamedPart& part, const DividedFile& file,
+                                   std::string_view option) {
+  std::vector<bool> is_in = part.atoms_in(file.labels);
   if (std::ranges::find(is_in, true) != is_in.end()) return is_in;
-  const std::vector<std::string> numbered = ligand.find('/') == std::string::npos
-                                                ? std::vector<std::string>()
-                                                : numbered_ligands(file.labels);
-  if (!numbered.empty()) refuse_unknown(file, "ligand", ligand, option, numbered, "");
-  refuse_unknown(file, "residue", ligand, option,
-                 ligands_first(different(file.labels, &AtomLabel::residue)),
-                 advice_for_ligand(file, ligand));
+  const std::string origin = formatted(", which {} names", option);
+  const bool lacks_waters = is_structure(format_of(file.path, file.reading.format)) &&
+                            !file.reading.structure.with_waters && is_water_name(part.residue);
+  if (lacks_waters)
+    throw Error(formatted("{}: no atoms of {}{}; waters are left out (--waters keeps them)",
+                          input_name(file.path), printable(part.residue), origin));
+  throw Error(formatted("{}: {}", input_name(file.path),
+                        unknown_residue_text(file.labels, part.residue, origin)));
 }
 
 /// Returns whether a part is a number or a range that no chain has as its name: those of residues.
-bool names_residue(const PartSelector& part, std::span<const AtomLabel> labels) {
+bool names_residue(const NamedPart& part, std::span<const AtomLabel> labels) {
   if (part.chains.size() != 1) return false;
   const std::string& name = part.chains.front();
   const std::size_t first = name.starts_with('-') ? 1 : 0;
@@ -170,14 +124,47 @@ bool names_residue(const PartSelector& part, std::span<const AtomLabel> labels) 
          std::ranges::find(labels, name, &AtomLabel::chain) == labels.end();
 }
 
+/// Returns whether each atom of the file is in chains, or in residues whose numbers no chain has as
+/// its name. Throws Error if the file lacks one of them.
+std::vector<bool> atoms_of_chains(const NamedPart& part, const DividedFile& file,
+                                  std::string_view option) {
+  const bool is_residue = names_residue(part, file.labels);
+  std::vector<bool> is_in =
+      is_residue ? select_atoms(file.labels, part.chains.front()) : part.atoms_in(file.labels);
+  if (is_residue && std::ranges::find(is_in, true) != is_in.end()) return is_in;
+  const std::vector<std::string> known = different_names(file.labels, &AtomLabel::chain);
+  for (const std::string& chain : part.chains)
+    if (std::ranges::find(known, chain) == known.end())
+      throw Error(formatted("{}: no atoms of chain {}{}, which {} names; the chains are {}{}",
+                            input_name(file.path), is_residue ? "or residue " : "",
+                            printable(chain), option, first_names(known),
+                            advice_for_chain(file, chain)));
+  return is_in;
+}
+
 /// Returns whether a part of chains leaves atoms to another part, as its ligands.
 bool gives_ligands_to(const PartSelector& part, const PartSelector& other) {
-  return !part.chains.empty() && other.is_ligand();
+  return !part.named.chains.empty() && other.is_ligand();
+}
+
+/// Throws Error if all atoms of a part belong to other parts, of ligands.
+void refuse_empty_parts(const PartChoice& choice, const ComplexParts& parts,
+                        const DividedFile& file, std::string_view option) {
+  const std::set<std::uint32_t> numbers(parts.part_of_atom.begin(), parts.part_of_atom.end());
+  for (std::uint32_t part = 0; part < choice.parts.size(); ++part) {
+    if (numbers.contains(part)) continue;
+    std::vector<std::string> ligands;
+    for (const PartSelector& other : choice.parts)
+      if (gives_ligands_to(choice.parts[part], other)) ligands.push_back(printable(other.text));
+    throw Error(formatted("{}: part {} of {} is empty: all its atoms belong to {}",
+                          input_name(file.path), printable(parts.names[part]), option,
+                          fmt::join(ligands, ", ")));
+  }
 }
 
 ComplexParts divide_by_chain(std::span<const AtomLabel> labels) {
   ComplexParts parts;
-  parts.names = different(labels, &AtomLabel::chain);
+  parts.names = different_names(labels, &AtomLabel::chain);
   if (parts.names.size() < 2) return {};
   std::map<std::string_view, std::uint32_t> numbers;
   for (const std::string& name : parts.names)
@@ -189,27 +176,17 @@ ComplexParts divide_by_chain(std::span<const AtomLabel> labels) {
 }  // namespace
 
 std::string name_of(const PartSelector& part) {
-  if (part.all_ligands) return std::string(all_ligands);
-  if (!part.ligand.empty()) return part.ligand;
-  return part.chains.empty() ? part.selection : formatted("{}", fmt::join(part.chains, ","));
+  if (!part.named.chains.empty()) return formatted("{}", fmt::join(part.named.chains, ","));
+  return part.text.substr(part.text.starts_with(ligand_prefix) ? ligand_prefix.size() : 0);
 }
 
 std::vector<bool> atoms_in(const PartSelector& part, const DividedFile& file,
                            std::string_view option) {
-  std::vector<bool> is_in(file.labels.size());
-  if (names_residue(part, file.labels)) is_in = select_atoms(file.labels, part.chains.front());
-  const bool has_residue = std::ranges::find(is_in, true) != is_in.end();
-  for (const std::string& chain : part.chains) {
-    bool is_found = has_residue;
-    for (std::size_t i = 0; i < is_in.size(); ++i)
-      if (file.labels[i].chain == chain) is_in[i] = is_found = true;
-    if (!is_found)
-      refuse_unknown(file, "chain", chain, option, different(file.labels, &AtomLabel::chain),
-                     advice_for_chain(file, chain));
-  }
-  if (!part.ligand.empty()) is_in = atoms_of_ligand(part.ligand, file, option);
-  if (!part.selection.empty()) is_in = selected(part.selection, file, option);
-  if (part.all_ligands) is_in = find_ligand_atoms(file.labels);
+  const NamedPart& named = part.named;
+  if (!named.chains.empty()) return atoms_of_chains(named, file, option);
+  if (!named.residue.empty()) return atoms_of_residue(named, file, option);
+  std::vector<bool> is_in =
+      named.all_ligands ? find_ligand_atoms(file.labels) : selected(named.selection, file, option);
   if (std::ranges::find(is_in, true) == is_in.end())
     throw Error(formatted("{}: no atoms of {}, which {} names", input_name(file.path),
                           printable(name_of(part)), option));
@@ -218,30 +195,31 @@ std::vector<bool> atoms_in(const PartSelector& part, const DividedFile& file,
 
 std::optional<PartSelector> part_selector_in(std::string_view text) {
   PartSelector part{.text = std::string(text)};
-  if (text.starts_with(ligand_prefix)) {
-    part.ligand = text.substr(ligand_prefix.size());
-    return part.ligand.empty() ? std::nullopt : std::optional(part);
+  if (std::optional<NamedPart> ligand = ligand_part(text)) {
+    part.named = *std::move(ligand);
+  } else if (text == ligand_prefix) {
+    return std::nullopt;
+  } else if (text.find_first_of("/([;") != std::string_view::npos) {
+    part.named.selection = text;
+  } else {
+    std::string chains(text);
+    std::ranges::replace(chains, '+', ',');
+    const auto names = names_in(chains);
+    if (!names) return std::nullopt;
+    part.named.chains = *names;
   }
-  if (text == all_ligands) {
-    part.all_ligands = true;
-    return part;
-  }
-  if (text.find_first_of("/([;") != std::string_view::npos) {
-    part.selection = text;
-    return part;
-  }
-  std::string chains(text);
-  std::ranges::replace(chains, '+', ',');
-  const auto names = names_in(chains);
-  if (!names) return std::nullopt;
-  part.chains = *names;
   return part;
+}
+
+std::optional<PartSelector> ligand_selector_in(const std::string& text) {
+  const bool is_complete = text == all_ligands_text || text.starts_with(ligand_prefix);
+  return part_selector_in(is_complete ? text : std::string(ligand_prefix) + text);
 }
 
 void refuse_repeated_chains(const PartChoice& choice, std::string_view option) {
   std::set<std::string_view> names;
   for (const PartSelector& part : choice.parts)
-    for (const std::string& chain : part.chains)
+    for (const std::string& chain : part.named.chains)
       if (!names.insert(chain).second)
         throw UsageError(formatted("{} names chain {} twice", option, chain));
 }
@@ -265,18 +243,22 @@ ComplexParts divide(const PartChoice& choice, const DividedFile& file, std::stri
                               printable(parts.names[other]), printable(parts.names[number])));
     }
   }
+  refuse_empty_parts(choice, parts, file, option);
   return parts;
 }
 
-std::vector<ComplexParts> divide_by_ligand(const std::string& ligand, const DividedFile& file) {
-  const std::vector<bool> is_in = atoms_of_ligand(ligand, file, "--ligand");
+std::vector<ComplexParts> divide_by_ligand(const PartSelector& ligand, const DividedFile& file) {
+  const std::vector<bool> is_in = atoms_in(ligand, file, "--ligand");
   std::vector<ComplexParts> divisions;
   residue_runs(file.labels)
       .for_each([&](const AtomLabel& label, std::size_t begin, std::size_t end) {
+        const auto at = [&](std::size_t i) {
+          return is_in.begin() + static_cast<std::ptrdiff_t>(i);
+        };
+        if (std::find(at(begin), at(end), true) == at(end)) return;
         std::vector<std::uint32_t> part_of_atom(file.labels.size(), 1);
         for (std::size_t i = begin; i < end; ++i)
           if (is_in[i]) part_of_atom[i] = 0;
-        if (std::ranges::find(part_of_atom, 0U) == part_of_atom.end()) return;
         divisions.push_back({{residue_name(label), "all other atoms"}, std::move(part_of_atom)});
       });
   return divisions;

@@ -12,18 +12,16 @@
 #include "eses/atoms.hpp"
 #include "eses/interface.hpp"
 #include "eses/read_atoms.hpp"
+#include "input/named_part.hpp"
 
 namespace eses::detail::cli {
 
-/// The atoms of a part, as the command line names them. One of the members is chosen.
+/// The atoms of a part, as the command line names them.
 struct PartSelector {
   std::string text = {};  ///< as it was given
-  std::vector<std::string> chains = {};
-  std::string ligand = {};     ///< a residue: NAME, CHAIN/NUMBER, CHAIN/NAME, or a selection
-  std::string selection = {};  ///< in gemmi's syntax, such as //A/10-20
-  bool all_ligands = false;    ///< all residues of find_ligand_atoms
+  NamedPart named = {};
 
-  bool is_ligand() const { return all_ligands || !ligand.empty(); }
+  bool is_ligand() const { return ligand_part(text).has_value(); }
 };
 
 /// The parts of a complex.
@@ -39,11 +37,12 @@ inline constexpr std::string_view part_texts =
     "chains such as A or A+B, ligand:NAME, ligand:CHAIN/NUMBER, ligand, or a selection such as "
     "//A/10-20";
 
-/// Returns the part of a text: `A,B` or `A+B` for chains, `ligand:` with the name of a residue
-/// (see PartSelector::ligand), `ligand` for all ligands,
-/// or a selection, which has a slash, a bracket or a semicolon. Nothing if the text is none of
-/// these.
+/// Returns the part of a text: `A,B` or `A+B` for chains, a ligand (see ligand_part), or a
+/// selection, which has a slash, a bracket or a semicolon. Nothing if the text is none of these.
 std::optional<PartSelector> part_selector_in(std::string_view text);
+
+/// Returns the part of a ligand whose text may lack `ligand:`, or nothing if the text is empty.
+std::optional<PartSelector> ligand_selector_in(const std::string& text);
 
 /// Returns the name of a part for reports.
 std::string name_of(const PartSelector& part);
@@ -76,7 +75,7 @@ std::vector<bool> atoms_in(const PartSelector& part, const DividedFile& file,
 ComplexParts divide(const PartChoice& choice, const DividedFile& file, std::string_view option);
 
 /// Returns, for each residue of a ligand, its division from all other atoms. The first part is the
-/// residue. Throws Error if there is none. See PartSelector::ligand for the name.
-std::vector<ComplexParts> divide_by_ligand(const std::string& ligand, const DividedFile& file);
+/// residue. Throws Error, which names --ligand, if there is none.
+std::vector<ComplexParts> divide_by_ligand(const PartSelector& ligand, const DividedFile& file);
 
 }  // namespace eses::detail::cli

@@ -31,7 +31,7 @@ std::vector<ComplexParts> divisions_of(const InterfaceOptions& options, const Re
                                        const InterfaceFile& found) {
   const AtomFile& file = found.file;
   const DividedFile divided{found.path, reading, file.labels, file.lines};
-  if (!options.ligand.empty()) return divide_by_ligand(options.ligand, divided);
+  if (options.ligand) return divide_by_ligand(*options.ligand, divided);
   return {divide(options.groups, divided, "--groups")};
 }
 
@@ -139,9 +139,9 @@ InputResult measure_input(const InterfaceOptions& options, std::size_t input, Ta
   const InterfaceFile file = read_interfaces(options, input, [&files] { files.check(); });
   write_tables(options, input, file, files);
   const bool has_report = options.table == InterfaceTable::report && !options.prints_csv;
-  if (file.interfaces.empty() && !has_report && !options.quiet)
-    print_message("note",
-                  formatted("{}: {}", input_name(file.path), no_interface_reason(options, file)));
+  if (!has_report && !options.quiet)
+    if (const std::string reason = empty_table_reason(options, file); !reason.empty())
+      print_message("note", formatted("{}: {}", input_name(file.path), reason));
   return {printed_text(options, input, file),
           interface_rows(options, InterfaceTable::interfaces, file,
                          csv_field(file.path.string()) + ",", ",")};

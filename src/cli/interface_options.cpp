@@ -79,10 +79,12 @@ void add_interface_options(CLI::App& app, InterfaceOptions& options, InputChoice
   add_parts(app, "--groups", "GROUP GROUP", "the two sides, such as A+B C [each chain is a side]",
             options.groups.parts)
       ->expected(2);
-  add_value(app, "--ligand", "LIGAND",
-            "each residue of this name (STI), this residue (A/401), or\n"
-            "each of a selection, against all other atoms of the file",
-            options.ligand, any_text("a residue, such as HEM or A/401, or a selection"));
+  add_value(
+      app, "--ligand", "LIGAND",
+      "each residue of this name (STI), this residue (A/401), or\n"
+      "each of a selection, against all other atoms of the file",
+      options.ligand,
+      Format<PartSelector>{ligand_selector_in, "a residue, such as HEM or A/401, or a selection"});
   add_value(app, "--probe-radius", "ANGSTROM",
             formatted("radius of the solvent probe [{}]", options.probe_radius),
             options.probe_radius, length_between(min_probe_radius, max_probe_radius));
@@ -146,9 +148,9 @@ InterfaceOptions parse_interface_arguments(const Arguments& arguments) {
   refuse_repeated_chains(options.groups, "--groups");
   if (!options.groups.by_chain && options.groups.parts.size() != 2)
     throw UsageError("--groups needs two sides, such as --groups A+B C");
-  if (!options.ligand.empty() && !options.groups.by_chain)
-    throw UsageError(formatted(
-        "--ligand cannot be combined with --groups; use --groups ligand:{} A", options.ligand));
+  if (options.ligand && !options.groups.by_chain)
+    throw UsageError(formatted("--ligand cannot be combined with --groups; use --groups {} A",
+                               options.ligand->text));
   return options;
 }
 

@@ -38,7 +38,7 @@ struct InterfaceOptions {
   AtomFormat format = AtomFormat::automatic;
   StructureOptions structure;  ///< for PDB and mmCIF files
   PartChoice groups{.by_chain = true};
-  std::string ligand;  ///< name of the residues to compare with all other atoms; empty for groups
+  std::optional<PartSelector> ligand;  ///< residues that are each compared with all other atoms
   double probe_radius = SurfaceOptions().probe_radius;
   double min_area = 0;           ///< least SAS interface area of an interface, square angstrom
   double min_residue_area = 15;  ///< least SAS area that an interface residue loses

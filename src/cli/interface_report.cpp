@@ -271,15 +271,27 @@ std::string interface_json(const InterfaceOptions& options, const InterfaceFile&
 std::string no_interface_reason(const InterfaceOptions& options, const InterfaceFile& file) {
   std::set<std::string_view> chains;
   for (const AtomLabel& label : file.file.labels) chains.insert(label.chain);
-  const bool is_by_chain = options.groups.by_chain && options.ligand.empty();
+  const bool is_by_chain = options.groups.by_chain && !options.ligand;
   if (is_by_chain && chains.size() == 1)
     return "the file has a single chain; --ligand NAME, --groups and --assembly ID choose other "
            "sides";
   if (options.min_area > 0)
     return formatted("no interface has {} A^2, the area of --area-cutoff", options.min_area);
   if (is_by_chain) return "no chains touch each other";
-  return options.ligand.empty() ? "the two sides do not touch each other"
-                                : "the ligand touches no other atoms";
+  return options.ligand ? "the ligand touches no other atoms"
+                        : "the two sides do not touch each other";
+}
+
+std::string empty_table_reason(const InterfaceOptions& options, const InterfaceFile& file) {
+  if (file.interfaces.empty()) return no_interface_reason(options, file);
+  constexpr InterfaceTable residues = InterfaceTable::residues;
+  const bool has_table =
+      options.table == residues ||
+      std::ranges::find(options.written_tables, residues, &NamedInterfaceTable::table) !=
+          options.written_tables.end();
+  if (!has_table || !interface_rows(options, residues, file).empty()) return "";
+  return formatted("no residue loses {} A^2, the area of --residue-cutoff",
+                   options.min_residue_area);
 }
 
 std::string interface_heading(InterfaceTable table) {

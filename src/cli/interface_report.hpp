@@ -34,6 +34,9 @@ struct InterfaceFile {
 /// Returns why a file has no interfaces.
 std::string no_interface_reason(const InterfaceOptions& options, const InterfaceFile& file);
 
+/// Returns why the tables of interfaces or residues have no rows; empty if they have some.
+std::string empty_table_reason(const InterfaceOptions& options, const InterfaceFile& file);
+
 /// Returns the heading of a table as CSV; empty for the report and for files of atoms.
 std::string interface_heading(InterfaceTable table);
 

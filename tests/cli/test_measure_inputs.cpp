@@ -149,7 +149,7 @@ TEST_CASE("measure: bad requests are refused") {
   fails({"measure", "dimer.pqr", "--parts", "A|X"},
         "dimer.pqr: no atoms of chain X, which --parts names; the chains are A, B, C");
   fails({"measure", "dimer.pqr", "--report", "99"},
-        "dimer.pqr: no atoms of chain 99, which --report names; the chains are A, B, C");
+        "dimer.pqr: no atoms of chain or residue 99, which --report names; the chains are A, B, C");
   CHECK(contains(box.run({"measure", "dimer.pqr", "--report", "2"}).out, "report 2: 1 atom, "));
   fails({"measure", "dimer.pqr", "--report", "GLY"},
         "dimer.pqr: no atoms of chain GLY, which --report names; the chains are A, B, C; residue "

@@ -181,6 +181,14 @@ class Reports(Case):
         done = self.call("measure", path, "--report", "/2/A", code=1)
         self.assertIn("the selection names model 2, but model 1 is read; use --model 2 (--report /2/A)", done.stderr)
         self.assertNotIn("--select", done.stderr)
+        done = self.call("interface", path, "--ligand", "//A[", code=1)
+        self.assertTrue(done.stderr.endswith(" (--ligand //A[)\n"), done.stderr)
+        self.assertNotIn("--select", done.stderr)
+        pqr = self.file("a.pqr", "ATOM 1 N ALA 1 5 0 0 0.4 1.5\n")
+        done = self.call("measure", pqr, "--report", "//A[", code=1)
+        self.assertTrue(done.stderr.endswith(" (--report //A[)\n"), done.stderr)
+        done = self.call("measure", pqr, "--select", "A", code=2)
+        self.assertIn("; --report takes atoms of PQR files", done.stderr)
         done = self.call("interface", self.file("odd.txt", "hello"), code=2)
         self.assertIn("(use --format pqr, pdb or mmcif if it is such a file)", done.stderr)
 
@@ -301,6 +309,64 @@ class Places(Case):
             self.assertIn(f"--at is '{text}', expected three numbers X,Y,Z, six X0,Y0,Z0,X1,Y1,Z1", done.stderr)
 
 
+class Ligands(Case):
+    """The same texts for each option that takes parts."""
+
+    def options(self, text):
+        return (("measure", "--select", text), ("measure", "--report", text), ("measure", "--pockets", "--at", text),
+                ("measure", "--parts", f"A|{text}"), ("interface", "--groups", "A", text), ("interface", "--ligand", text))
+
+    def test_ligands_of_a_blank_chain(self):
+        path = self.file("blank.pdb", peptide() + atom_line(31, "C1", "LIG", " ", 401, (2, 3.5, 2), "HETATM"))
+        for command, *arguments in self.options("ligand:/401"):
+            named, = self.json(command, path, *arguments[:-1], arguments[-1].replace("/401", "LIG"))
+            found, = self.json(command, path, *arguments)
+            for each in (named, found):  # the text itself
+                for key in ("reports", "at", "parts"):
+                    each.pop(key, None)
+                for interface in each.get("interfaces", []):
+                    for side in ("first", "second"):
+                        interface[side].pop("name")
+            self.assertEqual(found, named)
+        done = self.call("interface", path, "--ligand", "401", code=1)
+        self.assertTrue(done.stderr.endswith("; residue 401 is ligand:/401\n"), done.stderr)
+        done = self.call("measure", path, "--report", "A:401", code=1)
+        self.assertTrue(done.stderr.endswith("; residue 401 is ligand:/401\n"), done.stderr)
+        self.call("interface", path, "--ligand", "/401")
+
+    def test_waters_that_are_left_out(self):
+        path = self.file("w.pdb", peptide() + atom_line(31, "O", "HOH", "A", 401, (2, 3.5, 2), "HETATM"))
+        for text in ("ligand:HOH", "ligand:A/HOH"):
+            for command, *arguments in self.options(text):
+                self.assertIn("(--waters keeps them)", self.call(command, path, *arguments, code=1).stderr)
+                self.call(command, path, *arguments, "--waters")
+
+    def test_a_ligand_without_a_name(self):
+        path = self.file("a.pdb", peptide())
+        for command, *arguments in self.options("ligand:"):
+            self.assertIn("ligand:', expected ", self.call(command, path, *arguments, code=2).stderr)
+
+    def test_a_chain_that_is_a_ligand(self):
+        path = self.file("only.pdb", peptide().replace(" A ", " P ") +
+                         atom_line(31, "C1", "LIG", "A", 401, (2, 3.5, 2), "HETATM"))
+        for command, option, *parts in (("measure", "--parts", "A|ligand:LIG"), ("measure", "--parts", "ligand:LIG|P|A"),
+                                        ("interface", "--groups", "A", "ligand:LIG")):
+            done = self.call(command, path, option, *parts, code=1)
+            self.assertIn(f"{path}: part A of {option} is empty: all its atoms belong to ligand:LIG\n", done.stderr)
+
+    def test_numbers_that_name_nothing(self):
+        path = self.file("a.pdb", peptide())
+        for text in ("57", "57-60"):
+            done = self.call("measure", path, "--report", text, code=1)
+            self.assertIn(f"no atoms of chain or residue {text}, which --report names; the chains are ", done.stderr)
+
+    def test_chains_with_numbers_are_places(self):
+        path = self.file("numbers.pdb", cup(3).replace("GLY A", "GLY 1").replace("LIG A", "LIG 2"))
+        found, = self.json("measure", path, "--cavities", "--at", "1+2")
+        self.assertEqual(found["at"]["place"], "1+2")
+        self.call("measure", path, "--cavities", "--at", "1,2", code=2)
+
+
 class Interfaces(Case):
     def test_written_tables(self):
         path, out = self.file("a.pdb", peptide()), self.folder / "out"
@@ -322,14 +388,20 @@ class Interfaces(Case):
         path = self.file("a.pdb", peptide() + atom_line(31, "C1", "LIG", "B", 401, (2, 3.5, 2), "HETATM"))
         found, = self.json("interface", path, "--ligand", "LIG")
         self.assertEqual(len(found["interfaces"]), 1)
-        for text in ("B/401", "B/LIG", "//B/401", "(LIG)"):
+        two = self.file("two.pdb", peptide() + "".join(
+            atom_line(31 + i, f"C{i}", "LIG", "B", 401, (2 + 1.4 * i, 3.5, 2), "HETATM") for i in range(2)))
+        self.assertEqual(self.json("interface", two, "--ligand", "ligand"), self.json("interface", two, "--ligand", "LIG"))
+        for text in ("B/401", "B/LIG", "//B/401", "(LIG)", "ligand:LIG", "ligand:B/401", "ligand:(LIG)"):
             self.assertEqual(self.json("interface", path, "--ligand", text), [found])
         each, = self.json("interface", path, "--ligand", "//A")
         self.assertEqual({interface["first"]["name"] for interface in each["interfaces"]},
                          {f"A:ALA {i}" for i in (1, 2, 3)})
         for text, advice in (("lig", "no atoms of residue lig, which --ligand names; the residues are LIG, ALA; did you "
-                              "mean LIG?"), ("401", "; residue 401 is B/401"),
-                             ("A/401", "no atoms of ligand A/401, which --ligand names; the ligands are B/401 (LIG)")):
+                              "mean LIG?"), ("401", "; residue 401 is ligand:B/401"),
+                             ("A/401", "no atoms of ligand A/401, which --ligand names; the ligands are B/401 (LIG); did you mean "
+                              "B/401?"),
+                             ("A/lig", "the ligands are B/401 (LIG); did you mean B/LIG?"),
+                             ("ligand:lig", "; did you mean LIG?"), ("(EDO)", "no atoms of (EDO), which --ligand names")):
             done = self.call("interface", path, "--ligand", text, code=1)
             self.assertTrue(done.stderr.endswith(f"{advice}\n"), done.stderr)
 
@@ -347,6 +419,13 @@ class Interfaces(Case):
                 self.assertEqual(done.stdout.count("\n"), 1)
                 self.assertIn(f"note: {path}: {reason}\n", done.stderr)
                 self.assertEqual(self.call("interface", path, *arguments, *table, "-q").stderr, "")
+        path = self.file("a.pdb", peptide())
+        note = f"eses-blocks: note: {path}: no residue loses 500 A^2, the area of --residue-cutoff\n"
+        for arguments, has_note in ((["--table", "residues"], True), (["--table", "atoms"], False),
+                                    (["--write", "residues", "--csv", "-", "-o", self.folder], True)):
+            done = self.call("interface", path, "--residue-cutoff", "500", *arguments)
+            self.assertEqual(done.stderr, note if has_note else "")
+            self.assertEqual(self.call("interface", path, "--residue-cutoff", "500", *arguments, "-q").stderr, "")
 
     def test_csv(self):
         path, missing, table = self.file("a.pdb", peptide()), str(self.folder / "no.pdb"), self.folder / "all.csv"

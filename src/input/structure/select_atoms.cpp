@@ -13,6 +13,7 @@
 
 #include "eses/error.hpp"
 #include "eses/select_atoms.hpp"
+#include "input/named_part.hpp"
 #include "input/structure/selection.hpp"
 #include "input/structure/structure_atoms.hpp"
 #include "input/text_fields.hpp"
@@ -44,20 +45,33 @@ void keep_chains(gemmi::Model& model, const std::vector<std::string>& names,
   });
 }
 
-/// Keeps the atoms of all ligands, which follow from the names of the atoms in the order of the
-/// file.
-void keep_ligands(gemmi::Model& model) {
-  std::vector<std::pair<int, AtomLabel>> atoms;
+/// The label of an atom and its index in the file.
+using IndexedLabel = std::pair<int, AtomLabel>;
+
+/// Returns the labels of the atoms in the order of the file.
+std::vector<IndexedLabel> labels_of(const gemmi::Model& model) {
+  std::vector<IndexedLabel> atoms;
   for (const gemmi::Chain& chain : model.chains)
     for (const gemmi::Residue& residue : chain.residues)
       for (const gemmi::Atom& atom : residue.atoms)
         atoms.push_back(
             {atom.serial,
              {chain.name, residue.name, residue.seqid.str(), atom.name, atom.element.name()}});
-  std::ranges::stable_sort(atoms, {}, &std::pair<int, AtomLabel>::first);
+  std::ranges::stable_sort(atoms, {}, &IndexedLabel::first);
+  return atoms;
+}
+
+std::vector<AtomLabel> without_indices(const std::vector<IndexedLabel>& atoms) {
   std::vector<AtomLabel> labels;
   for (const auto& [serial, label] : atoms) labels.push_back(label);
-  const std::vector<bool> are_ligands = find_ligand_atoms(labels);
+  return labels;
+}
+
+/// Keeps the atoms of all ligands, which follow from the names of the atoms in the order of the
+/// file.
+void keep_ligands(gemmi::Model& model) {
+  const std::vector<IndexedLabel> atoms = labels_of(model);
+  const std::vector<bool> are_ligands = find_ligand_atoms(without_indices(atoms));
   std::set<int> kept;
   for (std::size_t i = 0; i < atoms.size(); ++i)
     if (are_ligands[i]) kept.insert(atoms[i].first);
@@ -67,35 +81,54 @@ void keep_ligands(gemmi::Model& model) {
                               [&](const gemmi::Atom& atom) { return !kept.contains(atom.serial); });
 }
 
-void keep_part(gemmi::Model& model, const NamedPart& part) {
-  if (!part.chains.empty())
-    gemmi::vector_remove_if(model.chains, [&](const gemmi::Chain& chain) {
-      return !gemmi::in_vector(chain.name, part.chains);
-    });
-  else if (!part.residue.empty())
-    for (gemmi::Chain& chain : model.chains)
-      gemmi::vector_remove_if(chain.residues, [&](const gemmi::Residue& residue) {
-        return !part.has_residue(chain.name, residue.seqid.str(), residue.name);
-      });
-  else
-    keep_ligands(model);
+/// Keeps the residues of a part of chains or of a residue. Throws EmptyPart if there are none.
+void keep_named(gemmi::Model& model, const NamedPart& part, std::string_view option) {
+  const auto is_in = [&part](const gemmi::Chain& chain, const gemmi::Residue& residue) {
+    return part.has_residue(chain.name, residue.seqid.str(), residue.name);
+  };
+  const bool has_any = std::ranges::any_of(model.chains, [&](const gemmi::Chain& chain) {
+    return std::ranges::any_of(chain.residues,
+                               [&](const auto& each) { return is_in(chain, each); });
+  });
+  if (!has_any && !part.residue.empty())
+    throw EmptyPart(formatted(
+        "{}: {}", option, unknown_residue_text(without_indices(labels_of(model)), part.residue)));
+  for (gemmi::Chain& chain : model.chains)
+    gemmi::vector_remove_if(chain.residues,
+                            [&](const gemmi::Residue& each) { return !is_in(chain, each); });
 }
 
-void keep_selected(gemmi::Model& model, const ParsedStructure& parsed, const std::string& text,
-                   const std::set<std::string>& chains, std::string_view file) {
-  if (text.empty()) return;
-  if (const NamedPart part = named_part(text, chains); part.is_chosen()) {
-    keep_part(model, part);
-    return;
-  }
-  const gemmi::Selection selection = parse_selection(text, formatted("{}: selection", file));
+/// Keeps the atoms of a selection in gemmi's syntax. Throws EmptyPart if there are none, although
+/// the model has all chains of the file.
+void keep_selection(ParsedStructure& parsed, const std::string& text,
+                    const std::set<std::string>& chains, bool has_all_chains,
+                    std::string_view file) {
+  gemmi::Model& model = parsed.structure.models.front();
+  const std::string option = formatted("{}: selection", file);
+  const gemmi::Selection selection = parse_selection(text, option);
   const std::string& name = parsed.models.chosen;
   if (selection.mdl != 0 && std::to_string(selection.mdl) != name)
     throw Error(formatted("{}: the selection names model {}, but model {} is read; use --model {}",
                           file, selection.mdl, printable(name), selection.mdl));
-  refuse_words(selection, text, chains, formatted("{}: selection", file));
+  refuse_words(selection, text, chains, option);
   if (!selection.entity_types.all) complete_entity_types(model, parsed.structure.input_format);
   selection.remove_not_selected(model);
+  if (has_all_chains && count_atoms(model) == 0)
+    throw EmptyPart(
+        formatted("{}: no atoms of {}; {}", option, printable(text), chains_text(chains)));
+}
+
+void keep_selected(ParsedStructure& parsed, const StructureOptions& options,
+                   const std::set<std::string>& chains, std::string_view file) {
+  if (options.select.empty()) return;
+  gemmi::Model& model = parsed.structure.models.front();
+  const NamedPart part = named_part(options.select, chains);
+  if (part.all_ligands)
+    keep_ligands(model);
+  else if (part.selection.empty())
+    keep_named(model, part, formatted("{}: selection", file));
+  else
+    keep_selection(parsed, part.selection, chains, options.chains.empty(), file);
 }
 
 /// Removes dummy atoms, by which programs mark missing atoms: without occupancy, far from all
@@ -253,7 +286,7 @@ void select_atoms(ParsedStructure& parsed, const StructureOptions& options, bool
   report.dropped_chains =
       dropped_by(model, [&] { keep_chains(model, options.chains, chains, file); });
   report.dropped_selection =
-      dropped_by(model, [&] { keep_selected(model, parsed, options.select, chains, file); });
+      dropped_by(model, [&] { keep_selected(parsed, options, chains, file); });
   if (!options.with_waters)
     report.dropped_waters = dropped_by(model, [&] { remove_residues(model, is_water); });
   if (!options.with_hetatm)

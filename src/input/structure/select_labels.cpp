@@ -9,6 +9,7 @@
 
 #include "eses/error.hpp"
 #include "eses/select_atoms.hpp"
+#include "input/named_part.hpp"
 #include "input/pdb_elements.hpp"
 #include "input/residue_runs.hpp"
 #include "input/structure/select_atoms.hpp"
@@ -73,27 +74,18 @@ std::vector<bool> atoms_of(const gemmi::Model& model, std::size_t count, const a
   return found;
 }
 
-/// Returns whether each atom is in a chain or residue of a part.
-std::vector<bool> atoms_of(std::span<const AtomLabel> atoms, const NamedPart& part) {
-  std::vector<bool> found;
-  for (const AtomLabel& label : atoms)
-    found.push_back(part.residue.empty()
-                        ? gemmi::in_vector(label.chain, part.chains)
-                        : part.has_residue(label.chain, label.residue_number, label.residue));
-  return found;
-}
-
 }  // namespace
 }  // namespace detail
 
 std::vector<bool> select_atoms(std::span<const AtomLabel> atoms, const std::string& selection) {
   gemmi::Model model = detail::model_of(atoms);
   const std::set<std::string> chains = detail::chain_names(model);
-  if (const detail::NamedPart part = detail::named_part(selection, chains); part.is_chosen())
-    return part.are_ligands ? find_ligand_atoms(atoms) : detail::atoms_of(atoms, part);
-  const gemmi::Selection parsed = detail::parse_selection(selection, "selection");
-  detail::require_labels(parsed, selection);
-  detail::refuse_words(parsed, selection, chains, "selection");
+  const detail::NamedPart part = detail::named_part(selection, chains);
+  if (part.all_ligands) return find_ligand_atoms(atoms);
+  if (part.selection.empty()) return part.atoms_in(atoms);
+  const gemmi::Selection parsed = detail::parse_selection(part.selection, "selection");
+  detail::require_labels(parsed, part.selection);
+  detail::refuse_words(parsed, part.selection, chains, "selection");
   if (!parsed.entity_types.all) detail::complete_entity_types(model, gemmi::CoorFormat::Mmcif);
   parsed.remove_not_selected(model);
   return detail::atoms_of(model, atoms.size(), [](const gemmi::Residue&) { return true; });

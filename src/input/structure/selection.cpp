@@ -7,10 +7,10 @@
 #include <exception>
 #include <gemmi/polyheur.hpp>
 #include <optional>
-#include <utility>
 #include <vector>
 
 #include "eses/error.hpp"
+#include "input/named_part.hpp"
 #include "input/structure/structure_atoms.hpp"
 #include "input/text_fields.hpp"
 #include "system/formatted.hpp"
@@ -82,17 +82,6 @@ std::string_view residue_field(std::string_view text) {
   return text.substr(0, text.find_first_of("/;"));
 }
 
-/// Returns the names in a list such as `A,B` or `A+B`.
-std::vector<std::string> names_in_list(std::string_view text) {
-  std::vector<std::string> names;
-  for (std::size_t end = 0; end != std::string_view::npos; text.remove_prefix(end + 1)) {
-    end = text.find_first_of("+,");
-    names.emplace_back(trimmed(text.substr(0, end)));
-    if (end == std::string_view::npos) break;
-  }
-  return names;
-}
-
 }  // namespace
 
 std::set<std::string> chain_names(const gemmi::Model& model) {
@@ -132,28 +121,19 @@ gemmi::Selection parse_selection(const std::string& text, std::string_view optio
   }
 }
 
-bool NamedPart::has_residue(const std::string& chain, const std::string& number,
-                            const std::string& name) const {
-  const std::size_t slash = residue.find('/');
-  if (slash == std::string::npos) return name == residue;
-  const std::string_view wanted = std::string_view(residue).substr(slash + 1);
-  return chain == residue.substr(0, slash) && (number == wanted || name == wanted);
-}
-
-NamedPart named_part(std::string_view text, const std::set<std::string>& known) {
-  constexpr std::string_view ligand = "ligand", prefix = "ligand:";
-  if (text.starts_with(prefix)) return {.residue = std::string(text.substr(prefix.size()))};
-  std::vector<std::string> names = names_in_list(text);
-  if (std::ranges::all_of(names, [&](const auto& name) { return known.contains(name); }))
-    return {.chains = std::move(names)};
-  return {.are_ligands = text == ligand};
-}
-
 void refuse_words(const gemmi::Selection& selection, const std::string& text,
                   const std::set<std::string>& known, std::string_view option) {
   if (text != selection.chain_ids.list || selection.chain_ids.inverted) return;
   const std::vector<std::string> names = names_in_list(text);
-  if (std::ranges::all_of(names, [&](const auto& name) { return known.contains(name); })) return;
+  const auto missing =
+      std::ranges::find_if(names, [&](const auto& name) { return !known.contains(name); });
+  if (missing == names.end()) return;
+  const bool is_list = names.size() > 1 && std::ranges::none_of(names, [](const auto& name) {
+                         return name.empty() || name.find(' ') != std::string::npos;
+                       });
+  if (is_list)
+    throw Error(
+        formatted("{}: no atoms of chain {}; {}", option, printable(*missing), chains_text(known)));
   throw Error(
       formatted("{}: invalid selection syntax, expected the name of a chain or a "
                 "selection such as //A/10-20, found {}; {}",
