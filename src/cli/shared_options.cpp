@@ -151,7 +151,9 @@ void add_structure_options(CLI::App& app, StructureOptions& structure, bool* all
             Format<std::vector<std::string>>{names_in, "names of chains, such as A,B"});
   add_value(app, "--select", "TEXT",
             "include only chains (A+B), ligand:NAME, ligand, or a\nselection such as //A/10-20",
-            structure.select, any_text(std::string(part_texts)));
+            structure.select,
+            text_if([](const std::string& text) { return !text.empty() && text != ligand_prefix; },
+                    std::string(part_texts)));
   add_value(app, "--chain-names", "NAME",
             "names of the chains of an mmCIF file: auth (auth_asym_id)\n"
             "or label (label_asym_id) [auth]",
@@ -177,11 +179,16 @@ void refuse_structure_options(const CLI::App& app, const InputFile& input) {
     const std::string name = option->get_name();
     const bool is_model = name == model_option;  // the one option that also applies to PQR files
     if (format == AtomFormat::pqr && is_model) continue;
-    throw UsageError(
-        formatted("{} needs a {}PDB or mmCIF file; {} is read as {} (use --format {}pdb or "
-                  "--format mmcif if it is one)",
-                  name, is_model ? "PQR, " : "", input.path.string(),
-                  format == AtomFormat::pqr ? "PQR" : "xyzr", is_model ? "pqr, --format " : ""));
+    const bool has_report = app.get_option_no_throw("--report") != nullptr;
+    const std::string_view advice =
+        format == AtomFormat::pqr && name == "--select" && has_report
+            ? "; --report takes atoms of PQR files, while all other atoms block"
+            : "";
+    throw UsageError(formatted(
+        "{} needs a {}PDB or mmCIF file; {} is read as {} (use --format {}pdb or "
+        "--format mmcif if it is one){}",
+        name, is_model ? "PQR, " : "", input.path.string(),
+        format == AtomFormat::pqr ? "PQR" : "xyzr", is_model ? "pqr, --format " : "", advice));
   }
 }
 
