@@ -225,6 +225,8 @@ def _object_source(found: Any, radii: Any, frame: int) -> _Source:
     if isinstance(found, _core.Atoms):
         source = _of_atoms(found)
         source.files = files_of(found)
+        if (name := _core._set_of(found).lower()) in SOURCES:  # others are configuration files
+            source.set_name = name
         return source
     if isinstance(found, _core.Surface):
         columns = adaptors.Columns(centers=found.centers, radii=found.radii)
@@ -485,7 +487,11 @@ def _read(found: Any, radii: Any, waters: bool, hydrogens: str, unknown: Optiona
     selects_all = source.chosen is None or (isinstance(source.chosen, str) and not source.chosen)
     selected = np.ones(len(named.name), bool) if selects_all else selector.mask(source.chosen, "select")
     are_named = bool((named.residue != "").any())
-    which = os.fspath(radii) if isinstance(radii, (str, os.PathLike)) else "protor" if are_named else "bondi"
+    which = "protor" if are_named else "bondi"
+    if isinstance(radii, (str, os.PathLike)):
+        which = os.fspath(radii)
+    elif isinstance(found, _core.Atoms):
+        which = source.set_name
     if radii is not None and not isinstance(radii, (str, os.PathLike)):
         choice = _take_radii(named, radii, "given")
         choice.drop(~selected, "selection")

@@ -379,6 +379,9 @@ py::object noted(const AtomFile& file) {
                         report.atom_records + report.hetatm_records + report.waters, assemblies);
 }
 
+/// Returns the name of the set of radii of a PDB or mmCIF file; empty for other files.
+std::string set_of(const AtomFile& file) { return file.structure ? file.structure->radii : ""; }
+
 /// Returns the classes of the atoms in their set of radii; 0 without labels.
 py::array_t<std::uint8_t> classes_of(const AtomFile& file) {
   auto classes = make_array<std::uint8_t>(static_cast<py::ssize_t>(file.atoms.size()));
@@ -531,6 +534,7 @@ void bind_reading(py::module_& module) {
 // What the package needs for molecules of files and of other libraries.
 void bind_molecule_helpers(py::module_& module) {
   module.def("_noted", &noted);
+  module.def("_set_of", &set_of);
   module.def("_classes_of", &classes_of);
   module.def("_find_radii", &radii_of);
   module.def("_correct_elements", &correct);

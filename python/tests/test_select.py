@@ -137,6 +137,15 @@ def test_surfaces_of_molecules_have_names(path):
     assert eses.measure(chosen).atoms["residue"].tolist() == ["STI", "STI", "GOL", "GOL"]
 
 
+@pytest.mark.parametrize("radii", ["protor", "bondi"])
+def test_atoms_of_files_have_their_set_of_radii(path, radii):
+    path.write_text(TEXT.replace("STI", "XYZ"))  # a ligand that no set names
+    expected, found = (eses.measure(*given).radii for given in ((path, radii), (eses.read_atoms(path, radii=radii),)))
+    assert found.name == expected.name == radii and found.source == expected.source
+    assert found.guessed.tolist() == expected.guessed.tolist()
+    assert (len(found.guessed) > 0) == (radii == "protor")
+
+
 def test_residues_of_mdanalysis_are_not_indices_of_atoms(path):
     universe = opened("MDAnalysis", path)
     assert reported(eses.measure(universe, report=universe.residues[-1])) == reported(
