@@ -6,11 +6,14 @@
 #include <cstddef>
 #include <cstdint>
 #include <gemmi/model.hpp>
+#include <gemmi/resinfo.hpp>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "eses/check.hpp"
+#include "input/pdb_elements.hpp"
+#include "input/text_fields.hpp"
 
 namespace eses::detail {
 
@@ -27,6 +30,14 @@ inline constexpr std::size_t max_operators = 10000;
 /// Returns what is wrong with an assembly that has more operators.
 inline std::string too_many_operators() {
   return "the assembly has more than " + std::to_string(max_operators) + " operators";
+}
+
+/// Returns whether a residue is an amino acid or nucleotide, also a modified one, and also by a
+/// name of Amber, CHARMM or GROMACS, and in small letters.
+inline bool is_polymer_residue(std::string_view residue) {
+  const std::string name = upper_case(std::string(residue));
+  const auto& info = gemmi::find_tabulated_residue(std::string(without_end_letter(name)));
+  return info.is_amino_acid() || info.is_nucleic_acid() || is_named_polymer(name);
 }
 
 /// The models of a file by their names, one of which is read.

@@ -4,13 +4,12 @@
 #include <algorithm>
 #include <cstdint>
 #include <gemmi/model.hpp>
-#include <gemmi/resinfo.hpp>
 #include <string>
 #include <string_view>
 
 #include "eses/vec3.hpp"
-#include "input/pdb_elements.hpp"
 #include "input/residue_atoms.hpp"
+#include "input/structure/parse_structure.hpp"
 
 namespace eses::detail {
 
@@ -26,14 +25,6 @@ struct StructureAtom {
 /// Returns the symbol of an element, such as Zn; X if it is unknown, and H for deuterium.
 inline const char* symbol_of(gemmi::Element element) {
   return element == gemmi::El::D ? "H" : element.name();
-}
-
-/// Returns whether a residue is an amino acid or nucleotide, also a modified one, and also by a
-/// name of Amber, CHARMM or GROMACS, and in small letters.
-inline bool is_polymer_residue(std::string_view residue) {
-  const std::string name = upper_case(std::string(residue));
-  const auto& info = gemmi::find_tabulated_residue(std::string(without_end_letter(name)));
-  return info.is_amino_acid() || info.is_nucleic_acid() || is_named_polymer(name);
 }
 
 inline std::uint64_t count_atoms(const gemmi::Model& model) {
