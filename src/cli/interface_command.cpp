@@ -82,14 +82,7 @@ std::vector<std::string> names_of_tables(const InterfaceOptions& options, std::s
 }
 
 TableChoice files_to_write(const InterfaceOptions& options) {
-  TableChoice choice{.directory = options.output_directory,
-                     .names = {},
-                     .csv = options.csv,
-                     .resumed = options.resumed,
-                     .has_many = options.inputs.size() > 1};
-  for (std::size_t input = 0; input < options.inputs.size(); ++input)
-    for (const std::string& name : names_of_tables(options, input)) choice.names.push_back(name);
-  return choice;
+  return table_choice(options, [&](std::size_t input) { return names_of_tables(options, input); });
 }
 
 bool is_interface_table(std::string_view name) {

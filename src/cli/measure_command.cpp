@@ -52,15 +52,7 @@ std::vector<std::string> names_of_tables(const MeasureCommandOptions& options, s
 }
 
 TableChoice files_to_write(const MeasureCommandOptions& options) {
-  TableChoice choice{.directory = options.output_directory,
-                     .names = {},
-                     .csv = options.csv,
-                     .resumed = options.resumed,
-                     .has_many = options.inputs.size() > 1};
-  for (std::size_t input = 0; input < options.inputs.size(); ++input)
-    for (std::string& name : names_of_tables(options, input))
-      choice.names.push_back(std::move(name));
-  return choice;
+  return table_choice(options, [&](std::size_t input) { return names_of_tables(options, input); });
 }
 
 /// The outcome of a file.

@@ -89,6 +89,20 @@ struct TableChoice {
   bool has_many = false;
 };
 
+/// Returns the files of a command with these options. `names_of_tables(i)` returns the names of the
+/// tables of input i.
+template <class Options, class NamesOfTables>
+TableChoice table_choice(const Options& options, const NamesOfTables& names_of_tables) {
+  TableChoice choice{.directory = options.output_directory,
+                     .names = {},
+                     .csv = options.csv,
+                     .resumed = options.resumed,
+                     .has_many = options.inputs.size() > 1};
+  for (std::size_t input = 0; input < options.inputs.size(); ++input)
+    for (const std::string& name : names_of_tables(input)) choice.names.push_back(name);
+  return choice;
+}
+
 /// A table of an input, and a function that appends its text to a file.
 struct TableContent {
   std::string name;

@@ -10,20 +10,6 @@
 namespace eses::detail::test {
 namespace {
 
-using Names = std::vector<std::string>;
-
-Names elements_of(const AtomFile& file) {
-  Names elements;
-  for (const AtomLabel& label : file.labels) elements.push_back(label.element);
-  return elements;
-}
-
-AtomFile read_bondi(const std::string& text) {
-  StructureOptions options;
-  options.radii = "bondi";
-  return read_pdb(text, options);
-}
-
 /// An atom of a ligand without an element.
 PdbAtom atom_of(const std::string& name, double x = 0) {
   return {.record = "HETATM", .name = name, .residue = "LIG", .x = x, .element = "  "};

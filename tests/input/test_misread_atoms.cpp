@@ -27,18 +27,6 @@ std::string records_of(const std::vector<std::string>& names, const std::string&
   return text;
 }
 
-Names elements_of(const AtomFile& file) {
-  Names elements;
-  for (const AtomLabel& label : file.labels) elements.push_back(label.element);
-  return elements;
-}
-
-AtomFile read_bondi(const std::string& text) {
-  StructureOptions options;
-  options.radii = "bondi";
-  return read_pdb(text, options);
-}
-
 /// Returns the number of atoms with a diagnostic.
 std::uint64_t count_of(DiagnosticKind kind, const std::vector<Diagnostic>& diagnostics) {
   for (const Diagnostic& diagnostic : diagnostics)

@@ -68,6 +68,20 @@ using Names = std::vector<std::string>;
 /// Returns the label of each atom, such as `A ALA 1 CA`.
 Names names_of(const AtomFile& file);
 
+/// Returns the elements of the atoms.
+inline Names elements_of(const AtomFile& file) {
+  Names elements;
+  for (const AtomLabel& label : file.labels) elements.push_back(label.element);
+  return elements;
+}
+
+/// Reads a PDB text with Bondi's radii.
+inline AtomFile read_bondi(std::string_view text) {
+  StructureOptions options;
+  options.radii = "bondi";
+  return read_pdb(text, options);
+}
+
 /// Returns the text of a gzipped or plain file.
 std::string text_of(const fs::path& path);
 
