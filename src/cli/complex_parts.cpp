@@ -250,17 +250,15 @@ ComplexParts divide(const PartChoice& choice, const DividedFile& file, std::stri
 std::vector<ComplexParts> divide_by_ligand(const PartSelector& ligand, const DividedFile& file) {
   const std::vector<bool> is_in = atoms_in(ligand, file, "--ligand");
   std::vector<ComplexParts> divisions;
-  residue_runs(file.labels)
-      .for_each([&](const AtomLabel& label, std::size_t begin, std::size_t end) {
-        const auto at = [&](std::size_t i) {
-          return is_in.begin() + static_cast<std::ptrdiff_t>(i);
-        };
-        if (std::find(at(begin), at(end), true) == at(end)) return;
-        std::vector<std::uint32_t> part_of_atom(file.labels.size(), 1);
-        for (std::size_t i = begin; i < end; ++i)
-          if (is_in[i]) part_of_atom[i] = 0;
-        divisions.push_back({{residue_name(label), "all other atoms"}, std::move(part_of_atom)});
-      });
+  for_each_residue(file.labels, [&](std::size_t begin, std::size_t end) {
+    const auto at = [&](std::size_t i) { return is_in.begin() + static_cast<std::ptrdiff_t>(i); };
+    if (std::find(at(begin), at(end), true) == at(end)) return;
+    std::vector<std::uint32_t> part_of_atom(file.labels.size(), 1);
+    for (std::size_t i = begin; i < end; ++i)
+      if (is_in[i]) part_of_atom[i] = 0;
+    divisions.push_back(
+        {{residue_name(file.labels[begin]), "all other atoms"}, std::move(part_of_atom)});
+  });
   return divisions;
 }
 

@@ -132,15 +132,18 @@ void append_table(const Table& table, const MeasuredFile& file, const MeasuredFi
   text.flush();
 }
 
-std::optional<MeasuredFile> reported_atoms_of(const MeasuredFile& file) {
-  return file.reports.empty() ? std::nullopt : std::optional(only_reported(file));
+/// Returns the file of the reported atoms, if there are some and a table of areas needs it.
+std::optional<MeasuredFile> reported_atoms_of(const MeasureCommandOptions& options,
+                                              const MeasuredFile& file) {
+  if (file.reports.empty() || !options.needs(has_areas)) return std::nullopt;
+  return only_reported(file);
 }
 
 /// Writes the tables of a file, all or none.
 void write_tables(const MeasureCommandOptions& options, std::size_t input, const MeasuredFile& file,
                   const TableFiles& files) {
   if (options.written_tables.empty()) return;
-  const std::optional<MeasuredFile> reported = reported_atoms_of(file);
+  const std::optional<MeasuredFile> reported = reported_atoms_of(options, file);
   std::vector<TableContent> contents;
   for (const Table* const table : options.written_tables)
     contents.push_back({name_of(options, input, *table), [&, table](OutputFile& output) {
@@ -150,23 +153,23 @@ void write_tables(const MeasureCommandOptions& options, std::size_t input, const
   files.write(contents);
 }
 
-std::string table_text(const Table& table, const MeasuredFile& file) {
+/// Returns the table that is printed.
+std::string table_text(const MeasureCommandOptions& options, const MeasuredFile& file) {
   std::string all;
-  const std::optional<MeasuredFile> reported = reported_atoms_of(file);
-  append_table(table, file, reported ? &*reported : nullptr,
+  const std::optional<MeasuredFile> reported = reported_atoms_of(options, file);
+  append_table(*options.printed_table, file, reported ? &*reported : nullptr,
                [&](std::string_view part) { all += part; });
   return all;
 }
 
 /// Returns what is printed about a file.
 std::string measured_text(const MeasureCommandOptions& options, const MeasuredFile& file) {
-  if (options.printed_table != nullptr) return table_text(*options.printed_table, file);
+  if (options.printed_table != nullptr) return table_text(options, file);
   if (options.json) return measure_json(options, file);
   if (options.inputs.size() > 1) return measure_line(options, file);
   const std::string text = measure_text(options, file);
-  return options.quiet
-             ? text
-             : text + written_text(options.output_directory, files_to_write(options).names);
+  return options.quiet ? text
+                       : text + written_text(options.output_directory, names_of_tables(options, 0));
 }
 
 std::string input_message(const std::exception& error, const MeasureCommandOptions& options,

@@ -40,17 +40,4 @@ std::string counted(std::integral auto count, std::string_view noun) {
   return formatted("{} {}{}", count, noun, count == 1 ? "" : "s");
 }
 
-/// Returns the texts of the first `max` items, separated by commas, and `...` if there are more.
-std::string first_texts(const auto& items, std::size_t max, const auto& text_of) {
-  std::string texts;
-  std::size_t count = 0;
-  for (const auto& item : items) {
-    if (count > 0) texts += ", ";
-    if (count == max) return texts + "...";
-    texts += text_of(item);
-    ++count;
-  }
-  return texts;
-}
-
 }  // namespace eses::detail::cli

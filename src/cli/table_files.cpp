@@ -76,8 +76,8 @@ bool is_standard_output(const std::string& name) {
 }
 
 bool is_null_device(const std::string& path) {
-  struct stat of_path {
-  }, of_null{};
+  struct stat of_path {};
+  struct stat of_null {};
   return stat(path.c_str(), &of_path) == 0 && stat("/dev/null", &of_null) == 0 &&
          S_ISCHR(of_path.st_mode) && of_path.st_rdev == of_null.st_rdev;
 }

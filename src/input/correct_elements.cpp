@@ -108,15 +108,6 @@ std::string corrected_element(const ResidueRange& residue, std::size_t atom) {
   return element;
 }
 
-/// Calls `action(begin, end)` for the atoms of each residue.
-template <class Action>
-void for_each_residue(std::span<const AtomLabel> labels, Action&& action) {
-  for (std::size_t begin = 0, end = 0; begin < labels.size(); begin = end) {
-    while (end < labels.size() && is_same_residue(labels[begin], labels[end])) ++end;
-    action(begin, end);
-  }
-}
-
 /// Returns whether a residue has a single atom, or only CA and CB, as in UNRES.
 bool is_trace(std::span<const AtomLabel> residue) {
   return residue.size() == 1 ||

@@ -22,25 +22,23 @@ NamedRadii find_radii(std::span<const AtomLabel> atoms, const std::string& set) 
   detail::complete_elements(labels);
   NamedRadii found{.set = radii.name, .are_united = radii.is_united, .atoms = {}};
   found.atoms.reserve(labels.size());
-  std::size_t end = 0;  // of the residue of the atom
-  std::string_view standard;
-  for (std::size_t i = 0; i < labels.size(); ++i) {
-    AtomLabel& label = labels[i];
-    if (i == end) {
-      while (end < labels.size() && detail::is_same_residue(label, labels[end])) ++end;
-      standard = detail::standard_residue(std::span(labels).subspan(i, end - i));
+  detail::for_each_residue(labels, [&](std::size_t begin, std::size_t end) {
+    const std::string_view standard =
+        detail::standard_residue(std::span(labels).subspan(begin, end - begin));
+    for (std::size_t i = begin; i < end; ++i) {
+      AtomLabel& label = labels[i];
+      if (label.element == "D") label.element = "H";
+      const detail::AtomIdentity identity{label.residue, label.atom_name, label.element,
+                                          label.element == "H", standard};
+      const auto radius = radii.find(identity);
+      found.atoms.push_back(
+          {.radius = radius ? radius->radius : std::numeric_limits<double>::quiet_NaN(),
+           .element = label.element,
+           .is_by_element = radius && radius->by_element,
+           .is_element_by_name = atoms[i].element.empty() && !label.element.empty(),
+           .atom_class = radii.class_of(identity)});
     }
-    if (label.element == "D") label.element = "H";
-    const detail::AtomIdentity identity{label.residue, label.atom_name, label.element,
-                                        label.element == "H", standard};
-    const auto radius = radii.find(identity);
-    found.atoms.push_back(
-        {.radius = radius ? radius->radius : std::numeric_limits<double>::quiet_NaN(),
-         .element = label.element,
-         .is_by_element = radius && radius->by_element,
-         .is_element_by_name = atoms[i].element.empty() && !label.element.empty(),
-         .atom_class = radii.class_of(identity)});
-  }
+  });
   return found;
 }
 

@@ -1,7 +1,5 @@
 #include "input/named_part.hpp"
 
-#include <fmt/ranges.h>
-
 #include <algorithm>
 #include <cstddef>
 #include <utility>
@@ -29,7 +27,7 @@ std::vector<std::string> numbered_ligands(std::span<const AtomLabel> labels) {
   return names;
 }
 
-/// Returns what a name or number without a chain was probably meant for.
+/// Returns a hint about a name or number without a chain: a residue that it may have meant.
 std::string advice_for_name(std::span<const AtomLabel> labels, const std::string& name) {
   for (const AtomLabel& label : labels) {
     if (lower_case(label.residue) == lower_case(name))
@@ -40,7 +38,7 @@ std::string advice_for_name(std::span<const AtomLabel> labels, const std::string
   return "";
 }
 
-/// Returns what a chain with a name or number was probably meant for.
+/// Returns a hint about a chain with a name or number: a residue that they may have meant.
 std::string advice_for_chain_and_name(std::span<const AtomLabel> labels,
                                       const std::string& residue) {
   const std::size_t slash = residue.find('/');
@@ -113,16 +111,9 @@ std::vector<std::string> different_names(std::span<const AtomLabel> labels,
 }
 
 std::string first_names(const std::vector<std::string>& names) {
-  constexpr std::size_t max_names = 10;
-  std::vector<std::string> texts;
-  for (const std::string& name : names) {
-    if (texts.size() == max_names) {
-      texts.emplace_back("...");
-      break;
-    }
-    texts.push_back(name.empty() ? "(blank)" : printable(name));
-  }
-  return formatted("{}", fmt::join(texts, ", "));
+  return first_texts(names, 10, [](const std::string& name) {
+    return name.empty() ? "(blank)" : printable(name);
+  });
 }
 
 std::string unknown_residue_text(std::span<const AtomLabel> labels, const std::string& residue,

@@ -42,17 +42,13 @@ struct Residue {
 
 std::vector<bool> find_polar_atoms(std::span<const Atom> atoms, std::span<const AtomLabel> labels) {
   std::vector<bool> are_polar(atoms.size());
-  std::size_t end = 0;
-  for (std::size_t first = 0; first < atoms.size(); first = end) {
-    for (end = first + 1;
-         end < atoms.size() && detail::is_same_residue(labels[first], labels[end]);)
-      ++end;
+  detail::for_each_residue(labels, [&](std::size_t first, std::size_t end) {
     const Residue residue{atoms.subspan(first, end - first), labels.subspan(first, end - first)};
     for (std::size_t i = first; i < end; ++i)
       are_polar[i] = is_hydrogen(labels[i]) && labels[i].atom_class == AtomClass::none
                          ? residue.has_polar_parent(atoms[i])
                          : residue.is_polar(i - first);
-  }
+  });
   return are_polar;
 }
 

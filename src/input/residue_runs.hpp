@@ -17,6 +17,15 @@ inline bool is_same_residue(const AtomLabel& a, const AtomLabel& b) {
   return a.chain == b.chain && a.residue_number == b.residue_number && a.residue == b.residue;
 }
 
+/// Calls `action(begin, end)` for each residue of consecutive atoms, with the range of its atoms.
+template <class Action>
+void for_each_residue(std::span<const AtomLabel> labels, Action&& action) {
+  for (std::size_t begin = 0, end = 0; begin < labels.size(); begin = end) {
+    while (end < labels.size() && is_same_residue(labels[begin], labels[end])) ++end;
+    action(begin, end);
+  }
+}
+
 /// Returns the name of a residue with its chain and number, such as A:LYS 12.
 inline std::string residue_name(const AtomLabel& label) {
   return formatted("{}{}{} {}", label.chain, label.chain.empty() ? "" : ":", label.residue,

@@ -139,16 +139,15 @@ void append_measured_atoms(const MeasuredAtoms& atoms, BufferedText& text) {
 void append_measured_residues(const MeasuredAtoms& atoms, BufferedText& text) {
   text.append("chain,residue_number,residue,atoms,{},relative_sas_area{}{}\n", area_columns(atoms),
               part_columns(atoms), auth_column(atoms));
-  residue_runs(atoms.labels)
-      .for_each([&](const AtomLabel& label, std::size_t begin, std::size_t end) {
-        AreaSums sums;
-        for (std::size_t atom = begin; atom < end; ++atom) sums.add(atoms, atom);
-        text.append("{},{},{},{},{},{}{}{}\n", csv_field(label.chain),
-                    csv_field(label.residue_number), csv_field(label.residue), end - begin,
-                    area_fields(atoms, sums),
-                    relative_sas(max_sas_area(atoms, begin, end), sums.sas),
-                    part_fields(atoms, sums), auth_field(atoms, label));
-      });
+  for_each_residue(atoms.labels, [&](std::size_t begin, std::size_t end) {
+    const AtomLabel& label = atoms.labels[begin];
+    AreaSums sums;
+    for (std::size_t atom = begin; atom < end; ++atom) sums.add(atoms, atom);
+    text.append("{},{},{},{},{},{}{}{}\n", csv_field(label.chain), csv_field(label.residue_number),
+                csv_field(label.residue), end - begin, area_fields(atoms, sums),
+                relative_sas(max_sas_area(atoms, begin, end), sums.sas), part_fields(atoms, sums),
+                auth_field(atoms, label));
+  });
 }
 
 void append_measured_chains(const MeasuredAtoms& atoms, BufferedText& text) {

@@ -15,7 +15,7 @@
 
 namespace eses::detail {
 
-/// What a result depends on besides the options of the run.
+/// The identity of an input file and of the tables that were written for it.
 struct InputKey {
   std::string path;            ///< as it was given
   int model = 0;               ///< number of the model; 0 if not each model is measured
