@@ -53,7 +53,7 @@ _eses_blocks() {
     --surface) COMPREPLY=($(compgen -W 'ses sas vdw all' -- "$cur")) && return ;;
     --reference) COMPREPLY=($(compgen -W 'tien miller sander' -- "$cur")) && return ;;
     --parts) COMPREPLY=($(compgen -W chains -- "$cur")) && return ;;
-    --model) if [[ $command == measure ]]; then COMPREPLY=($(compgen -W all -- "$cur")); fi; return ;;
+    --model) if [[ $command == @(measure|interface) ]]; then COMPREPLY=($(compgen -W all -- "$cur")); fi; return ;;
     --csv) _filedir csv && return ;;
     --color) COMPREPLY=($(compgen -W 'patch atom chain potential component' -- "$cur")) && return ;;
     --component) COMPREPLY=($(compgen -W outside -- "$cur")) && return ;;

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import functools
 import os
-from typing import Any, Iterator, Optional, Sequence, overload
+from typing import Any, Iterable, Iterator, Optional, Sequence, Union, overload
 
 import numpy as np
 
@@ -228,9 +228,18 @@ def _gives_ligands_to(part: Any, other: Any, select: Selector) -> bool:
     return names_chains and isinstance(other, str) and select.ligand(other)
 
 
+@overload
+def interface(molecule: Any, first: Any, second: Any = None, radii: Any = None, *, models: None = None,
+              **options: Any) -> Interface: ...
+@overload
+def interface(molecule: Any, first: Any, second: Any = None, radii: Any = None, *, models: Union[str, Iterable[int]],
+              **options: Any) -> list[Interface]: ...
+
+
 def interface(molecule: Any, first: Any, second: Any = None, radii: Any = None, *, probe_radius: float = 1.4,
               waters: bool = False, hydrogens: str = "auto", unknown_radius: Optional[float] = None, frame: int = 0,
-              residue_cutoff: float = 0.0, threads: int = 0, **options: Any) -> Interface:
+              residue_cutoff: float = 0.0, threads: int = 0, models: Optional[Union[str, Iterable[int]]] = None,
+              **options: Any) -> Union[Interface, list[Interface]]:
     """Measure the areas that two parts of a complex bury of each other.
 
     The parts are measured together, without all other atoms, and each alone. The interface area is
@@ -247,11 +256,14 @@ def interface(molecule: Any, first: Any, second: Any = None, radii: Any = None, 
         Radius of the probe, in angstrom.
     residue_cutoff : float, optional
         SAS area that a residue loses at least to be listed in ``residues``, in square angstrom.
+    models : 'all' or iterable of int, optional
+        The models of a file to measure, each by itself, such as those of an NMR structure.
 
     Returns
     -------
     Interface
-        Lost areas by part, residue and atom. They are 0 if the parts do not touch.
+        Lost areas by part, residue and atom. They are 0 if the parts do not touch. With ``models``, a list of
+        interfaces, one for each.
 
     Raises
     ------
@@ -261,6 +273,11 @@ def interface(molecule: Any, first: Any, second: Any = None, radii: Any = None, 
         If a part has no atoms, if the parts share atoms, or as ``measure``.
     """
     _molecule.require_known(options, interface)
+    if models is not None:
+        shared = {"first": first, "second": second, "radii": radii, "probe_radius": probe_radius, "waters": waters,
+                  "hydrogens": hydrogens, "unknown_radius": unknown_radius, "frame": frame,
+                  "residue_cutoff": residue_cutoff, "threads": threads}
+        return _molecule.each_model(interface, molecule, models, {**shared, **options})
     _arguments.check(interface, probe_radius=probe_radius, threads=threads, residue_cutoff=residue_cutoff)
     found, select = _molecule._read(molecule, radii, waters, hydrogens, unknown_radius, frame, options)
     masks = [select.mask(first, "first")]
@@ -281,14 +298,23 @@ def interface(molecule: Any, first: Any, second: Any = None, radii: Any = None, 
     return measured[0] if measured else _without_contact(found, names[0], names[1])
 
 
+@overload
+def interfaces(molecule: Any, radii: Any = None, *, models: None = None, **options: Any) -> Interfaces: ...
+@overload
+def interfaces(molecule: Any, radii: Any = None, *, models: Union[str, Iterable[int]],
+               **options: Any) -> list[Interfaces]: ...
+
+
 def interfaces(molecule: Any, radii: Any = None, *, probe_radius: float = 1.4, waters: bool = False,
                hydrogens: str = "auto", unknown_radius: Optional[float] = None, frame: int = 0,
-               area_cutoff: float = 0.0, residue_cutoff: float = 0.0, threads: int = 0, **options: Any) -> Interfaces:
+               area_cutoff: float = 0.0, residue_cutoff: float = 0.0, threads: int = 0,
+               models: Optional[Union[str, Iterable[int]]] = None,
+               **options: Any) -> Union[Interfaces, list[Interfaces]]:
     """Measure the interfaces of all pairs of chains that touch.
 
     Parameters
     ----------
-    molecule, radii, probe_radius, waters, hydrogens, unknown_radius, frame, residue_cutoff, threads, **options
+    molecule, radii, probe_radius, waters, hydrogens, unknown_radius, frame, residue_cutoff, threads, models, **options
         See ``interface``.
     area_cutoff : float, optional
         Interfaces with less SAS interface area are left out, in square angstrom.
@@ -296,7 +322,8 @@ def interfaces(molecule: Any, radii: Any = None, *, probe_radius: float = 1.4, w
     Returns
     -------
     Interfaces
-        The interfaces, in descending order of their areas. Each pair is measured without the others.
+        The interfaces, in descending order of their areas. Each pair is measured without the others. With
+        ``models``, a list of them, one for each model.
 
     Raises
     ------
@@ -304,6 +331,11 @@ def interfaces(molecule: Any, radii: Any = None, *, probe_radius: float = 1.4, w
         As ``measure``.
     """
     _molecule.require_known(options, interfaces)
+    if models is not None:
+        shared = {"radii": radii, "probe_radius": probe_radius, "waters": waters, "hydrogens": hydrogens,
+                  "unknown_radius": unknown_radius, "frame": frame, "area_cutoff": area_cutoff,
+                  "residue_cutoff": residue_cutoff, "threads": threads}
+        return _molecule.each_model(interfaces, molecule, models, {**shared, **options})
     _arguments.check(interfaces, probe_radius=probe_radius, threads=threads, area_cutoff=area_cutoff,
                      residue_cutoff=residue_cutoff)
     found, _ = _molecule._read(molecule, radii, waters, hydrogens, unknown_radius, frame, options)

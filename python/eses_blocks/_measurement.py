@@ -6,7 +6,6 @@ import csv
 import functools
 import html
 import importlib
-import io
 import os
 from typing import Any, Iterable, Iterator, Optional, Union, overload
 
@@ -14,9 +13,9 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _arguments, _core, _molecule
-from ._files import model_numbers, output_path, write_structure
+from ._files import output_path, write_structure
 from ._references import CLASSES, MAIN_CHAIN, REFERENCE_PROBE_RADIUS, REFERENCES, is_amino_acid
-from ._paths import is_file, read_content, remember_files
+from ._paths import remember_files
 from ._select import remember_molecule
 
 _Doubles = npt.NDArray[np.float64]
@@ -407,28 +406,6 @@ def _surfaces_in(surfaces: Union[str, Iterable[str]]) -> set[str]:
     return known if "all" in chosen else chosen
 
 
-def _measure_models(molecule: Any, radii: Any, models: Union[str, Iterable[int]],
-                    options: dict[str, Any]) -> list[Measurement]:
-    """Measures several models of a file, whose content is read once."""
-    if "model" in options:
-        raise TypeError("give model or models, not both")
-    if not is_file(molecule):
-        raise TypeError("models: only files have models; give frame= for one frame of a trajectory")
-    text, name, layout = read_content(molecule, options.get("format", "auto"))
-    if (isinstance(models, str) and models != "all") or not hasattr(models, "__iter__"):
-        raise ValueError(f"models must be 'all' or numbers, not {models!r}")
-    numbers = model_numbers(text, layout) if isinstance(models, str) else list(models)
-    for number in numbers:
-        _arguments.check(measure, model=number)
-    options = {**options, "format": layout}
-    found = []
-    for number in numbers:
-        opened = io.BytesIO(text)
-        opened.name = name  # for messages, and so that save does not overwrite the file
-        found.append(measure(opened, radii, model=number, **options))
-    return found
-
-
 @overload
 def measure(molecule: Any, radii: Any = None, *, models: None = None, **options: Any) -> Measurement: ...
 @overload
@@ -498,7 +475,7 @@ def measure(molecule: Any, radii: Any = None, *, probe_radius: float = 1.4, repo
                   "unknown_radius": unknown_radius, "frame": frame, "reference": reference, "surfaces": surfaces,
                   "van_der_waals": van_der_waals, "derivatives": derivatives, "fill_cavities": fill_cavities,
                   "threads": threads}
-        return _measure_models(molecule, radii, models, {**shared, **options})
+        return _molecule.each_model(measure, molecule, models, {"radii": radii, **shared, **options})
     chosen = _surfaces_in(surfaces)
     _arguments.check(measure, probe_radius=probe_radius, threads=threads, derivatives=derivatives,
                      van_der_waals=van_der_waals)

@@ -4,16 +4,17 @@ from __future__ import annotations
 
 import dataclasses
 import inspect
+import io
 import os
 import re
 import warnings
-from typing import Any, Callable, Iterable, Optional
+from typing import Any, Callable, Iterable, Optional, TypeVar, Union
 
 import numpy as np
 import numpy.typing as npt
 
 from . import _arguments, _core, _foreign, adaptors
-from ._files import RowsOfFile, notes_of, values_in_lines
+from ._files import RowsOfFile, model_numbers, notes_of, values_in_lines
 from ._paths import files_of, format_of, is_file, is_path, name_of, read_content, read_opened, remember_files
 from ._radii import (SOURCES, atoms_named, correct_elements, find_dummies, find_radii, radii_by_bonds, refuse_unknown,
                      warn_about_residues)
@@ -110,6 +111,7 @@ class _Source:
 
 # ------------------------------------------------------------------------------------------ files
 
+_Result = TypeVar("_Result")
 _FILE_OPTIONS: dict[str, Any] = {"format": "auto", "model": 0, "altloc": "", "hetatm": True, "chains": (), "select": "",
                                  "assembly": "", "chain_names": "auth"}
 
@@ -120,6 +122,27 @@ def require_known(options: dict[str, Any], caller: Callable[..., Any], known: It
     for name in sorted(set(options) - set(_FILE_OPTIONS) - set(known)):
         _arguments.refuse_unknown(name, [*list(inspect.signature(caller).parameters)[1:-1], *known, *_FILE_OPTIONS])
     _arguments.require_types(_FILE_OPTIONS, {name: value for name, value in options.items() if name != "select"})
+
+
+def each_model(function: Callable[..., _Result], found: Any, models: Union[str, Iterable[int]],
+               options: dict[str, Any]) -> list[_Result]:
+    """Returns the results of a function for several models of a file, whose content is read once."""
+    if "model" in options:
+        raise TypeError("give model or models, not both")
+    if not is_file(found):
+        raise TypeError("models: only files have models; give frame= for one frame of a trajectory")
+    text, name, layout = read_content(found, options.get("format", "auto"))
+    if (isinstance(models, str) and models != "all") or not hasattr(models, "__iter__"):
+        raise ValueError(f"models must be 'all' or numbers, not {models!r}")
+    numbers = model_numbers(text, layout) if isinstance(models, str) else list(models)
+    for number in numbers:
+        _arguments.check(function, model=number)
+    results = []
+    for number in numbers:
+        opened = io.BytesIO(text)
+        opened.name = name  # for messages, and so that save does not overwrite the file
+        results.append(function(opened, **{**options, "format": layout, "model": number}))
+    return results
 
 
 def _read_file(found: Any, radii: str, unknown: Optional[float], waters: bool, hydrogens: str,

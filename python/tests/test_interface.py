@@ -119,6 +119,24 @@ def test_cutoffs_and_tables_of_all_interfaces(path, tmp_path):
     assert found[0].molecule.set.name == "file"
 
 
+def test_models_of_a_file(path):
+    """Each model is measured by itself: those that are farther apart bury less."""
+    path.write_text("".join(f"MODEL     {number:4}\n{COMPLEX.replace(f'{DISTANCE:8.3f}', f'{distance:8.3f}')}ENDMDL\n"
+                            for number, distance in ((2, 3.5), (4, DISTANCE), (9, 20))))
+    alone = [eses.interfaces(path, model=number) for number in (2, 4, 9)]
+    found = eses.interfaces(path, models="all", area_cutoff=1)
+    assert [len(each) for each in found] == [1, 1, 0]
+    assert [each.table["sas_area"].tolist() for each in found] == [each.table["sas_area"].tolist() for each in alone]
+    assert found[1][0].sas_area == pytest.approx(LOST) and found[0][0].sas_area < LOST - 1
+    pairs = eses.interface(path, "A", "B", models=[9, 4])
+    assert [each.sas_area for each in pairs] == [0, found[1][0].sas_area]
+    for measure in (lambda **options: eses.interfaces(path, **options), lambda **options: eses.interface(path, "A", **options)):
+        with pytest.raises(TypeError, match="model or models"):
+            measure(models="all", model=2)
+        with pytest.raises(ValueError, match="in model 3"):
+            measure(models=[3])
+
+
 def test_errors_name_the_part(path):
     with pytest.raises(ValueError, match="1 atoms belong to both parts"):
         eses.interface(path, "A+B", "B")

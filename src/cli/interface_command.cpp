@@ -54,10 +54,11 @@ void add_interfaces(const InterfaceOptions& options, const Surface& surface,
 /// Returns the interfaces of a file.
 InterfaceFile read_interfaces(const InterfaceOptions& options, std::size_t input,
                               const CheckCallback& check) {
-  const ReadOptions reading{
-      .format = options.format, .structure = options.structure, .check = check};
+  ReadOptions reading{.format = options.format, .structure = options.structure, .check = check};
+  reading.structure.model = options.model_of(input);
   const std::filesystem::path& path = options.inputs[input];
   InterfaceFile file{.path = path,
+                     .model = options.all_models ? reading.structure.model : 0,
                      .file = read_atoms(path, reading),
                      .diagnostics = {},
                      .are_polar = {},
@@ -77,7 +78,7 @@ InterfaceFile read_interfaces(const InterfaceOptions& options, std::size_t input
 std::vector<std::string> names_of_tables(const InterfaceOptions& options, std::size_t input) {
   std::vector<std::string> names;
   for (const NamedInterfaceTable* const table : options.written_tables)
-    names.push_back(table_name(options.inputs[input], table->ending));
+    names.push_back(options.name_of_table(input, table->ending));
   return names;
 }
 
@@ -96,10 +97,9 @@ void write_tables(const InterfaceOptions& options, std::size_t input, const Inte
                   const TableFiles& files) {
   std::vector<TableContent> contents;
   for (const NamedInterfaceTable* const table : options.written_tables)
-    contents.push_back(
-        {table_name(options.inputs[input], table->ending), [&, table](OutputFile& file) {
-           file.append(interface_table(options, table->table, found));
-         }});
+    contents.push_back({options.name_of_table(input, table->ending), [&, table](OutputFile& file) {
+                          file.append(interface_table(options, table->table, found));
+                        }});
   if (!contents.empty()) files.write(contents);
 }
 
@@ -113,17 +113,20 @@ std::string printed_text(const InterfaceOptions& options, std::size_t input,
                ? text
                : text + written_text(options.output_directory, names_of_tables(options, input));
   }
-  const bool has_many = options.inputs.size() > 1;  // then the heading has been printed
-  return has_many
-             ? interface_rows(options, options.table, file, csv_field(file.path.string()) + ",")
-             : interface_table(options, options.table, file);
+  if (!options.has_many()) return interface_table(options, options.table, file);
+  // The heading has been printed.
+  return interface_rows(options, options.table, file, csv_field(file.path.string()) + ",",
+                        options.all_models ? formatted(",{}", file.model) : "");
 }
 
 /// The row of --csv for an input that could not be measured.
-std::string failure_row(const std::filesystem::path& path, const std::string& error) {
+std::string failure_row(const InterfaceOptions& options, std::size_t input,
+                        const std::string& error) {
   const std::string heading = interface_heading(InterfaceTable::interfaces);
   const auto columns = static_cast<std::size_t>(std::ranges::count(heading, ',')) + 1;
-  return formatted("{}{},{}\n", csv_field(path.string()), std::string(columns, ','),
+  const int model = options.model_of(input);
+  return formatted("{}{},{},{}\n", csv_field(options.inputs[input].string()),
+                   std::string(columns, ','), model > 0 ? std::to_string(model) : "",
                    csv_field(error));
 }
 
@@ -132,26 +135,32 @@ InputResult measure_input(const InterfaceOptions& options, std::size_t input, Ta
   const InterfaceFile file = read_interfaces(options, input, [&files] { files.check(); });
   write_tables(options, input, file, files);
   const bool has_report = options.table == InterfaceTable::report && !options.prints_csv;
+  const std::string model = file.file.structure ? csv_field(file.file.structure->model) : "";
   if (!has_report && !options.quiet)
     if (const std::string reason = empty_table_reason(options, file); !reason.empty())
-      print_message("note", formatted("{}: {}", input_name(file.path), reason));
+      print_message(
+          "note",
+          formatted("{}{}: {}", input_name(file.path),
+                    options.all_models ? formatted(" (model {})", file.model) : "", reason));
   return {printed_text(options, input, file),
           interface_rows(options, InterfaceTable::interfaces, file,
-                         csv_field(file.path.string()) + ",", ",")};
+                         csv_field(file.path.string()) + ",", formatted(",{},", model))};
 }
 
-/// Prints the heading of a table of several files.
+/// Prints the heading of a table of several files or models.
 void print_heading(const InterfaceOptions& options) {
-  if (options.table == InterfaceTable::report || options.inputs.size() == 1) return;
-  print(formatted("file,{}\n", interface_heading(options.table)));
+  if (options.table == InterfaceTable::report || !options.has_many()) return;
+  print(formatted("file,{}{}\n", interface_heading(options.table),
+                  options.all_models ? ",model" : ""));
 }
 
 }  // namespace
 
 int perform_interface(const Arguments& arguments) {
   end_on_signals();
-  const InterfaceOptions options = parse_interface_arguments(arguments);
+  InterfaceOptions options = parse_interface_arguments(arguments);
   require_standard_output();
+  options.expand_models();
   TableFiles files(files_to_write(options),
                    files_that_are_read(options.inputs, options.structure.radii, options.list),
                    is_interface_table);
@@ -159,13 +168,13 @@ int perform_interface(const Arguments& arguments) {
     if (options.prints_csv) print(text);
     if (files.csv() != nullptr) files.csv()->append(text);
   };
-  append_csv(formatted("file,{},error\n", interface_heading(InterfaceTable::interfaces)));
+  append_csv(formatted("file,{},model,error\n", interface_heading(InterfaceTable::interfaces)));
   print_heading(options);
   bool has_errors = false;
   for (std::size_t input = 0; input < options.inputs.size(); ++input) {
     const std::vector<std::string> names = names_of_tables(options, input);
     const ResumedInput resumed =
-        files.resume(options.inputs[input], options.structure.model, names);
+        files.resume(options.inputs[input], options.model_of(input), names);
     std::optional<InputResult> result = resumed.result;
     std::vector<std::string> errors;
     try {
@@ -173,7 +182,7 @@ int perform_interface(const Arguments& arguments) {
     } catch (const StrictError& error) {
       errors = error.lines;
     } catch (const Error& error) {
-      errors.push_back(message_with_file(error, options.inputs[input]));
+      errors.push_back(options.message_of_input(error, input));
     }
     if (result) {
       if (!resumed.result) files.keep(resumed, names, *result);
@@ -181,9 +190,9 @@ int perform_interface(const Arguments& arguments) {
       append_csv(result->rows);
     }
     for (const std::string& error : errors) print_message("error", error);
-    if (!errors.empty()) append_csv(failure_row(options.inputs[input], errors.front()));
+    if (!errors.empty()) append_csv(failure_row(options, input, errors.front()));
     if (!errors.empty() && options.json && options.inputs.size() > 1)
-      print(failure_json(options.inputs[input], errors.front()));
+      print(failure_json(options.inputs[input], errors.front(), options.model_of(input)));
     has_errors = has_errors || !errors.empty();
   }
   files.finish(has_errors, options.quiet);

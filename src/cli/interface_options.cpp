@@ -43,6 +43,7 @@ More examples:
   eses-blocks interface 1brs.pdb --table residues   the residues of each interface, as CSV
   eses-blocks interface 1brs.pdb --write pdb        buried areas as B-factors
   eses-blocks interface complexes --csv all.csv     all files in a folder
+  eses-blocks interface 1xyz.pdb --model all        each model of an NMR structure
 
 Exit codes:
   0  done
@@ -111,7 +112,7 @@ void add_interface_options(CLI::App& app, InterfaceOptions& options, InputChoice
   add_table_files(
       app, options,
       "write the interfaces of all files as a table; - prints it\nin place of the report");
-  add_last_options(app, options);
+  add_last_options(app, options, &options.all_models);
 }
 
 /// Throws UsageError if outputs exclude each other.
@@ -119,8 +120,8 @@ void check_outputs(const InterfaceOptions& options) {
   check_table_files(options, options.table != InterfaceTable::report);
   const bool has_atoms =
       options.table == InterfaceTable::pdb || options.table == InterfaceTable::cif;
-  if (has_atoms && options.inputs.size() > 1)
-    throw UsageError("--table pdb and cif print the atoms of a single file; use --write");
+  if (has_atoms && options.has_many())
+    throw UsageError("--table pdb and cif print the atoms of a single file or model; use --write");
 }
 
 }  // namespace
@@ -144,6 +145,7 @@ InterfaceOptions parse_interface_arguments(const Arguments& arguments) {
     if (path != "-" && !std::filesystem::is_regular_file(path, ignored)) continue;
     refuse_structure_options(app, input);
     refuse_xyzr(input, "interface", "chains");
+    if (options.all_models) require_models(input);
   }
   refuse_repeated_chains(options.groups, "--groups");
   if (!options.groups.by_chain && options.groups.parts.size() != 2)

@@ -10,7 +10,7 @@
 
 #include "cli/command.hpp"
 #include "cli/complex_parts.hpp"
-#include "eses/read_atoms.hpp"
+#include "cli/input_models.hpp"
 #include "eses/surface.hpp"
 
 namespace eses::detail::cli {
@@ -32,11 +32,8 @@ inline constexpr std::array interface_tables{
     NamedInterfaceTable{"cif", ".interface.areas.cif", InterfaceTable::cif},
 };
 
-struct InterfaceOptions {
-  std::vector<std::filesystem::path> inputs;  ///< without folders; `-` is standard input
-  std::filesystem::path list;                 ///< file of --files-from; empty if it is not given
-  AtomFormat format = AtomFormat::automatic;
-  StructureOptions structure;  ///< for PDB and mmCIF files
+struct InterfaceOptions : ModelOptions {
+  std::filesystem::path list;  ///< file of --files-from; empty if it is not given
   PartChoice groups{.by_chain = true};
   std::optional<PartSelector> ligand;  ///< residues that are each compared with all other atoms
   double probe_radius = SurfaceOptions().probe_radius;

@@ -246,8 +246,9 @@ Json side_json(const std::string& name, const std::vector<BuriedResidue>& residu
 std::string interface_json(const InterfaceOptions& options, const InterfaceFile& file) {
   Json object{{"file", file.path.string()},
               {"atoms", file.file.atoms.size()},
-              {"probe_radius", options.probe_radius},
-              {"interfaces", Json::array()}};
+              {"probe_radius", options.probe_radius}};
+  if (options.all_models) object["model"] = file.model;
+  object["interfaces"] = Json::array();
   for (const NamedInterface& interface : file.interfaces) {
     const std::vector<BuriedResidue> residues = residues_of(options, file, interface);
     const auto side = [&](const std::string& name, std::uint32_t part) {

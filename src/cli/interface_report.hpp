@@ -25,6 +25,7 @@ struct NamedInterface {
 /// The interfaces of a file.
 struct InterfaceFile {
   std::filesystem::path path;
+  int model = 0;  ///< number of the model; 0 unless each model is measured
   AtomFile file;  ///< with labels
   std::vector<DiagnosticText> diagnostics;
   std::vector<bool> are_polar;             ///< by atom

@@ -24,19 +24,11 @@
 #include "cli/shared_report.hpp"
 #include "cli/table_files.hpp"
 #include "eses/error.hpp"
-#include "input/read_input.hpp"
 #include "system/formatted.hpp"
 #include "system/parallel.hpp"
 
 namespace eses::detail::cli {
 namespace {
-
-/// Returns the name of the table of an input. Each model has a table, if each is measured.
-std::string name_of(const MeasureCommandOptions& options, std::size_t input, const Table& table) {
-  const std::string model =
-      options.models.empty() ? "" : formatted(".model{}", options.models[input]);
-  return table_name(options.inputs[input], model + std::string(table.ending));
-}
 
 bool is_table(std::string_view name) {
   return std::ranges::any_of(tables,
@@ -47,7 +39,7 @@ bool is_table(std::string_view name) {
 std::vector<std::string> names_of_tables(const MeasureCommandOptions& options, std::size_t input) {
   std::vector<std::string> names;
   for (const Table* const table : options.written_tables)
-    names.push_back(name_of(options, input, *table));
+    names.push_back(options.name_of_table(input, table->ending));
   return names;
 }
 
@@ -146,10 +138,11 @@ void write_tables(const MeasureCommandOptions& options, std::size_t input, const
   const std::optional<MeasuredFile> reported = reported_atoms_of(options, file);
   std::vector<TableContent> contents;
   for (const Table* const table : options.written_tables)
-    contents.push_back({name_of(options, input, *table), [&, table](OutputFile& output) {
-                          append_table(*table, file, reported ? &*reported : nullptr,
-                                       [&](std::string_view part) { output.append(part); });
-                        }});
+    contents.push_back(
+        {options.name_of_table(input, table->ending), [&, table](OutputFile& output) {
+           append_table(*table, file, reported ? &*reported : nullptr,
+                        [&](std::string_view part) { output.append(part); });
+         }});
   files.write(contents);
 }
 
@@ -170,13 +163,6 @@ std::string measured_text(const MeasureCommandOptions& options, const MeasuredFi
   const std::string text = measure_text(options, file);
   return options.quiet ? text
                        : text + written_text(options.output_directory, names_of_tables(options, 0));
-}
-
-std::string input_message(const std::exception& error, const MeasureCommandOptions& options,
-                          std::size_t input) {
-  const int model = options.models.empty() ? 0 : options.models[input];
-  return message_with_file(error, options.inputs[input]) +
-         (model > 0 ? formatted(" (model {})", model) : "");
 }
 
 /// Adds the rows of an input that cannot be measured, with its first error.
@@ -204,9 +190,9 @@ Outcome measured_outcome(const MeasureCommandOptions& options, std::size_t input
     outcome.csv = measure_csv_line(options, file);
     if (!options.quiet) outcome.notes = empty_table_notes(options, file);
   } catch (const Error& error) {
-    outcome.errors.push_back(input_message(error, options, input));
+    outcome.errors.push_back(options.message_of_input(error, input));
   } catch (const std::invalid_argument& error) {
-    outcome.errors.push_back(input_message(error, options, input));
+    outcome.errors.push_back(options.message_of_input(error, input));
   }
   return outcome.errors.empty() ? outcome : with_failure(options, input, std::move(outcome));
 }
@@ -222,31 +208,13 @@ Outcome outcome_of(const MeasureCommandOptions& options, std::size_t input, int 
   return outcome;
 }
 
-/// Replaces each input by its models, if each is measured. Files that cannot be read stay, so that
-/// they are reported with the others.
-void expand_models(MeasureCommandOptions& options) {
-  if (!options.all_models) return;
-  std::vector<std::filesystem::path> inputs;
-  for (const std::filesystem::path& path : options.inputs) {
-    std::vector<int> numbers;
-    try {
-      numbers = read_model_numbers(path, {.format = options.format});
-    } catch (const Error&) {
-    }
-    if (numbers.empty()) numbers.push_back(0);
-    inputs.insert(inputs.end(), numbers.size(), path);
-    options.models.insert(options.models.end(), numbers.begin(), numbers.end());
-  }
-  options.inputs = std::move(inputs);
-}
-
 }  // namespace
 
 int perform_measure(const Arguments& arguments) {
   end_on_signals();
   MeasureCommandOptions options = parse_measure_arguments(arguments);
   require_standard_output();
-  expand_models(options);
+  options.expand_models();
   TableFiles files(files_to_write(options),
                    files_that_are_read(options.inputs, options.structure.radii, options.list),
                    is_table);

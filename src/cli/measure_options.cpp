@@ -260,19 +260,14 @@ void check_surfaces(const MeasureCommandOptions& options) {
 void check(const CLI::App& app, const MeasureCommandOptions& options) {
   refuse_repeated_chains(options.parts, "--parts");
   check_table_files(options, options.printed_table != nullptr);
-  const bool has_many = options.inputs.size() > 1 || options.all_models;
-  if (options.printed_table != nullptr && has_many)
+  if (options.printed_table != nullptr && options.has_many())
     throw UsageError(formatted("--table prints the table of a single file or model; use --write {}",
                                options.printed_table->name));
   const bool has_place_of_atoms = options.at && !options.at->point && !options.at->box;
   for (const std::filesystem::path& path : options.inputs) {
     const InputFile input{path, options.format};
     refuse_structure_options(app, input);
-    if (options.all_models && path == "-")
-      throw UsageError("--model all reads the file once for each model; give its name");
-    if (options.all_models && !is_structure(format_of(path, options.format)))
-      throw UsageError(
-          formatted("--model all needs PDB or mmCIF files; {} is read as PQR", path.string()));
+    if (options.all_models) require_models(input);
     for (const Table* const table : options.needed_tables())
       if (table->has(needs_names)) refuse_xyzr(input, options.option_of(*table), "names");
     if (options.parts.is_chosen()) refuse_xyzr(input, "--parts", "chains");

@@ -12,6 +12,7 @@
 
 #include "cli/command.hpp"
 #include "cli/complex_parts.hpp"
+#include "cli/input_models.hpp"
 #include "cli/measure_records.hpp"
 #include "eses/pockets.hpp"
 #include "eses/read_atoms.hpp"
@@ -75,15 +76,8 @@ struct PlaceChoice {
   std::optional<std::array<Vec3, 2>> box;
 };
 
-struct MeasureCommandOptions {
-  std::vector<std::filesystem::path> inputs;  ///< without folders; `-` is standard input
-  std::filesystem::path list;                 ///< file of --files-from; empty if it is not given
-  bool all_models = false;                    ///< whether each model of a file is measured
-  /// With `all_models`, the number of the model of each input. An input is in the list once for
-  /// each of its models.
-  std::vector<int> models;
-  AtomFormat format = AtomFormat::automatic;
-  StructureOptions structure;  ///< for PDB and mmCIF files
+struct MeasureCommandOptions : ModelOptions {
+  std::filesystem::path list;  ///< file of --files-from; empty if it is not given
   double probe_radius = SurfaceOptions().probe_radius;
   SurfaceChoice surfaces{.all = true};
   PartChoice parts;
@@ -106,9 +100,6 @@ struct MeasureCommandOptions {
   bool json = false;
   bool quiet = false;
   bool strict = false;  ///< whether warnings are errors
-
-  /// Returns the number of the model of an input; 0 for the first one.
-  int model_of(std::size_t input) const { return models.empty() ? structure.model : models[input]; }
 
   bool need_pockets() const { return pockets || needs(has_pockets); }
 

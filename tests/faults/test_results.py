@@ -42,33 +42,43 @@ class Results(FaultTest):
         found = re.search(r"note: (\d+) results? of an earlier run kept", done.stderr)
         self.assertEqual(int(found[1]) if found else 0, count, done.stderr)
 
+    def check_killed_runs(self, arguments, count):
+        """Kills a run at each of its writes, and again at the next one, and continues it."""
+        self.put({})
+        done = self.run_program(*arguments)
+        self.assertDone(done)
+        reference, printed = self.contents(), done.stdout
+        kept, number = set(), 1
+        while True:
+            self.put({})
+            done = self.run_program(*arguments, "--resume", fault=f"write {number} signal={signal.SIGKILL.value}")
+            if done.returncode != -signal.SIGKILL:
+                break
+            self.assertNotIn("all.csv", self.all_files())
+            self.run_program(*arguments, "--resume", fault=f"write 1 signal={signal.SIGKILL.value}")
+            done = self.run_program(*arguments, "--resume")
+            self.assertDone(done)
+            self.assertEqual(done.stdout, printed)
+            self.assertEqual(self.contents(), reference)
+            found = re.search(r"note: (\d+) result", done.stderr)
+            kept.add(int(found[1]) if found else 0)
+            number += 1
+        self.assertEqual(kept, set(range(count + 1)))
+
     @needs_library
     def test_runs_that_are_killed_at_any_write_go_on(self):
         for command, more in (("measure", ("-t", "2")), ("measure", ("--json",)), ("measure", ("-t", "1")),
                               ("interface", ()), ("interface", ("--json",))):
-            arguments = self.arguments(*more, command=command)
-            self.put({})
-            done = self.run_program(*arguments)
-            self.assertDone(done)
-            reference, printed = self.contents(), done.stdout
-            kept, number = set(), 1
-            while True:
-                self.put({})
-                done = self.run_program(*arguments, "--resume",
-                                        fault=f"write {number} signal={signal.SIGKILL.value}")
-                if done.returncode != -signal.SIGKILL:
-                    break
-                self.assertNotIn("all.csv", self.all_files())
-                # Killed again at the first write, and then continued.
-                self.run_program(*arguments, "--resume", fault=f"write 1 signal={signal.SIGKILL.value}")
-                done = self.run_program(*arguments, "--resume")
-                self.assertDone(done)
-                self.assertEqual(done.stdout, printed)
-                self.assertEqual(self.contents(), reference)
-                found = re.search(r"note: (\d+) result", done.stderr)
-                kept.add(int(found[1]) if found else 0)
-                number += 1
-            self.assertEqual(kept, set(range(COUNT + 1)))
+            self.check_killed_runs(self.arguments(*more, command=command), COUNT)
+
+    @needs_library
+    def test_models_of_killed_runs_are_kept(self):
+        text = "".join(f"MODEL     {i + 1:4}\n{(self.inputs / f'{i}.pdb').read_text()[:-4]}ENDMDL\n" for i in range(3))
+        for path in self.inputs.iterdir():
+            path.unlink()
+        (self.inputs / "models.pdb").write_text(text)
+        for command in ("measure", "interface"):
+            self.check_killed_runs(self.arguments("--model", "all", command=command), 3)
 
     @needs_library
     def test_full_disks_keep_complete_results(self):

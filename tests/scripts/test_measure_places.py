@@ -94,11 +94,46 @@ class Models(Case):
         self.assertEqual(sorted(path.name for path in (self.folder / "out").iterdir()),
                          [f"nmr.model{number}.residues.csv" for number in (1, 2, 7)])
 
+    def test_interfaces_of_each_model(self):
+        """Results of a model are those of --model N, in all outputs."""
+        table, out = self.folder / "all.csv", self.folder / "out"
+        missing = str(self.folder / "missing.pdb")
+        written = ("--csv", table, "--write", "interfaces,pdb", "-o", out)
+        done = self.call("interface", self.path, missing, "--model", "all", *written, code=1)
+        self.assertEqual(done.stdout.count(" (3 models)"), 3)
+        self.assertNotIn("(model 0)", done.stderr)
+        rows = self.rows(table)
+        self.assertEqual([row["model"] for row in rows], ["1", "2", "7", ""])
+        self.assertIn("missing.pdb", rows[3]["error"])
+        names = [f"nmr.model{number}.interface{ending}" for number in (1, 2, 7) for ending in ("s.csv", ".areas.pdb")]
+        self.assertEqual(sorted(path.name for path in out.iterdir()), sorted(names))
+        printed = self.call("interface", self.path, "--model", "all", "--table", "residues").stdout
+        residues = list(csv.DictReader(io.StringIO(printed)))
+        found = self.json("interface", self.path, "--model", "all")
+        self.assertEqual([each["model"] for each in found], [1, 2, 7])
+        for number, row, each in zip((1, 2, 7), rows, found):
+            one, = self.json("interface", self.path, "--model", number)
+            self.assertEqual(one["interfaces"], each["interfaces"])
+            self.assertAlmostEqual(float(row["sas_interface_area"]), one["interfaces"][0]["sas"]["interface_area"], 5)
+            text = self.call("interface", self.path, "--model", number, "--table", "residues").stdout
+            self.assertEqual([{**each, "file": self.path, "model": str(number)} for each in csv.DictReader(io.StringIO(text))],
+                             [each for each in residues if each["model"] == str(number)])
+            for ending, name in (("s.csv", "interfaces"), (".areas.pdb", "pdb")):
+                self.assertEqual(self.call("interface", self.path, "--model", number, "--table", name).stdout,
+                                 (out / f"nmr.model{number}.interface{ending}").read_text())
+        self.assertEqual(len({row["sas_interface_area"] for row in rows}), 4)
+        done = self.call("interface", self.path, "--model", "all", "--area-cutoff", "1e6", "--csv", "-")
+        self.assertEqual(done.stdout.count("\n"), 1)
+
     def test_errors(self):
-        self.assertIn("give its name", self.call("measure", "-", "--format", "pdb", "--model", "all", code=2).stderr)
-        self.assertIn("expected all, or a whole number", self.call("measure", self.path, "--model", "x", code=2).stderr)
-        self.assertIn("is read as PQR", self.call("measure", DATA / "fas2.pqr", "--model", "all", code=2).stderr)
-        self.call("interface", self.path, "--model", "all", code=2)
+        for command in ("measure", "interface"):
+            done = self.call(command, "-", "--format", "pdb", "--model", "all", code=2)
+            self.assertIn("give its name", done.stderr)
+            done = self.call(command, self.path, "--model", "x", code=2)
+            self.assertIn("expected all, or a whole number", done.stderr)
+            self.assertIn("is read as PQR", self.call(command, DATA / "fas2.pqr", "--model", "all", code=2).stderr)
+        self.assertIn("a single file or model; use --write",
+                      self.call("interface", self.path, "--model", "all", "--table", "pdb", code=2).stderr)
         self.assertIn("prints the table of a single file or model; use --write atoms",
                       self.call("measure", self.path, "--model", "all", "--table", "atoms", code=2).stderr)
 
