@@ -56,7 +56,7 @@ _KINDS: dict[str, _Kind] = {
                      "solute", "solvent", "area_cutoff", "residue_cutoff"], _NUMBER),
     **dict.fromkeys(["threads", "frame", "block_size", "max_memory", "axis", "height", "n_points"], _INTEGER),
     **dict.fromkeys(["waters", "hetatm", "ses", "van_der_waals", "by_atom", "derivatives", "inside", "crossings", "quality",
-                     "component", "allow_far_atoms", "get_mapping"], _FLAG),
+                     "component", "allow_far_atoms", "get_mapping", "ignore_ions"], _FLAG),
     **dict.fromkeys(["format", "hydrogens", "chain_names", "surface", "reference", "column", "level", "title", "backend",
                      "style", "mode"], _TEXT),
     **dict.fromkeys(["origin", "center"], _TRIPLE),
@@ -93,6 +93,58 @@ def check(function: Callable[..., Any], **arguments: Any) -> None:
     """Raises TypeError for the first argument of a function that has a wrong type."""
     parameters = inspect.signature(function).parameters
     require_types({name: each.default for name, each in parameters.items()}, arguments)
+
+
+def require_choice(name: str, value: Any, *known: str) -> None:
+    """Raises ValueError for an argument that is none of the known texts."""
+    if not isinstance(value, str) or value not in known:
+        names = [repr(each) for each in known]
+        raise ValueError(f"{name} must be {', '.join(names[:-1])} or {names[-1]}, not {value!r:.80}")
+
+
+def require_object(name: str, value: Any, attributes: Iterable[str], expected: str) -> None:
+    """Raises TypeError for an object of another library that lacks one of the attributes."""
+    if not all(hasattr(value, each) for each in attributes):
+        raise TypeError(f"{name} must be {expected}, not {value!r:.80}")
+
+
+def require_mask(name: str, given: Any, count: int) -> np.ndarray[Any, np.dtype[np.bool_]]:
+    """Returns a mask with a value for each of `count` atoms. Raises ValueError for another shape, and TypeError for
+    other values."""
+    mask = np.asarray(given)
+    if mask.dtype != bool and not (mask.dtype.kind in "iu" and np.isin(mask, (0, 1)).all()):
+        raise TypeError(f"{name} must be a mask of atoms, not {given!r:.80}")
+    if mask.shape != (count,):
+        raise ValueError(f"{name}: a mask must have shape ({count},), one value for each atom, not {mask.shape}")
+    return mask.astype(bool)
+
+
+def require_indices(name: str, given: Any, count: int) -> np.ndarray[Any, np.dtype[np.int64]]:
+    """Returns the indices of atoms, also those of a mask, in ascending order. Negative ones count from the end."""
+    indices = np.asarray(given)
+    if indices.dtype == bool:
+        return np.flatnonzero(require_mask(name, given, count))
+    if indices.ndim != 1 or (indices.size and indices.dtype.kind not in "iu"):
+        raise TypeError(f"{name} must be a mask or indices of atoms, not {given!r:.80}")
+    for index in indices.tolist():
+        if not -count <= index < count:
+            raise IndexError(f"{name}: there are {count} atoms, and no atom {index}, counted from 0")
+    return np.unique(indices.astype(np.int64))
+
+
+def require_radii(name: str, given: Any) -> dict[str, float]:
+    """Returns radii by element. Raises TypeError for what is no mapping of radii, and ValueError for negative ones."""
+    if given is None:
+        return {}
+    if not hasattr(given, "items"):
+        raise TypeError(f"{name} must be a mapping of elements to radii, not {given!r:.80}")
+    radii = dict(given.items())
+    for element, radius in radii.items():
+        if not _is_number(radius):
+            raise TypeError(f"{name}: the radius of {element!r} must be a number, not {radius!r:.80}")
+        if not 0 <= radius < np.inf:
+            raise ValueError(f"{name}: the radius of {element!r} must be finite and not negative, not {radius}")
+    return radii
 
 
 def refuse_unknown(name: str, known: Iterable[str]) -> NoReturn:

@@ -7,7 +7,7 @@ from typing import Any, Mapping, Optional
 
 import numpy as np
 
-from . import _core
+from . import _arguments, _core
 
 __all__ = ["compute"]
 
@@ -31,18 +31,19 @@ def compute(entity: Any, level: str = "A", *, probe_radius: float = 1.4,
     threads : int, optional
         Number of threads; 0 for all.
     """
-    kind = getattr(entity, "level", "")
-    if kind not in _LEVELS[1:] or not kind:
-        raise ValueError(f"Invalid entity type '{type(entity)}'. Must be Residue, Chain, Model, or Structure")
-    if level not in _LEVELS or not level:
-        raise ValueError(f"Invalid level '{level}'. Must be A, R, C, M, or S.")
+    kind = getattr(entity, "level", None)
+    if kind not in tuple(_LEVELS[1:]) or not hasattr(entity, "get_atoms"):
+        raise ValueError(f"entity must be a Residue, Chain, Model or Structure of Biopython, not {entity!r:.80}")
+    _arguments.require_choice("level", level, *_LEVELS)
+    _arguments.check(compute, probe_radius=probe_radius, threads=threads)
     if _LEVELS.index(level) > _LEVELS.index(kind):
-        raise ValueError(f"Level '{level}' must be equal or smaller than input entity: {kind}")
+        raise ValueError(f"level must be that of the entity, {kind!r}, or one below it, not {level!r}")
     atoms = list(entity.get_atoms())
     if not atoms:
-        raise ValueError("Entity has no child atoms.")
+        raise ValueError("entity: it has no atoms")
     known: Any = importlib.import_module("Bio.PDB.SASA").ATOMIC_RADII
-    radii = [(radii_dict or {}).get(atom.element) or known[atom.element] for atom in atoms]
+    given = _arguments.require_radii("radii_dict", radii_dict)
+    radii = [given[atom.element] if atom.element in given else known[atom.element] for atom in atoms]
     surface = _core.Surface(np.array([atom.coord for atom in atoms], float), radii, probe_radius, threads=threads)
     by_atom = surface.measure(by_atom=True, threads=threads).by_atom
     assert by_atom is not None

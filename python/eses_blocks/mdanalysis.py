@@ -8,12 +8,26 @@ from typing import Any, Optional
 
 import numpy as np
 
+from . import _arguments
 from ._measurement import measure
 from ._select import listed
 
 __all__ = ["SASAAnalysis"]
 
 AnalysisBase: Any = importlib.import_module("MDAnalysis.analysis.base").AnalysisBase
+SelectionError: Any = importlib.import_module("MDAnalysis.exceptions").SelectionError
+
+
+_OPTIONS = ("radii", "probe_radius", "waters", "hydrogens", "unknown_radius", "fill_cavities", "threads")
+
+
+def _selected(group: Any, text: Any, what: str) -> Any:
+    if not isinstance(text, str):
+        raise TypeError(f"{what} must be a text such as 'protein', not {text!r:.80}")
+    try:
+        return group.select_atoms(text)
+    except (AttributeError, ValueError, SelectionError) as error:  # such as names that the universe does not have
+        raise ValueError(f"{what}: {error}") from None
 
 
 class SASAAnalysis(AnalysisBase):  # type: ignore[misc]
@@ -31,7 +45,8 @@ class SASAAnalysis(AnalysisBase):  # type: ignore[misc]
     surface : {'sas', 'ses'}, optional
         The surface.
     **options
-        Further arguments of ``eses_blocks.measure``, such as ``radii`` and ``waters``.
+        ``radii``, ``probe_radius``, ``waters``, ``hydrogens``, ``unknown_radius``, ``fill_cavities`` and ``threads`` of
+        ``eses_blocks.measure``.
 
     ``results`` has, after ``run()``: ``total_area`` (frames,), ``residue_area`` (frames, residues of the
     selection), ``mean_total_area`` and ``mean_residue_area``, in square angstrom.
@@ -45,17 +60,24 @@ class SASAAnalysis(AnalysisBase):  # type: ignore[misc]
 
     def __init__(self, universe_or_atomgroup: Any, select: str = "all", block: Optional[str] = None,
                  surface: str = "sas", **options: Any) -> None:
+        _arguments.require_object("universe_or_atomgroup", universe_or_atomgroup, ("atoms", "universe"),
+                                  "a Universe or AtomGroup of MDAnalysis")
         group = universe_or_atomgroup.atoms
         super().__init__(group.universe.trajectory)
-        if surface not in ("sas", "ses"):
-            raise ValueError(f"surface must be 'sas' or 'ses', not {surface!r}")
-        self.atomgroup = group.select_atoms(select)
-        self._block = self.atomgroup if block is None else group.select_atoms(block) | self.atomgroup
+        _arguments.require_choice("surface", surface, "sas", "ses")
+        for name in options:
+            if name not in _OPTIONS:
+                _arguments.refuse_unknown(name, ["select", "block", "surface", *_OPTIONS])
+        _arguments.check(measure, **options)
+        self.atomgroup = _selected(group, select, "select")
+        self._block = self.atomgroup if block is None else _selected(group, block, "block") | self.atomgroup
+        if not self.atomgroup:
+            raise ValueError(f"select: no atoms in {select!r}; the residues are {listed(group.residues.resnames)}")
         if block not in (None, select) and len(self._block) == len(self.atomgroup):
             warnings.warn(f"block={block!r} adds no atoms to select={select!r}, so that nothing else blocks; the residues of other atoms "
                           f"are {listed((group - self.atomgroup).residues.resnames)}", stacklevel=2)
         self._mask = np.isin(self._block.ix, self.atomgroup.ix)
-        self._surface, self._options = surface, options
+        self._surface, self._options = surface, {**options, "surfaces": surface}
 
     def _prepare(self) -> None:
         self.results.total_area = []

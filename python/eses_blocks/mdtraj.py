@@ -7,7 +7,8 @@ from typing import Any, Mapping, Optional
 
 import numpy as np
 
-from . import _core
+from . import _arguments, _core
+from ._select import listed
 
 __all__ = ["shrake_rupley"]
 
@@ -43,12 +44,14 @@ def shrake_rupley(traj: Any, probe_radius: float = 0.14, n_sphere_points: int = 
     ndarray
         (frames, atoms or residues) areas in square nanometres.
     """
-    if mode not in ("atom", "residue"):
-        raise ValueError(f'mode must be one of "residue", "atom". "{mode}" supplied')
-    if surface not in ("sas", "ses"):
-        raise ValueError(f"surface must be 'sas' or 'ses', not {surface!r}")
+    _arguments.check(shrake_rupley, probe_radius=probe_radius, mode=mode, get_mapping=get_mapping, threads=threads)
+    _arguments.require_choice("mode", mode, "atom", "residue")
+    _arguments.require_choice("surface", surface, "sas", "ses")
+    _arguments.require_object("traj", traj, ("topology", "xyz", "n_frames"), "a Trajectory of MDTraj")
     atoms = list(traj.topology.atoms)
-    radii = importlib.import_module("mdtraj.geometry.sasa")._ATOMIC_RADII | dict(change_radii or {})
+    radii = importlib.import_module("mdtraj.geometry.sasa")._ATOMIC_RADII | _arguments.require_radii("change_radii", change_radii)
+    if unknown := listed(symbol for atom in atoms if (symbol := atom.element.symbol) not in radii):
+        raise KeyError(f"change_radii: MDTraj has no radii of {unknown}; give them")
     angstrom = 10.0
     measures = _core.measure_frames(
         angstrom * np.asarray(traj.xyz, float), [angstrom * radii[atom.element.symbol] for atom in atoms],
@@ -60,8 +63,7 @@ def shrake_rupley(traj: Any, probe_radius: float = 0.14, n_sphere_points: int = 
         mapping = np.array([atom.residue.index for atom in atoms], np.int32)
     chosen = np.arange(len(atoms))
     if atom_indices is not None:
-        given = np.asarray(atom_indices)
-        chosen = np.flatnonzero(given) if given.dtype == bool else np.unique(given.astype(np.int64))
+        chosen = _arguments.require_indices("atom_indices", atom_indices, len(atoms))
     counted = chosen[chosen >= 0]  # as in MDTraj, a negative index chooses a column, but no area
     result = np.full((traj.n_frames, traj.n_atoms if mode == "atom" else traj.n_residues), -1.0, np.float32)
     sums = np.zeros(result.shape)

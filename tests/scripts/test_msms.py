@@ -1,47 +1,17 @@
-"""Tests that callers of MSMS work with eses-msms: Biopython, and the calls and readers of MaSIF and
-PyVOL, which are written anew here. Missing packages and files are skipped."""
+"""Tests that callers of MSMS work with eses-msms: the calls and readers of MaSIF and PyVOL, which are
+written anew here. Missing files are skipped. python/tests/test_drop_ins.py has those of Biopython."""
 
 import gzip
-import json
 import os
 import pathlib
 import subprocess
 import unittest
 
-from support import DATA, PROGRAM, TestCase, needs_gemmi, python_with
+from support import DATA, PROGRAM, TestCase, needs_gemmi
 
-# PDB files of the Debian packages freesasa, pymol-data and python-biopython-doc.
-STRUCTURES = ("/usr/share/freesasa/test-data/1ubq.pdb", "/usr/share/pymol/data/demo/pept.pdb",
-              "/usr/share/doc/python-biopython-doc/Tests/PDB/1A8O.pdb.gz")
-
-# Residue depths of a model, and the mean distances of the same atoms from the vertices of the files
-# in the second argument.
-BIOPYTHON = """
-import json, sys, warnings
-import numpy
-from Bio.PDB import PDBParser, is_aa
-from Bio.PDB.ResidueDepth import ResidueDepth, _read_vertex_array, get_surface
-warnings.simplefilter("ignore")
-model = next(iter(PDBParser(QUIET=True).get_structure("x", sys.argv[1])))
-depths = ResidueDepth(model, msms_exec=sys.argv[2])
-surface = get_surface(model, MSMS=sys.argv[2])
-dense = _read_vertex_array(sys.argv[3])
-def distance(atom):
-    return numpy.sqrt(((dense - atom.coord) ** 2).sum(1).min())
-expected = [float(numpy.mean([distance(atom) for atom in residue.get_unpacked_list()]))
-            for residue, _ in depths]
-json.dump({"depths": [float(depth) for _, (depth, _) in depths], "expected": expected,
-           "vertices": len(surface)}, sys.stdout)
-"""
-# The spheres that Biopython passes to MSMS.
-SPHERES = """
-import sys
-from Bio.PDB import PDBParser, Selection
-from Bio.PDB.ResidueDepth import _get_atom_radius
-model = next(iter(PDBParser(QUIET=True).get_structure("x", sys.argv[1])))
-for atom in Selection.unfold_entities(model, "A"):
-    print(*atom.coord, _get_atom_radius(atom, rtype="united"))
-"""
+# PDB files of the Debian packages freesasa and python-biopython-doc.
+UBIQUITIN = "/usr/share/freesasa/test-data/1ubq.pdb"
+CAPSID = "/usr/share/doc/python-biopython-doc/Tests/PDB/1A8O.pdb.gz"
 
 
 def read_pair(name):
@@ -77,30 +47,6 @@ class Callers(TestCase):
         plain.write_bytes(gzip.decompress(data) if path.endswith(".gz") else data)
         return plain
 
-    def test_biopython_finds_residue_depths(self):
-        python = python_with("Bio")
-        if python is None:
-            raise unittest.SkipTest("Bio is not installed")
-
-        def run(program, *arguments):
-            done = subprocess.run([python, "-c", program, *map(str, arguments)],
-                                  capture_output=True, text=True, check=False)
-            self.assertDone(done)
-            return done.stdout
-        for path in STRUCTURES:
-            with self.subTest(path=path):
-                structure = self.pdb_file(path)
-                spheres = self.folder / "spheres"
-                spheres.write_text(run(SPHERES, structure), encoding="ascii")
-                self.call("-if", spheres, "-of", self.folder / "dense", "-density", "20")
-                found = json.loads(run(BIOPYTHON, structure, self.msms, self.folder / "dense.vert"))
-                self.assertGreater(found["vertices"], 100)
-                self.assertGreater(len(found["depths"]), 5)
-                for depth, expected in zip(found["depths"], found["expected"]):
-                    # Vertices are on the surface, at most about 0.6 angstrom from its nearest point.
-                    self.assertGreater(depth, expected - 0.05)
-                    self.assertLess(depth, expected + 0.3)
-
     def test_advice_names_options_of_msms(self):
         done = subprocess.run([self.msms, "-if", DATA / "1ubq.xyzr", "-density", "1000000", "-of", self.folder / "x"],
                               capture_output=True, text=True, check=False)
@@ -111,7 +57,7 @@ class Callers(TestCase):
 
     @needs_gemmi
     def test_call_and_reader_of_masif(self):
-        structure = self.pdb_file(STRUCTURES[0])
+        structure = self.pdb_file(UBIQUITIN)
         spheres = subprocess.run([PROGRAM, "pdb_to_xyzrn", structure], capture_output=True,
                                  text=True, check=True).stdout
         base = self.folder / "msms_1"
@@ -138,7 +84,7 @@ class Callers(TestCase):
     @needs_gemmi
     def test_call_and_reader_of_pyvol(self):
         """PyVOL reads all components but the first one from NAME_1.face and so on."""
-        structure = self.pdb_file(STRUCTURES[2])
+        structure = self.pdb_file(CAPSID)
         spheres = subprocess.run([PROGRAM, "pdb_to_xyzr", structure], capture_output=True,
                                  text=True, check=True).stdout
         (self.folder / "pyvol.xyzr").write_text(spheres, encoding="ascii")
