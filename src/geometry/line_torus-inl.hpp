@@ -1,5 +1,5 @@
-/// Exits of several parallel lines from a tube, for lines with at most one exit. See line_torus.hpp
-/// for the equations. Highway includes this file once for each instruction set.
+/// Exits of several lines along coordinate axes from a tube, for lines with at most one exit. See
+/// line_torus.hpp for the equations. Highway includes this file once for each instruction set.
 
 #include "geometry/line_torus.hpp"
 #include "system/points-inl.hpp"
@@ -47,34 +47,34 @@ HWY_INLINE DoubleVector bracketed_roots(const std::array<DoubleVector, 5>& c, Do
 
 /// Improves roots as polished() does.
 HWY_INLINE DoubleVector polished_roots(DoubleVector u, const Points& point, DoubleVector along_step,
-                                       DoubleVector span, Vec3 axis, double axis_step,
+                                       DoubleVector span, Vec3 axis, DoubleVector axis_step,
                                        double circle_radius, double tube_radius) {
   const auto height = dot(axis, point);
   const auto s = hn::Sqrt(squared_norm(point - height * axis));
   const auto value = squared_norm(point) +
                      broadcast((circle_radius - tube_radius) * (circle_radius + tube_radius)) -
                      broadcast(2 * circle_radius) * s;
-  const auto across_span = span * (along_step - height * broadcast(axis_step));
+  const auto across_span = span * (along_step - height * axis_step);
   const auto turn =
       hn::IfThenElseZero(s > broadcast(0), broadcast(2 * circle_radius) * across_span / s);
   const auto step = value / (broadcast(2) * along_step * span - turn);
   return hn::IfThenElse(hn::Abs(step) < broadcast(line_torus::max_polish), u - step, u);
 }
 
-/// Returns the exits of the lines from `start` along `line_axis` by `step`, with the parameters and
-/// results of tube_exits().
-template <std::size_t line_axis>
-OnlyTubeExits only_tube_exits(const Points& start, DoubleVector step, Vec3 axis,
-                              double circle_radius, double tube_radius, double low, double high) {
+/// Returns the exits of the lines from `start` along the coordinate axes `along` by `step`, with
+/// the parameters and results of tube_exits().
+HWY_INLINE OnlyTubeExits only_tube_exits(const LaneAxes& along, const Points& start,
+                                         DoubleVector step, Vec3 axis, double circle_radius,
+                                         double tube_radius, double low, double high) {
   const Doubles doubles;
   const auto zero = hn::Zero(doubles);
   const auto span = broadcast(high - low) * step;
-  Points first = start;
-  along<line_axis>(first) = along<line_axis>(first) + broadcast(low) * step;
-  const auto w0 = squared_norm(first), w1 = broadcast(2) * along<line_axis>(first) * span;
+  const Points first = along.moved(start, broadcast(low) * step);
+  const auto w0 = squared_norm(first), w1 = broadcast(2) * along.of(first) * span;
   const auto w2 = span * span;
   const auto a0 = w0 + broadcast((circle_radius - tube_radius) * (circle_radius + tube_radius));
-  const auto z0 = dot(axis, first), z1 = broadcast(axis[line_axis]) * span;
+  const auto axis_step = along.of(axis);
+  const auto z0 = dot(axis, first), z1 = axis_step * span;
   const auto k = broadcast(4 * circle_radius * circle_radius);
   const std::array<DoubleVector, 5> power{
       a0 * a0 - k * (w0 - z0 * z0), broadcast(2) * a0 * w1 - k * (w1 - broadcast(2) * z0 * z1),
@@ -96,10 +96,9 @@ OnlyTubeExits only_tube_exits(const Points& start, DoubleVector step, Vec3 axis,
   const auto u = bracketed_roots(power, b[0] / (b[0] - b[4]), exits.is_one);
   exits.is_one = hn::And(exits.is_one,
                          a0 + u * (w1 + u * w2) >= broadcast(line_torus::inner_sheet(tube_radius)));
-  Points point = first;
-  along<line_axis>(point) = along<line_axis>(point) + u * span;
-  const auto exact = polished_roots(u, point, along<line_axis>(point), span, axis, axis[line_axis],
-                                    circle_radius, tube_radius);
+  const Points point = along.moved(first, u * span);
+  const auto exact =
+      polished_roots(u, point, along.of(point), span, axis, axis_step, circle_radius, tube_radius);
   exits.parameters = hn::Min(
       hn::Max(broadcast(low) + exact * broadcast(high - low), broadcast(low)), broadcast(high));
   return exits;

@@ -7,8 +7,7 @@
 #include "geometry/arc_sector-inl.hpp"
 #include "geometry/line_torus-inl.hpp"
 #include "solve/block_features.hpp"
-#include "solve/edge_batch.hpp"
-#include "system/points-inl.hpp"
+#include "solve/edge_batch-inl.hpp"
 
 #if defined(ESES_SOLVE_EDGE_SADDLE_INL_) == defined(HWY_TARGET_TOGGLE)
 #ifdef ESES_SOLVE_EDGE_SADDLE_INL_
@@ -19,11 +18,6 @@
 
 HWY_BEFORE_NAMESPACE();
 namespace eses::detail::HWY_NAMESPACE {
-
-HWY_INLINE Points batch_points(const EdgeBatch& batch, std::size_t i) {
-  return {load(batch.start[0].data() + i), load(batch.start[1].data() + i),
-          load(batch.start[2].data() + i)};
-}
 
 /// Returns whether points lie in the wedge of the saddle patch: in the half plane through the axis,
 /// a point lies between the directions from the circle to the two atoms, and its nearest point of
@@ -39,24 +33,21 @@ HWY_INLINE DoubleMask is_in_wedge(const ArcFeature& arc, const Points& offset) {
 }
 
 /// Returns whether edges lie wholly beyond an end of an arc.
-template <std::size_t axis>
-HWY_INLINE DoubleMask passes_beyond(Vec3 end_normal, const Points& start, DoubleVector step) {
-  const auto distance = dot(end_normal, start);
+HWY_INLINE DoubleMask passes_beyond(Vec3 end_normal, const LaneEdges& edges) {
+  const auto distance = dot(end_normal, edges.start);
   const auto beyond = broadcast(-tolerance::seam);
-  return hn::And(distance < beyond, distance + broadcast(end_normal[axis]) * step < beyond);
+  return hn::And(distance < beyond, distance + edges.axes.of(end_normal) * edges.step() < beyond);
 }
 
 /// Returns whether edges certainly do not cross the patch, by a test of their midpoints: from there
 /// to an end, the distances to the circle and to its axis and the height change by at most half the
 /// edge's length.
-template <std::size_t axis>
 HWY_INLINE DoubleMask misses_saddle(const ArcFeature& arc, double probe, double length,
-                                    const Points& start, DoubleVector step) {
+                                    const LaneEdges& edges) {
   const ContactCircle& circle = arc.circle;
   const double reach =
       0.5 * length * (1 + 4 * tolerance::edge_end) + tolerance::seam * (probe + circle.radius);
-  Points middle = start;
-  along<axis>(middle) = along<axis>(middle) + broadcast(0.5) * step;
+  const Points middle = edges.axes.moved(edges.start, broadcast(0.5) * edges.step());
   const auto [height, inward] = meridian_points(circle, middle);
   const auto squared = inward * inward + height * height;
   const double nearest = std::max(0.0, probe - reach), farthest = probe + reach;
@@ -71,17 +62,16 @@ HWY_INLINE DoubleMask misses_saddle(const ArcFeature& arc, double probe, double 
 }
 
 /// Removes the edges that certainly do not cross the patch from the batch.
-template <std::size_t axis>
-void keep_near_saddle(const ArcFeature& arc, double probe, double length, EdgeBatch& batch) {
+HWY_INLINE void keep_near_saddle(const ArcFeature& arc, double probe, double length,
+                                 EdgeBatch& batch) {
   const Doubles doubles;
   std::size_t kept = 0;
   for (std::size_t i = 0; i < batch.count; i += hn::Lanes(doubles)) {
-    const Points start = batch_points(batch, i);
-    const auto step = load(batch.step.data() + i);
-    auto is_off = misses_saddle<axis>(arc, probe, length, start, step);
+    const LaneEdges edges(batch, i);
+    auto is_off = misses_saddle(arc, probe, length, edges);
     if (arc.sector.kind == ArcKind::minor)
-      is_off = hn::Or(is_off, hn::Or(passes_beyond<axis>(arc.sector.start_normal, start, step),
-                                     passes_beyond<axis>(arc.sector.end_normal, start, step)));
+      is_off = hn::Or(is_off, hn::Or(passes_beyond(arc.sector.start_normal, edges),
+                                     passes_beyond(arc.sector.end_normal, edges)));
     const auto may_cross = hn::AndNot(is_off, hn::FirstN(doubles, batch.count - i));
     for_each_lane(may_cross, [&](std::size_t lane) { batch.move(i + lane, kept++); });
   }
@@ -111,44 +101,43 @@ HWY_INLINE LanePoints saddle_normals(const ArcFeature& arc, const Points& offset
 }
 
 /// Calls `found(key, coordinate, normal)` for each point in which an edge of the batch crosses
-/// the patch. `coordinate` is that along the edges' axis.
-template <std::size_t axis, class Found>
+/// the patch. `coordinate` is that along the edge's axis. Empties the batch.
+template <class Found>
 void meet_saddle(const ArcFeature& arc, double probe, double length, EdgeBatch& batch,
                  Found&& found) {
-  keep_near_saddle<axis>(arc, probe, length, batch);
+  keep_near_saddle(arc, probe, length, batch);
   const Doubles doubles;
   const ContactCircle& circle = arc.circle;
   constexpr double low = -tolerance::edge_end, high = 1 + tolerance::edge_end;
   for (std::size_t i = 0; i < batch.count; i += hn::Lanes(doubles)) {
-    const Points start = batch_points(batch, i);
-    const auto step = load(batch.step.data() + i);
+    const LaneEdges edges(batch, i);
     const auto report = [&](DoubleVector parameter, DoubleMask exits) {
       const auto fraction = hn::Min(hn::Max(parameter, broadcast(0)), broadcast(1));
-      Points point = start;
-      along<axis>(point) = along<axis>(point) + fraction * step;
+      const Points point = edges.axes.moved(edges.start, fraction * edges.step());
       exits = hn::And(exits, is_in_wedge(arc, point));
       if (hn::AllFalse(doubles, exits)) return;
-      const LaneValues coordinates(load(batch.from.data() + i) + fraction * step);
+      const LaneValues coordinates(edges.from + fraction * edges.step());
       const LanePoints normals = saddle_normals(arc, point, exits);
       for_each_lane(exits, [&](std::size_t lane) {
         found(batch.key[i + lane], coordinates[lane], normals[lane]);
       });
     };
     const auto in_batch = hn::FirstN(doubles, batch.count - i);
-    const OnlyTubeExits only =
-        only_tube_exits<axis>(start, step, circle.axis, circle.radius, probe, low, high);
+    const OnlyTubeExits only = only_tube_exits(edges.axes, edges.start, edges.step(), circle.axis,
+                                               circle.radius, probe, low, high);
     report(only.parameters, hn::And(in_batch, only.is_one));
     for_each_lane(hn::And(in_batch, only.may_be_several), [&](std::size_t lane) {
-      Vec3 one_step;
-      one_step[axis] = batch.step[i + lane];
-      const TubeExits several =
-          tube_exits({batch.start[0][i + lane], batch.start[1][i + lane], batch.start[2][i + lane]},
-                     one_step, circle.axis, circle.radius, probe, low, high);
+      const std::size_t k = i + lane;
+      Vec3 step;
+      step[static_cast<std::size_t>(batch.axis[k])] = batch.to[k] - batch.from[k];
+      const TubeExits several = tube_exits({batch.x[k], batch.y[k], batch.z[k]}, step, circle.axis,
+                                           circle.radius, probe, low, high);
       const auto this_lane = hn::Eq(hn::Iota(doubles, 0), broadcast(static_cast<double>(lane)));
       for (int e = 0; e < several.count; ++e)
         report(broadcast(several.parameters[static_cast<std::size_t>(e)]), this_lane);
     });
   }
+  batch.count = 0;
 }
 
 }  // namespace eses::detail::HWY_NAMESPACE

@@ -12,9 +12,8 @@
 #include <span>
 
 #include "eses/error.hpp"
-#include "solve/candidates-inl.hpp"
-#include "solve/search_saddles-inl.hpp"
-#include "solve/search_spheres-inl.hpp"
+#include "solve/search_doubtful-inl.hpp"
+#include "solve/search_patches-inl.hpp"
 #include "system/dispatch.hpp"
 #include "system/padding.hpp"
 
@@ -66,12 +65,16 @@ void tabulate_edges(const BlockGrid& grid, const PointBits& inside, EdgeTable& e
 
 void search_all(const Candidates& candidates) {
   const BlockFeatures& features = candidates.features;
-  for (const FaceFeature& face : features.faces) FaceSearch{candidates}.search(face);
-  for (const ArcFeature& arc : features.arcs) ArcSearch{candidates}.search(arc);
-  if (candidates.scratch.finds_doubtful)
-    for (const ArcFeature& arc : features.arcs) DoubtfulSearch{candidates}.search(arc);
-  for (const PlacementFeature& placement : features.placements)
-    PlacementSearch{candidates}.search(placement);
+  const auto search = [](const auto& features_of_kind, auto&& kind) {
+    for (const auto& feature : features_of_kind) kind.search(feature);
+  };
+  search(features.faces, PatchSearch{candidates});
+  search(features.arcs, PatchSearch{candidates});
+  search(features.placements, PatchSearch{candidates});
+  if (!candidates.scratch.finds_doubtful) return;
+  search(features.faces, DoubtfulSearch{candidates});
+  search(features.arcs, DoubtfulSearch{candidates});
+  search(features.placements, DoubtfulSearch{candidates});
 }
 
 static_assert(max_block_size - 1 <= std::numeric_limits<decltype(BlockCrossing::x)>::max());
@@ -80,11 +83,11 @@ static_assert(max_block_size - 1 <= std::numeric_limits<decltype(BlockCrossing::
 // candidate is known yet.
 void list_edges(const BlockGrid& grid, const PointBits& inside, const EdgeTable& edges,
                 std::vector<BlockCrossing>& crossings, std::vector<std::uint32_t>& row_begin) {
-  crossings.assign(edges.count, {});
-  BlockCrossing* next = crossings.data();
+  crossings.clear();
+  crossings.reserve(edges.count);
   for (std::int64_t z = 0; z < grid.block.owned[2]; ++z)
     for (std::int64_t y = 0; y < grid.block.owned[1]; ++y) {
-      row_begin.push_back(static_cast<std::uint32_t>(next - crossings.data()));
+      row_begin.push_back(static_cast<std::uint32_t>(crossings.size()));
       for (std::int64_t column = 0; column < inside.columns; ++column) {
         const std::size_t word = inside.word_index(column, y, z);
         const std::array<std::uint64_t, 3> changes{edges.changes[0][word], edges.changes[1][word],
@@ -92,10 +95,10 @@ void list_edges(const BlockGrid& grid, const PointBits& inside, const EdgeTable&
         for_each_bit(changes[0] | changes[1] | changes[2], [&](int bit) {
           for (std::size_t axis = 0; axis < 3; ++axis) {
             if ((changes[axis] >> bit & 1) == 0) continue;
-            next->x = static_cast<std::uint16_t>(column * PointBits::column_step + bit);
-            next->axis = static_cast<std::uint8_t>(axis);
-            next->lower_is_inside = (inside.words[word] >> bit & 1) != 0;
-            ++next;
+            BlockCrossing& crossing = crossings.emplace_back();
+            crossing.x = static_cast<std::uint16_t>(column * PointBits::column_step + bit);
+            crossing.axis = static_cast<std::uint8_t>(axis);
+            crossing.lower_is_inside = (inside.words[word] >> bit & 1) != 0;
           }
         });
       }
@@ -164,7 +167,6 @@ namespace eses::detail {
 void intersect_edges(const BlockGrid& grid, const BlockFeatures& features, const PointBits& inside,
                      IntersectScratch& scratch, std::vector<BlockCrossing>& crossings,
                      std::vector<std::uint32_t>& row_begin) {
-  scratch.batch.make_room();
   ESES_BEST_VERSION(intersect)(grid, features, inside, scratch, crossings, row_begin);
 }
 

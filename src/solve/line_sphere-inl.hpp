@@ -19,19 +19,28 @@ struct SpherePart {
   Vec3 center;
   double radius = 0;
   Box box;
+  /// Whether the directions from the centre are lost in rounding. Those along the lines are taken.
+  bool is_point = false;
 };
 
-/// Calls `found(line, coordinate, side, direction)` for each point in which a grid line along
-/// `axis` through owned points of the block meets the part of the sphere. `line` has the indices of
-/// the line's points; the index along the axis is unspecified. `side` is +1 at the upper and -1 at
-/// the lower end of the chord in the sphere. `direction` is the unit vector from the sphere's
-/// centre. `is_on_patch(mask, from_center, length, side)` returns the lanes of `mask` whose points
-/// are on the patch.
+/// Slack for lines that graze a sphere, square angstrom.
+inline constexpr double tangent_slack = -1e-12;
+
+/// Returns vectors of length 1 along these axes, with these signs.
+HWY_INLINE Points units_along(const LaneAxes& axes, DoubleVector signs) {
+  const auto zero = hn::Zero(Doubles());
+  return axes.with({zero, zero, zero}, hn::CopySignToAbs(broadcast(1), signs));
+}
+
+/// Calls `found(line, coordinate, direction)` for each point in which a grid line along `axis`
+/// through owned points of the block enters the part of the sphere, if `side` is -1, or leaves it,
+/// if `side` is 1. `line` has the indices of the line's points; the index along the axis is
+/// unspecified. `direction` is the unit vector from the sphere's centre. `is_on_patch(mask,
+/// from_center, length)` returns the lanes of `mask` whose points are on the patch.
 template <std::size_t axis, class IsOnPatch, class Found>
-void meet_lines(const BlockGrid& grid, const SpherePart& sphere, IsOnPatch&& is_on_patch,
-                Found&& found) {
+void meet_lines(const BlockGrid& grid, const SpherePart& sphere, double side,
+                IsOnPatch&& is_on_patch, Found&& found) {
   constexpr std::size_t across = axis == 0 ? 1 : 0, row = axis == 2 ? 1 : 2;
-  constexpr double tangent = -1e-12;  // slack for lines that graze the sphere, square angstrom
   const Doubles doubles;
   const auto lanes = static_cast<std::int64_t>(hn::Lanes(doubles));
   const AxisRange rows = own_points_within(grid, row, sphere.box.low[row], sphere.box.high[row]);
@@ -50,27 +59,27 @@ void meet_lines(const BlockGrid& grid, const SpherePart& sphere, IsOnPatch&& is_
           load(grid.coordinates[across].data() + j) - broadcast(sphere.center[across]);
       const auto squared = broadcast(sphere.radius * sphere.radius) -
                            (along<across>(offset) * along<across>(offset) + squared_row);
-      const auto meets = hn::And(squared >= broadcast(tangent),
+      const auto meets = hn::And(squared >= broadcast(tangent_slack),
                                  hn::FirstN(doubles, static_cast<std::size_t>(columns.end - j)));
       if (hn::AllFalse(doubles, meets)) continue;
-      const auto half_chord = hn::Sqrt(hn::Max(squared, hn::Zero(doubles)));
-      for (const int side : {+1, -1}) {
-        along<axis>(offset) = side > 0 ? half_chord : hn::Neg(half_chord);
-        const auto coordinate = center + along<axis>(offset);
-        auto met = hn::And(meets, hn::And(coordinate >= low, coordinate <= high));
-        if (hn::AllFalse(doubles, met)) continue;
-        const auto length = hn::Sqrt(squared_norm(offset));
-        met = is_on_patch(met, offset, length, side);
-        if (hn::AllFalse(doubles, met)) continue;
-        const LaneValues coordinates(coordinate);
-        const LanePoints directions(broadcast(1) / length * offset);
-        for_each_lane(met, [&](std::size_t lane) {
-          GridIndex line{};
-          line[row] = k;
-          line[across] = j + static_cast<std::int64_t>(lane);
-          found(line, coordinates[lane], side, directions[lane]);
-        });
-      }
+      along<axis>(offset) = broadcast(side) * hn::Sqrt(hn::Max(squared, hn::Zero(doubles)));
+      const auto coordinate = center + along<axis>(offset);
+      auto met = hn::And(meets, hn::And(coordinate >= low, coordinate <= high));
+      if (hn::AllFalse(doubles, met)) continue;
+      const Points from_center = sphere.is_point
+                                     ? units_along(LaneAxes(broadcast(axis)), broadcast(side))
+                                     : Points{offset.x, offset.y, offset.z};
+      const auto length = hn::Sqrt(squared_norm(from_center));
+      met = is_on_patch(met, from_center, length);
+      if (hn::AllFalse(doubles, met)) continue;
+      const LaneValues coordinates(coordinate);
+      const LanePoints directions(broadcast(1) / length * from_center);
+      for_each_lane(met, [&](std::size_t lane) {
+        GridIndex line{};
+        line[row] = k;
+        line[across] = j + static_cast<std::int64_t>(lane);
+        found(line, coordinates[lane], directions[lane]);
+      });
     }
   }
 }

@@ -41,6 +41,34 @@ HWY_INLINE DoubleVector dot(Vec3 a, const Points& b) {
 
 HWY_INLINE DoubleVector squared_norm(const Points& a) { return a.x * a.x + a.y * a.y + a.z * a.z; }
 
+/// Axes of the coordinate system, one in each lane, given as the numbers 0, 1 and 2.
+class LaneAxes {
+ public:
+  HWY_INLINE explicit LaneAxes(DoubleVector axis)
+      : is_x_(hn::Eq(axis, broadcast(0))), is_y_(hn::Eq(axis, broadcast(1))) {}
+
+  /// Returns the coordinate of each point along the axis of its lane.
+  HWY_INLINE DoubleVector of(const Points& points) const {
+    return hn::IfThenElse(is_x_, points.x, hn::IfThenElse(is_y_, points.y, points.z));
+  }
+  HWY_INLINE DoubleVector of(Vec3 a) const {
+    return of(Points{broadcast(a.x), broadcast(a.y), broadcast(a.z)});
+  }
+  /// Returns the points with these coordinates along the axes.
+  HWY_INLINE Points with(const Points& points, DoubleVector coordinates) const {
+    return {hn::IfThenElse(is_x_, coordinates, points.x),
+            hn::IfThenElse(is_y_, coordinates, points.y),
+            hn::IfThenElse(hn::Or(is_x_, is_y_), points.z, coordinates)};
+  }
+  /// Returns the points moved along the axes.
+  HWY_INLINE Points moved(const Points& points, DoubleVector steps) const {
+    return with(points, of(points) + steps);
+  }
+
+ private:
+  DoubleMask is_x_, is_y_;
+};
+
 /// The points of the lanes, for access by index.
 struct LanePoints {
   LaneValues x, y, z;

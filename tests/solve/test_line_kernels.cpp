@@ -15,7 +15,7 @@
 #include <vector>
 
 #include "geometry/line_torus-inl.hpp"
-#include "solve/line_sphere-inl.hpp"
+#include "solve/edge_sphere-inl.hpp"
 #include "support/atom_sets.hpp"
 #include "support/instruction_sets.hpp"
 
@@ -29,12 +29,12 @@ struct Tube {
   double circle_radius = 0, tube_radius = 0;
 };
 
-// Lines along one coordinate axis, relative to the circle's centre.
+// Lines along coordinate axes, relative to the circle's centre.
 struct Lines {
-  std::size_t axis = 0;
-  std::vector<double> x, y, z, step;
+  std::vector<double> axis, x, y, z, step;
 
-  void add(Vec3 start, double along) {
+  void add(std::size_t line_axis, Vec3 start, double along) {
+    axis.push_back(static_cast<double>(line_axis));
     x.push_back(start.x);
     y.push_back(start.y);
     z.push_back(start.z);
@@ -68,6 +68,12 @@ struct LineHit {
   auto place() const { return std::tuple(axis, row, across, side); }
 };
 
+struct EdgeHit {
+  std::uint64_t edge = 0;
+  double coordinate = 0;
+  Vec3 direction;
+};
+
 }  // namespace eses::detail::test
 #endif  // ESES_TEST_LINE_KERNELS_SHARED_
 
@@ -76,16 +82,17 @@ namespace eses::detail::test::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 namespace kernel = eses::detail::HWY_NAMESPACE;
 
-template <std::size_t axis>
-void find_exits_along(const Tube& tube, const Lines& lines, double low, double high,
-                      LineExits& found) {
+// The number of lines must be a multiple of the number of lanes.
+void find_exits(const Tube& tube, const Lines& lines, double low, double high, LineExits& found) {
+  found.exits.assign(lines.step.size(), Exits::none);
+  found.parameters.assign(lines.step.size(), 0);
   const std::size_t lanes = hn::Lanes(kernel::Doubles());
   for (std::size_t i = 0; i < lines.step.size(); i += lanes) {
     const kernel::Points start{kernel::load(&lines.x[i]), kernel::load(&lines.y[i]),
                                kernel::load(&lines.z[i])};
-    const auto exits =
-        kernel::only_tube_exits<axis>(start, kernel::load(&lines.step[i]), tube.axis,
-                                      tube.circle_radius, tube.tube_radius, low, high);
+    const auto exits = kernel::only_tube_exits(kernel::LaneAxes(kernel::load(&lines.axis[i])),
+                                               start, kernel::load(&lines.step[i]), tube.axis,
+                                               tube.circle_radius, tube.tube_radius, low, high);
     const kernel::LaneValues parameters(exits.parameters);
     for (std::size_t lane = 0; lane < lanes; ++lane) found.parameters[i + lane] = parameters[lane];
     kernel::for_each_lane(exits.is_one,
@@ -95,27 +102,31 @@ void find_exits_along(const Tube& tube, const Lines& lines, double low, double h
   }
 }
 
-// The number of lines must be a multiple of the number of lanes.
-void find_exits(const Tube& tube, const Lines& lines, double low, double high, LineExits& found) {
-  found.exits.assign(lines.step.size(), Exits::none);
-  found.parameters.assign(lines.step.size(), 0);
-  if (lines.axis == 0) find_exits_along<0>(tube, lines, low, high, found);
-  if (lines.axis == 1) find_exits_along<1>(tube, lines, low, high, found);
-  if (lines.axis == 2) find_exits_along<2>(tube, lines, low, high, found);
-}
-
 template <std::size_t axis>
 void meet_lines_along(const BlockGrid& grid, const HalfSphere& half, std::vector<LineHit>& hits) {
   const auto is_kept = [&](kernel::DoubleMask met, const kernel::Points& offset,
-                           kernel::DoubleVector, int) {
+                           kernel::DoubleVector) {
     return hn::And(met, kernel::dot(half.normal, offset) >= kernel::broadcast(0));
   };
-  kernel::meet_lines<axis>(
-      grid, {half.center, half.radius, half.box}, is_kept,
-      [&](const GridIndex& line, double coordinate, int side, Vec3 direction) {
-        constexpr std::size_t row = axis == 2 ? 1 : 2, across = axis == 0 ? 1 : 0;
-        hits.push_back({axis, line[row], line[across], side, coordinate, direction});
-      });
+  for (const int side : {1, -1})
+    kernel::meet_lines<axis>(
+        grid, {half.center, half.radius, half.box}, side, is_kept,
+        [&](const GridIndex& line, double coordinate, Vec3 direction) {
+          constexpr std::size_t row = axis == 2 ? 1 : 2, across = axis == 0 ? 1 : 0;
+          hits.push_back({axis, line[row], line[across], side, coordinate, direction});
+        });
+}
+
+void meet_sphere(const HalfSphere& half, double side, EdgeBatch& edges,
+                 std::vector<EdgeHit>& hits) {
+  const auto is_kept = [&](kernel::DoubleMask met, const kernel::Points& offset,
+                           kernel::DoubleVector) {
+    return hn::And(met, kernel::dot(half.normal, offset) >= kernel::broadcast(0));
+  };
+  kernel::meet_sphere({half.center, half.radius, half.box}, side, edges, is_kept,
+                      [&](std::uint64_t edge, double coordinate, Vec3 direction) {
+                        hits.push_back({edge, coordinate, direction});
+                      });
 }
 
 void meet_lines(const BlockGrid& grid, const HalfSphere& half, std::vector<LineHit>& hits) {
@@ -133,6 +144,7 @@ namespace {
 
 using FindExits = void (*)(const Tube&, const Lines&, double, double, LineExits&);
 using MeetLines = void (*)(const BlockGrid&, const HalfSphere&, std::vector<LineHit>&);
+using MeetSphere = void (*)(const HalfSphere&, double, EdgeBatch&, std::vector<EdgeHit>&);
 
 // --- tubes -------------------------------------------------------------------------------------
 
@@ -202,7 +214,7 @@ void require_exits_of_tube_exits(FindExits find, const Tube& tube, const Lines& 
       continue;
     }
     const Vec3 start{lines.x[i], lines.y[i], lines.z[i]};
-    const Vec3 step = lines.step[i] * unit_vector(lines.axis);
+    const Vec3 step = lines.step[i] * unit_vector(static_cast<std::size_t>(lines.axis[i]));
     const TubeExits expected =
         tube_exits(start, step, tube.axis, tube.circle_radius, tube.tube_radius, low, high);
     const bool is_one = found.exits[i] == Exits::one;
@@ -231,11 +243,11 @@ ExitCounts compare_exits(FindExits find, Place place, double max_step) {
       tube.tube_radius = 0.5 * static_cast<double>(random.integer(1, 6));
     }
     Lines lines;
-    lines.axis = random.integer(0, 2);
     while (lines.step.size() < lines_per_tube) {
+      const std::size_t axis = random.integer(0, 2);
       const double step = place == Place::lattice ? 0.5 : random.uniform(0.1, max_step);
       const double side = random.chance(0.5) ? 1 : -1;
-      lines.add(line_start(tube, place, step, side * unit_vector(lines.axis), random), side * step);
+      lines.add(axis, line_start(tube, place, step, side * unit_vector(axis), random), side * step);
     }
     require_exits_of_tube_exits(find, tube, lines, counts);
   }
@@ -413,7 +425,100 @@ TEST_CASE("grid lines meet a sphere through grid points, also where they touch i
   }
 }
 
-// --- saddles -----------------------------------------------------------------------------------
+namespace {
+
+// Makes edges near a sphere, or with an end on it.
+EdgeBatch edges_near(const HalfSphere& half, std::size_t count, Random& random) {
+  EdgeBatch edges;
+  for (std::size_t n = 0; n < count; ++n) {
+    const std::size_t axis = random.integer(0, 2);
+    const double step = (random.chance(0.5) ? 1 : -1) * random.uniform(0.1, 1);
+    Vec3 start = half.radius * random_direction(random);
+    start[axis] -= (random.chance(0.1) ? 0 : random.uniform(-1, 2)) * step;
+    edges.x[n] = start.x;
+    edges.y[n] = start.y;
+    edges.z[n] = start.z;
+    edges.from[n] = half.center[axis] + start[axis];
+    edges.to[n] = edges.from[n] + step;
+    edges.axis[n] = static_cast<double>(axis);
+    edges.key[n] = n;
+  }
+  edges.count = count;
+  return edges;
+}
+
+// How clearly an edge meets the part of a sphere, and where. The depth is negative if it does not.
+struct PlainMeeting {
+  double depth = 0, coordinate = 0;
+  Vec3 direction;
+};
+
+PlainMeeting plain_meeting(const HalfSphere& half, double side, const EdgeBatch& edges,
+                           std::size_t n) {
+  const auto axis = static_cast<std::size_t>(edges.axis[n]);
+  Vec3 offset{edges.x[n], edges.y[n], edges.z[n]};
+  offset[axis] = 0;
+  const double squared = half.radius * half.radius - squared_norm(offset);
+  if (squared < 0) return {squared, 0, {}};
+  const double outwards = edges.from[n] > edges.to[n] ? side : -side;
+  offset[axis] = outwards * std::sqrt(squared);
+  const double coordinate = half.center[axis] + offset[axis];
+  const auto [low, high] = std::minmax(edges.from[n], edges.to[n]);
+  const double depth =
+      std::min({squared, coordinate - low, high - coordinate, coordinate - half.box.low[axis],
+                half.box.high[axis] - coordinate, dot(half.normal, offset)});
+  return {depth, coordinate, normalized(offset)};
+}
+
+// Checks that every certain meeting is found, and otherwise only possible ones. Returns the number
+// of certain ones.
+std::size_t require_plain_meetings(MeetSphere meet, const HalfSphere& half, double side,
+                                   const EdgeBatch& edges) {
+  constexpr double margin = 2e-6;  // edges may be met slightly beyond their ends
+  EdgeBatch batch = edges;
+  std::vector<EdgeHit> hits;
+  meet(half, side, batch, hits);
+  CHECK(batch.count == 0);
+  std::vector<bool> is_met(edges.count);
+  for (const EdgeHit& hit : hits) {
+    REQUIRE(hit.edge < edges.count);
+    const PlainMeeting plain = plain_meeting(half, side, edges, hit.edge);
+    REQUIRE(plain.depth > -margin);
+    REQUIRE(!is_met[hit.edge]);
+    is_met[hit.edge] = true;
+    if (plain.depth < margin) continue;
+    REQUIRE(std::fabs(hit.coordinate - plain.coordinate) < 1e-9);
+    REQUIRE(norm(hit.direction - plain.direction) < 1e-9);
+  }
+  std::size_t certain = 0;
+  for (std::size_t n = 0; n < edges.count; ++n) {
+    if (plain_meeting(half, side, edges, n).depth < margin) continue;
+    ++certain;
+    REQUIRE(is_met[n]);
+  }
+  return certain;
+}
+
+}  // namespace
+
+TEST_CASE("edges meet a part of a sphere where they leave or enter it towards their outside ends") {
+  for_each_version(ESES_VERSIONS(meet_sphere), [](MeetSphere meet) {
+    Random random(44);
+    std::size_t certain = 0;
+    for (int repetition = 0; repetition < 500; ++repetition) {
+      HalfSphere half;
+      half.center = random_point(random, 10);
+      half.radius = random.uniform(0.3, 4);
+      half.box = grown(ball_box(half.center, half.radius), 1e-5);
+      if (random.chance(0.5)) half.box.low[random.integer(0, 2)] += random.uniform(0, half.radius);
+      half.normal = random_direction(random);
+      INFO("repetition " << repetition);
+      certain += require_plain_meetings(meet, half, random.chance(0.5) ? 1 : -1,
+                                        edges_near(half, random.integer(1, 80), random));
+    }
+    CHECK(certain > 2000);
+  });
+}
 
 }  // namespace eses::detail::test
 #endif  // HWY_ONCE

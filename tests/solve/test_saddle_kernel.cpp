@@ -35,14 +35,12 @@ HWY_BEFORE_NAMESPACE();
 namespace eses::detail::test::HWY_NAMESPACE {
 namespace kernel = eses::detail::HWY_NAMESPACE;
 
-void meet_saddle(const ArcFeature& arc, double probe, double length, std::size_t axis,
-                 EdgeBatch& batch, std::vector<SaddleHit>& hits) {
-  const auto found = [&](std::uint64_t place, double coordinate, Vec3 normal) {
-    hits.push_back({place, coordinate, normal});
-  };
-  if (axis == 0) kernel::meet_saddle<0>(arc, probe, length, batch, found);
-  if (axis == 1) kernel::meet_saddle<1>(arc, probe, length, batch, found);
-  if (axis == 2) kernel::meet_saddle<2>(arc, probe, length, batch, found);
+void meet_saddle(const ArcFeature& arc, double probe, double length, EdgeBatch& batch,
+                 std::vector<SaddleHit>& hits) {
+  kernel::meet_saddle(arc, probe, length, batch,
+                      [&](std::uint64_t place, double coordinate, Vec3 normal) {
+                        hits.push_back({place, coordinate, normal});
+                      });
 }
 
 }  // namespace eses::detail::test::HWY_NAMESPACE
@@ -52,8 +50,7 @@ HWY_AFTER_NAMESPACE();
 namespace eses::detail::test {
 namespace {
 
-using MeetSaddle = void (*)(const ArcFeature&, double, double, std::size_t, EdgeBatch&,
-                            std::vector<SaddleHit>&);
+using MeetSaddle = void (*)(const ArcFeature&, double, double, EdgeBatch&, std::vector<SaddleHit>&);
 
 struct Saddle {
   ArcFeature arc;
@@ -120,16 +117,11 @@ struct PlainExit {
   bool matched = false;
 };
 
-struct Edges {
-  std::size_t axis = 0;
-  EdgeBatch batch;
-};
-
-std::vector<PlainExit> plain_exits(const Saddle& saddle, const Edges& edges, std::size_t i) {
+std::vector<PlainExit> plain_exits(const Saddle& saddle, const EdgeBatch& batch, std::size_t i) {
   const ContactCircle& circle = saddle.arc.circle;
-  const EdgeBatch& batch = edges.batch;
-  const Vec3 start{batch.start[0][i], batch.start[1][i], batch.start[2][i]};
-  const Vec3 step = batch.step[i] * unit_vector(edges.axis);
+  const Vec3 start{batch.x[i], batch.y[i], batch.z[i]};
+  const double length = batch.to[i] - batch.from[i];
+  const Vec3 step = length * unit_vector(static_cast<std::size_t>(batch.axis[i]));
   const TubeExits exits = tube_exits(start, step, circle.axis, circle.radius, saddle.probe,
                                      -tolerance::edge_end, 1 + tolerance::edge_end);
   std::vector<PlainExit> result;
@@ -137,7 +129,7 @@ std::vector<PlainExit> plain_exits(const Saddle& saddle, const Edges& edges, std
     const double share = std::clamp(exits.parameters[static_cast<std::size_t>(e)], 0.0, 1.0);
     const Vec3 point = start + share * step;
     const Vec3 radial = point - dot(point, circle.axis) * circle.axis;
-    result.push_back({batch.from[i] + share * batch.step[i], depth_in_saddle(saddle.arc, point),
+    result.push_back({batch.from[i] + share * length, depth_in_saddle(saddle.arc, point),
                       normalized((circle.radius / norm(radial)) * radial - point)});
   }
   return result;
@@ -162,23 +154,24 @@ Vec3 random_saddle_point(const Saddle& saddle, Random& random) {
 }
 
 // Makes edges of length `length` near the saddle, or with an end on it.
-Edges edges_near(const Saddle& saddle, double length, std::size_t count, Random& random) {
-  Edges edges;
-  edges.axis = random.integer(0, 2);
-  EdgeBatch& batch = edges.batch;
-  batch.make_room();
+EdgeBatch edges_near(const Saddle& saddle, double length, std::size_t count, Random& random) {
+  EdgeBatch batch;
   for (; batch.count < count; ++batch.count) {
+    const std::size_t axis = random.integer(0, 2), n = batch.count;
     const double step = random.chance(0.5) ? length : -length;
     const std::size_t place = random.integer(0, 9);
     const double before = place == 0 ? 0 : place == 1 ? 1 : random.uniform(-1, 2);
     Vec3 start = random_saddle_point(saddle, random);
-    start[edges.axis] -= before * step;
-    for (std::size_t a = 0; a < 3; ++a) batch.start[a][batch.count] = start[a];
-    batch.from[batch.count] = start[edges.axis] + 10;
-    batch.step[batch.count] = step;
-    batch.key[batch.count] = batch.count;
+    start[axis] -= before * step;
+    batch.x[n] = start.x;
+    batch.y[n] = start.y;
+    batch.z[n] = start.z;
+    batch.from[n] = start[axis] + 10;
+    batch.to[n] = batch.from[n] + step;
+    batch.axis[n] = static_cast<double>(axis);
+    batch.key[n] = n;
   }
-  return edges;
+  return batch;
 }
 
 struct SaddleCounts {
@@ -186,15 +179,14 @@ struct SaddleCounts {
 };
 
 // Checks that every certain exit is found, and otherwise only possible ones.
-void require_plain_exits(MeetSaddle meet, const Saddle& saddle, double length, const Edges& edges,
-                         SaddleCounts& counts) {
+void require_plain_exits(MeetSaddle meet, const Saddle& saddle, double length,
+                         const EdgeBatch& edges, SaddleCounts& counts) {
   constexpr double margin = 1e-7;  // angstrom, or square angstrom
-  EdgeBatch batch = edges.batch;
+  EdgeBatch batch = edges;
   std::vector<SaddleHit> hits;
-  meet(saddle.arc, saddle.probe, length, edges.axis, batch, hits);
+  meet(saddle.arc, saddle.probe, length, batch, hits);
   std::vector<std::vector<PlainExit>> plain;
-  for (std::size_t i = 0; i < edges.batch.count; ++i)
-    plain.push_back(plain_exits(saddle, edges, i));
+  for (std::size_t i = 0; i < edges.count; ++i) plain.push_back(plain_exits(saddle, edges, i));
   for (const SaddleHit& hit : hits) {
     REQUIRE(hit.place < plain.size());
     auto& exits = plain[hit.place];

@@ -1,0 +1,39 @@
+/// Edges of a batch in vectors. Highway includes this file once for each instruction set.
+
+#include "solve/edge_batch.hpp"
+#include "system/points-inl.hpp"
+
+#if defined(ESES_SOLVE_EDGE_BATCH_INL_) == defined(HWY_TARGET_TOGGLE)
+#ifdef ESES_SOLVE_EDGE_BATCH_INL_
+#undef ESES_SOLVE_EDGE_BATCH_INL_
+#else
+#define ESES_SOLVE_EDGE_BATCH_INL_
+#endif
+
+HWY_BEFORE_NAMESPACE();
+namespace eses::detail::HWY_NAMESPACE {
+
+/// Edges, one in each lane.
+struct LaneEdges {
+  LaneAxes axes;
+  Points start;           ///< outside ends, relative to the centre of the patch
+  DoubleVector from, to;  ///< coordinates of the outside and inside ends along the axes
+
+  /// The edges of a batch from `first` on.
+  HWY_INLINE LaneEdges(const EdgeBatch& batch, std::size_t first)
+      : axes(load(batch.axis.data() + first)),
+        start{load(batch.x.data() + first), load(batch.y.data() + first),
+              load(batch.z.data() + first)},
+        from(load(batch.from.data() + first)),
+        to(load(batch.to.data() + first)) {}
+  HWY_INLINE LaneEdges(LaneAxes along, const Points& outside, DoubleVector first, DoubleVector last)
+      : axes(along), start{outside.x, outside.y, outside.z}, from(first), to(last) {}
+
+  /// Signed steps along the axes to the inside ends.
+  HWY_INLINE DoubleVector step() const { return to - from; }
+};
+
+}  // namespace eses::detail::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif
