@@ -19,7 +19,7 @@ def names_atoms(at: Any) -> bool:
     return isinstance(at, (list, np.ndarray)) and len(at) > 0 and isinstance(at[0], (bool, np.bool_))
 
 
-def _atoms_of_selection(surface: _core.Surface, at: Any) -> tuple[Any, bool]:
+def atoms_of_selection(surface: _core.Surface, at: Any) -> tuple[Any, bool]:
     """Returns the mask of a selection among the atoms of the surface, and whether it is that of ligands."""
     molecule = molecule_of(surface)
     if molecule is None:
@@ -67,5 +67,5 @@ def find_at(surface: _core.Surface, method: str, at: Any, options: dict[str, Any
     """Returns the cavities or pockets at a selection or a part of a molecule."""
     if adaptors.find_adaptor(at):
         return _find_at_part(surface, method, at, options)
-    chosen, is_ligand = _atoms_of_selection(surface, at)
+    chosen, is_ligand = atoms_of_selection(surface, at)
     return _find_at_atoms(surface, method, chosen, is_ligand, at, options)

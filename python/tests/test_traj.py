@@ -128,6 +128,52 @@ def test_surfaces_chains_and_selections(folder, universe, tmp_path):
     assert float(alone["sas"]) > float(rows[0]["sas"])
 
 
+@pytest.fixture(scope="module", name="with_ligand")
+def fixture_with_ligand(tmp_path_factory):
+    """A trajectory of fasciculin with a ligand in its largest pocket, which moves with it."""
+    folder = tmp_path_factory.mktemp("pockets")
+    source = tmp_path_factory.mktemp("without")
+    write_trajectory(source, 3)
+    universe = mda.Universe(source / "top.pdb", source / "run.xtc")
+    protein = universe.select_atoms("protein")
+    center = eses.Surface(protein).pockets(6)[0]["centroid"]
+    ligand = universe.select_atoms("resname SOL")[:2]
+    ligand.residues.resnames, ligand.names = ["LIG", "LIG"], ["C1", "C2"]
+    ligand.residues.resids = [9, 9]
+    (protein + ligand).write(folder / "top.pdb")
+    shifts = [frame.positions[0] for frame in universe.trajectory] - universe.trajectory[0].positions[0]
+    with mda.Writer(str(folder / "run.xtc"), len(protein) + 2) as target:
+        for frame, shift in zip(universe.trajectory, shifts):
+            ligand.positions = center + shift + [[0, 0, 0], [1.5, 0, 0]]
+            frame.time = 2.0 * frame.frame
+            target.write(protein + ligand)
+    return folder, center
+
+
+@pytest.mark.parametrize("place", ["ligand:LIG", "protein and resid 550:570", "point", "box", None])
+def test_pockets_of_frames_are_those_of_pockets(with_ligand, tmp_path, place):
+    folder, center = with_ligand
+    universe = mda.Universe(folder / "top.pdb", folder / "run.xtc")
+    where = {"point": center, "box": [center - 4, center + 4]}.get(place, place)
+    text = ",".join(f"{each:.6f}" for each in np.ravel(where)) if place in ("point", "box") else place
+    options = ("--large-probe", 6, "--spacing", 0.5, "--min-pocket-volume", 5, "--threads", 2)
+    at = [f"--at={text}"] if place else []
+    selection = "protein" if place in ("point", "box") else "all"  # the ligand would fill the place
+    run(folder, "run.xtc", "top.pdb", "--pockets", *at, *options, "--select", selection, "-o", tmp_path / "pockets.csv")
+    rows = rows_of(tmp_path / "pockets.csv")
+    assert len(rows) == 3 and ("volume_at_place" in rows[0]) == (place is not None)
+    for row in rows:
+        universe.trajectory[int(row["frame"])]  # pylint: disable=expression-not-assigned
+        atoms = universe.select_atoms(selection)
+        found = eses.Surface(atoms).pockets(6, spacing=0.5, min_volume=5, at=where)
+        assert int(row["pockets"]) == len(found) > 0
+        assert near(row["pocket_volume"], sum(each["volume"] for each in found))
+        if place:
+            assert near(row["volume_at_place"], sum(each["volume_at_place"] for each in found))
+        assert near(row["sas"], eses.measure(atoms).sas_area)
+    assert len({row["pocket_volume"] for row in rows}) == 3
+
+
 def test_threads_and_standard_output_change_nothing(folder, tmp_path):
     run(folder, "run.xtc", "top.pdb", "--threads", 1, "-o", tmp_path / "one.csv")
     for threads in (2, 3):
@@ -178,6 +224,7 @@ def test_molecules_that_the_box_divides_are_reported(tmp_path):
 @pytest.mark.parametrize("arguments, message", [
     (("run.xtc", "top.pdb", "--select", "resname NONE", "-o", "x.csv"), "--select resname NONE: no atoms"),
     (("run.xtc", "top.pdb", "--select", "what is this", "-o", "x.csv"), "--select what is this: "),
+    (("run.xtc", "top.pdb", "--pockets", "--at", "ligand:LIG", "-o", "x.csv"), "--at: no residue 'LIG'"),
     (("run.xtc", "top.pdb", "--start", "99", "-o", "x.csv"), "no frames are chosen; there are 12"),
     (("gone.xtc", "top.pdb", "-o", "x.csv"), "gone.xtc: No such file"),
     (("run.xtc", "run.xtc", "-o", "x.csv"), "its suffix is that of no topology"),
@@ -193,3 +240,11 @@ def test_errors_are_one_line(folder, arguments, message):
 def test_wrong_options_end_with_2(folder):
     run(folder, "run.xtc", "top.pdb", "-o", "x.csv", "--level", "atom", code=2)
     run(folder, "run.xtc", "top.pdb", "-o", "x.csv", "--stride", "0", code=2)
+    for options, message in ((["--at", "ligand"], "--at needs --pockets"),
+                             (["--pockets", "--level", "residue"], "--pockets needs --level frame"),
+                             (["--pockets", "--at=1,2"], "three numbers X,Y,Z"),
+                             (["--pockets", "--at=1,2,3,1,5,6"], "three numbers X,Y,Z"),
+                             (["--pockets", "--at="], "expected a selection")):
+        done = subprocess.run([*COMMAND, "run.xtc", "top.pdb", "-o", "x.csv", *options], cwd=folder, capture_output=True,
+                              text=True, check=False)
+        assert done.returncode == 2 and message in done.stderr, done.stderr

@@ -9,6 +9,10 @@ the spheres of the atoms; there is no grid.
 while all others block: --select "not resname SOL" --report protein. Both use MDAnalysis's language and
 are evaluated in the first frame. Molecules must not be divided by the periodic box.
 
+--pockets adds the number and the volume of pockets, which come from a grid. --at PLACE takes only those
+at a ligand (--at ligand:STI), which is left out of the surface, at the atoms of a selection, or in molecules
+that have been fitted to each other at a point (--at=X,Y,Z) or in a box (--at=X0,Y0,Z0,X1,Y1,Z1).
+
 The same command goes on where an interrupted one has stopped: finished frames wait in the hidden file
 .TABLE.frames beside the table.
 """
@@ -18,6 +22,7 @@ import sys
 
 from eses_tools import quiet_interrupt  # before the modules that take time to load
 
+import argparse
 import collections
 import concurrent.futures
 import contextlib
@@ -26,6 +31,7 @@ import fcntl
 import importlib
 import io
 import json
+import math
 import pathlib
 import shutil
 import time
@@ -37,11 +43,12 @@ from eses_tools.common import (IS_INSTALLED, NAME, PROJECT, Failed, Parser, at_l
 LEVELS = ("frame", "chain", "residue")
 MAX_VALUES = 2_000_000  # atoms by frames that are measured at a time
 FRAMES_OF_THREAD = 4  # that are measured at a time
+DECIMALS = {"relative_sas": 4, "pockets": 0}  # of columns; 3 for others
 
 # group, radii: the atoms that make up the surface. row: the row of each of these atoms in a frame; `rows`, the
 # number of rows, for atoms that are not reported. labels: by row. maximum: the area that a relative area of 1
-# stands for, by row. is_polar: by atom. note: for the user.
-Plan = collections.namedtuple("Plan", "group radii row labels rows maximum is_polar columns note")
+# stands for, by row. is_polar: by atom. find_pockets: see pocket_finder, None without --pockets. note: for the user.
+Plan = collections.namedtuple("Plan", "group radii row labels rows maximum is_polar columns find_pockets note")
 
 
 def imported(name, advice):
@@ -164,8 +171,43 @@ def make_plan(eses, universe, frames, options):
         maximum = numpy.array([reference.maximum(label[3], atoms[i]) for i, label in zip(used, labels)])
     elif options.level == "frame" and report is None:  # volumes are those of all atoms
         columns += [name for name in ("ses_volume", "sas_volume") if options.surface in ("all", name[:3])]
+    find_pockets = None
+    if options.pockets:
+        columns += ["pockets", "pocket_volume", *(["volume_at_place"] if options.at else [])]
+        find_pockets = pocket_finder(numpy, eses, measured, options)
     return Plan(group[kept], measured.molecule.radii, row, labels, len(labels), maximum, table["is_polar"][kept],
-                columns, description(measured))
+                columns, find_pockets, description(measured))
+
+
+def pocket_finder(numpy, eses, measured, options):
+    """Returns a function that returns the columns of the pockets for the centres of the atoms in a frame."""
+    place, is_ligand, marks = {}, False, None
+    numbers = numbers_of(options.at)
+    if len(numbers) > 1:
+        place["at"] = numbers if len(numbers) == 3 else (numbers[:3], numbers[3:])
+    elif options.at:
+        try:
+            marks, is_ligand = importlib.import_module("eses_blocks._places").atoms_of_selection(measured.surface, options.at)
+        except ValueError as error:
+            raise Failed(f"--{printable(error)}") from None
+    radii = measured.molecule.radii
+    others = numpy.flatnonzero(~marks) if is_ligand else numpy.arange(len(radii))
+    if not len(others):
+        raise Failed(f"--at {printable(options.at)}: there are no other atoms")
+    if marks is not None and not is_ligand:
+        place["atoms"] = numpy.flatnonzero(marks)
+
+    def find(centers):
+        surface = eses.Surface(centers[others], radii[others], options.probe_radius, threads=options.threads)
+        balls = {"balls": (centers[marks], radii[marks])} if is_ligand else {}
+        found = surface.pockets(options.large_probe, spacing=options.spacing, min_volume=options.min_pocket_volume,
+                                threads=options.threads, **place, **balls)
+        values = {"pockets": len(found), "pocket_volume": sum(each["volume"] for each in found)}
+        if options.at:
+            values["volume_at_place"] = sum(each["volume_at_place"] for each in found)
+        return values
+
+    return find
 
 
 def description(measured):
@@ -203,6 +245,7 @@ def measure(eses, plan, numbers, times, centers, options):
     try:
         measures = eses.measure_frames(centers, plan.radii, options.probe_radius, ses=options.surface != "sas",
                                        by_atom=True, threads=options.threads)
+        pockets = [plan.find_pockets(each) for each in centers] if plan.find_pockets else []
     except ValueError as error:
         raise Failed(f"frames {numbers[0]} to {numbers[-1]}: {printable(error)}") from None
     text = io.StringIO()
@@ -219,11 +262,12 @@ def measure(eses, plan, numbers, times, centers, options):
             values["sas_apolar"] = sums_of(plan, sas * ~plan.is_polar)
         if plan.maximum is not None:
             values["relative_sas"] = values["sas"] / plan.maximum
+        if pockets:
+            values.update((name, [value]) for name, value in pockets[i].items())
         shown = [name for name in plan.columns if name in values]
         for label, *row in zip(plan.labels, *(values[name] for name in shown)):
             target.writerow([number, f"{when:.10g}", *label,
-                             *(number_text(value, 4 if name == "relative_sas" else 3)
-                               for name, value in zip(shown, row))])
+                             *(number_text(value, DECIMALS.get(name, 3)) for name, value in zip(shown, row))])
     return text.getvalue()
 
 
@@ -325,11 +369,29 @@ def identity_of(version, frames, options):
 # ------------------------------------------------------------------------------------ command line
 
 
+def numbers_of(text):
+    """Returns the numbers of a point or box; nothing for another text."""
+    try:
+        return [float(field) for field in (text or "").split(",")]
+    except ValueError:
+        return []
+
+
+def place(text):
+    numbers = numbers_of(text)
+    is_box = len(numbers) == 6 and all(low < high for low, high in zip(numbers, numbers[3:]))
+    if not text or (numbers and not (all(map(math.isfinite, numbers)) and (len(numbers) in (1, 3) or is_box))):
+        raise argparse.ArgumentTypeError("expected a selection, three numbers X,Y,Z, or six of the lowest and highest corner")
+    return text
+
+
 def parse_options():
     parser = Parser(__doc__, usage=f"{NAME} [OPTION...] FILES -o TABLE.csv",
+                    advanced=("--large-probe", "--spacing", "--min-pocket-volume", "--unknown-radius", "--reference"),
                     examples=(("run.xtc top.pdb -o areas.csv", "a row for each frame"),
                               ("run.xtc top.pdb --level residue -o r.csv.gz", "a row for each residue"),
-                              ("run.dcd top.psf --stride 10 --surface sas -o a.csv", "every tenth frame")))
+                              ("run.dcd top.psf --stride 10 --surface sas -o a.csv", "every tenth frame"),
+                              ("run.xtc top.pdb --pockets --at ligand:STI -o p.csv", "the pocket of a ligand")))
     parser.add_argument("files", metavar="FILES", nargs="+", help="trajectories and topology")
     parser.add_argument("-o", "--output", required=True, metavar="TABLE.csv",
                         help="table to write, gzipped if it ends in .gz; - for standard output")
@@ -341,6 +403,15 @@ def parse_options():
                         help="atoms that make up the surface (default: all)")
     parser.add_argument("--report", metavar="SELECTION",
                         help="atoms of --select whose areas are written (default: all)")
+    parser.add_argument("--pockets", action="store_true", help="also find pockets, in rows of frames")
+    parser.add_argument("--at", type=place, metavar="PLACE",
+                        help="only pockets at ligand:NAME, atoms of a selection, a point or a box (see above)")
+    parser.add_argument("--large-probe", type=at_least(0), default=3.0, metavar="A",
+                        help="radius of the probe that closes pockets (default: 3)")
+    parser.add_argument("--spacing", type=at_least(0), default=0.4, metavar="A",
+                        help="distance of the grid points for pockets (default: 0.4)")
+    parser.add_argument("--min-pocket-volume", type=at_least(0), metavar="VOLUME",
+                        help="leave out smaller pockets (default: twice the volume of the probe)")
     parser.add_argument("--start", type=int, metavar="N", help="first frame, from 0; -10 is the tenth from the end")
     parser.add_argument("--stop", type=int, metavar="N", help="frame before which to stop (default: the end)")
     parser.add_argument("--stride", type=positive, default=1, metavar="N", help="take every N-th frame (default: 1)")
@@ -358,6 +429,10 @@ def parse_options():
     parser.add_argument("--threads", type=positive, default=0, metavar="N", help="number of threads (default: all)")
     options = parser.parse_args()
     require_kind(parser, pathlib.Path(options.output), "a table", ".csv", ".txt")
+    if options.at and not options.pockets:
+        parser.error("--at needs --pockets")
+    if options.pockets and options.level != "frame":
+        parser.error("--pockets needs --level frame")
     return options
 
 
@@ -372,6 +447,8 @@ def measure_all(eses, universe, plan, frames, options, finished):
     """Measures the frames that are left. Reads the next ones meanwhile."""
     threads = options.threads or len(os.sched_getaffinity(0))
     batch = max(1, min(FRAMES_OF_THREAD * threads, MAX_VALUES // len(plan.radii)))
+    if plan.find_pockets:
+        batch = 1  # a frame takes long
     begin, start = finished.count, time.monotonic()
     done, waiting = begin, None
 
@@ -412,7 +489,9 @@ def main():
         say(plan.note)
         if finished.count:
             say(f"{counted(finished.count, 'frame')} finished before")
-        measure_all(eses, universe, plan, frames, options, finished)
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # those of the first frame have been printed
+            measure_all(eses, universe, plan, frames, options, finished)
     say(f"{counted(len(frames), 'frame')}, {counted(plan.rows * len(frames), 'row')}")
 
 
