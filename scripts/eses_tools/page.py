@@ -27,7 +27,7 @@ else:
 
 FOLDER = pathlib.Path(__file__).resolve().parent / "pages"  # head.html is the head of all pages
 PARTS = FOLDER / "viewer"
-SCRIPTS = ("data", "colors", "shaders", "graphics", "parts", "table", "picture", "ligands",
+SCRIPTS = ("data", "colors", "shaders", "graphics", "parts", "table", "picture", "layout", "ligands",
            "viewer", "input")
 STEPS = 65535  # of a coordinate of a vertex
 NORMAL_STEPS = 1023  # on each side of zero of an octahedral coordinate

@@ -510,6 +510,8 @@ def main():
     options = parse()
     from eses_tools import meshes
     for path in options.meshes:
+        if not path.exists():
+            raise Failed(f"{path}: no such file")
         if not meshes.is_mesh(path):
             raise Failed(f"{path}: not a {', '.join(meshes.SUFFIXES[:-1])} or {meshes.SUFFIXES[-1]} file")
     require_output(options.output, [*options.meshes, *filter(None, [options.potential])])

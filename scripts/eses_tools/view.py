@@ -406,6 +406,8 @@ def complete_options(parser, options):
     is_mesh = [meshes.is_mesh(path) for path in options.files]
     for path, known in zip(options.files, is_mesh):
         if not known and split_name(path.name) is None:
+            if not path.exists():
+                raise Failed(f"{path}: no such file")
             parser.error(f"{path}: neither a structure nor a mesh; the suffixes are {KINDS}, and "
                          f"{', '.join(meshes.SUFFIXES)}")
     parser.refuse_own(options.arguments)

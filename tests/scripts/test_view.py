@@ -95,10 +95,12 @@ class WithoutPackages(TestCase):
             (self.folder / f"{name}.py").write_text("raise ImportError\n")
         environment = {**os.environ, "PYTHONPATH": str(self.folder)}
         for script, arguments, code, message in (
-                ("view", ["a.txt"], 2, "neither a structure nor a mesh"),
+                ("view", [__file__], 2, "neither a structure nor a mesh"),
                 ("view", ["a.ply", "--color", "blue"], 2, "--color: invalid choice: 'blue'"),
                 ("view", ["a.ply"], 1, "install numpy"),
-                ("render", ["a.txt"], 1, "not a .ply"),
+                ("render", [__file__], 1, "not a .ply"),
+                ("render", ["nothing"], 1, "nothing: no such file"),
+                ("view", ["nothing"], 1, "nothing: no such file"),
                 ("render", ["a.ply", "b.ply", "--cavities"], 2, "--cavities needs a single mesh")):
             with self.subTest(script=script, arguments=arguments):
                 done = run(script, *arguments, "-o", self.folder / "c", env=environment)

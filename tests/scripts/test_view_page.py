@@ -284,6 +284,29 @@ class Page(TestCase):
         self.assertLess(bare, min(widths))
         self.assertGreater(widths[2] - bare, 2 * (widths[0] - bare))  # several columns
 
+    def test_names_and_wide_legends_are_beside_the_molecule(self):
+        for width, height in ((420, 800), (1000, 700)):
+            self.browser.set_window_size(width, height)
+            self.open(self.atoms, "--color", "area")
+            self.ask("$('panel').open = false; viewer.lookAlong(1)")  # the atoms are above each other
+            top, bottom = self.bytes_of_picture("""
+              const rows = [];
+              for (let i = 0; i < bytes.length; i += 4)
+                if (Math.min(...bytes.subarray(i, i + 3)) < 230) rows.push(height - 1 - Math.floor(i / 4 / width));
+              return [rows.at(-1), rows[0]].map((row) => row * canvas.clientHeight / height + canvas.getBoundingClientRect().top)""")
+            name, legend = self.ask("return ['#titles div', '#legend'].map((name) => {"
+                                    "const { top, bottom, left } = document.querySelector(name).getBoundingClientRect();"
+                                    "return { top, bottom, left }})")
+            self.assertGreaterEqual(top, name["bottom"] - 4)  # below its text
+            if legend["left"] < 0.6 * width:
+                self.assertLessEqual(bottom, legend["top"])
+        self.browser.set_window_size(420, 800)
+        self.open(self.atoms, self.atoms, "--color", "area")
+        top, = self.ask("const [, panel] = viewer.panels(canvas.clientWidth, canvas.clientHeight);"
+                        "return [panel.middle[1] - viewer.scaleIn(canvas.clientWidth, canvas.clientHeight) * viewer.half[1]]")
+        self.assertGreater(top, self.ask("const name = document.querySelectorAll('#titles div')[1];"
+                                         "return name.offsetTop + name.offsetHeight - 4"))
+
     def test_columns_of_tables_are_colours(self):
         """Negative and positive values of two residues, of which the second is named by its chain."""
         table = self.folder / "t.csv"

@@ -110,21 +110,14 @@ class Viewer {
 
   // Returns the rectangles of the molecules in a picture of this size, from the upper left.
   panels(width, height) {
-    const count = this.molecules.length;
-    const sizes = Array.from({ length: count }, (_, i) => [i + 1, Math.ceil(count / (i + 1))]);
-    const side = ([columns, rows]) => Math.min(width / columns, height / rows);
-    const [columns, rows] = sizes.reduce((best, one) => side(one) > side(best) ? one : best);
-    return this.molecules.map((_, i) => ({
-      x: i % columns * width / columns, y: Math.floor(i / columns) * height / rows,
-      width: width / columns, height: height / rows,
-    }));
+    return panelsOf(this.molecules.length, width, height);
   }
 
   // Returns the pixels per angstrom in a picture of this size.
   scaleIn(width, height) {
     const [panel] = this.panels(width, height);
     const [x, y] = this.half;
-    return this.view.zoom * FILLED * Math.min(panel.width / x, panel.height / y) / 2;
+    return this.view.zoom * FILLED * Math.min(panel.width / x, panel.room / y) / 2;
   }
 
   // Makes the molecules fill the picture in their present rotation.
@@ -136,7 +129,7 @@ class Viewer {
     this.update();
   }
 
-  // Returns where a place of a molecule is in its panel, in angstrom from the panel's centre.
+  // Returns where a place of a molecule is in its panel, in angstrom from the middle of the panel's room.
   onScreen(i, place) {
     const { molecules, view, middles } = this;
     const turned = apply(view.rotation, place.map((value, axis) => value - molecules[i].middle[axis]));
@@ -148,7 +141,8 @@ class Viewer {
     gl.useProgram(program.program);
     gl.uniformMatrix3fv(uniforms.u_rotation, false, this.view.rotation);
     gl.uniform3fv(uniforms.u_center, molecule.middle);
-    gl.uniform2fv(uniforms.u_pan, this.view.pan.map((value, axis) => value - this.middles[i][axis]));
+    const rise = (panel.y + panel.height / 2 - panel.middle[1]) / scale;
+    gl.uniform2fv(uniforms.u_pan, this.view.pan.map((value, axis) => value - this.middles[i][axis] + axis * rise));
     gl.uniform2f(uniforms.u_scale, 2 * scale / panel.width, 2 * scale / panel.height);
     gl.uniform1f(uniforms.u_range, this.range);
     gl.uniform3fv(uniforms.u_back, this.back);
@@ -426,8 +420,8 @@ class Viewer {
     this.view.zoom = Math.min(Math.max(this.view.zoom * factor, 0.1), 100);
     const change = 1 / this.scaleIn(clientWidth, clientHeight) - 1 / before;
     if (x !== undefined)
-      this.view.pan = [this.view.pan[0] + change * (x - panel.x - panel.width / 2),
-        this.view.pan[1] - change * (y - panel.y - panel.height / 2)];
+      this.view.pan = [this.view.pan[0] + change * (x - panel.middle[0]),
+        this.view.pan[1] - change * (y - panel.middle[1])];
     this.update(true);
   }
 
@@ -535,7 +529,7 @@ class Viewer {
     const isSeen = ligandFilter(this);
     return placeLabels(this.labels.filter(isSeen).map((label) => {
       const [x, y] = this.onScreen(label.i, label.place), panel = panels[label.i];
-      return { ...label, panel, x: panel.x + panel.width / 2 + scale * x, y: panel.y + panel.height / 2 - scale * y };
+      return { ...label, panel, x: panel.middle[0] + scale * x, y: panel.middle[1] - scale * y };
     }));
   }
 
