@@ -389,8 +389,7 @@ def parse_options():
     parser = Parser(__doc__, usage=f"{NAME} [OPTION...] FILES -o TABLE.csv",
                     advanced=("--large-probe", "--spacing", "--min-pocket-volume", "--unknown-radius", "--reference"),
                     examples=(("run.xtc top.pdb -o areas.csv", "a row for each frame"),
-                              ("run.xtc top.pdb --level residue -o r.csv.gz", "a row for each residue"),
-                              ("run.dcd top.psf --stride 10 --surface sas -o a.csv", "every tenth frame"),
+                              ("run.xtc top.pdb --level residue --stride 10 -o r.csv.gz", "residues of every tenth frame"),
                               ("run.xtc top.pdb --pockets --at ligand:STI -o p.csv", "the pocket of a ligand")))
     parser.add_argument("files", metavar="FILES", nargs="+", help="trajectories and topology")
     parser.add_argument("-o", "--output", required=True, metavar="TABLE.csv",
