@@ -7,8 +7,10 @@
 #include <vector>
 
 #include "grid/tiling.hpp"
+#include "run/row_batches.hpp"
 #include "run/solved_block.hpp"
 #include "solve/block_solver.hpp"
+#include "solve/region_totals.hpp"
 
 namespace eses::detail {
 
@@ -95,13 +97,15 @@ class LayerCrossings {
   std::vector<std::vector<const BlockResult*>> blocks_;  // by block row
 };
 
-/// The inside bits of the last plane that a layer owns, which are kept when the layer has been
-/// written. By block [by][bx], words [column][y]; no words if nothing is inside.
-struct Plane {
-  std::vector<std::vector<std::uint64_t>> blocks;
-};
+/// The words of the rows of a plane of points with the halo, by y.
+using Plane = std::vector<std::uint64_t>;
 
-/// Returns the last plane that a layer owns.
-Plane last_plane(const Layer& layer);
+/// Returns the last plane that a layer owns, which is kept when the layer has been written.
+Plane last_plane(const BlockTiling& tiling, const Layer& layer);
+
+/// Counts the points of these rows of a layer. `below` is the last plane of the previous layer,
+/// empty if there is none.
+PointCounts count_points(const BlockTiling& tiling, const Plane& below, const Layer& layer,
+                         const RowRange& rows);
 
 }  // namespace eses::detail

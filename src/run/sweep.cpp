@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <utility>
 
-#include "run/count_points.hpp"
 #include "system/parallel.hpp"
 #include "system/resources.hpp"
 #include "system/stopwatch.hpp"
@@ -71,7 +70,7 @@ void Sweep::solve_plane_below() {
     progress_.check();
   };
   parallel_for(static_cast<std::int64_t>(layer.blocks.size()), plan_.threads, solve_one, &monitor_);
-  below_ = last_plane(layer);
+  below_ = last_plane(tiling, layer);
   if (mesh_ != nullptr) mesh_->go_on_from(layer);
 }
 
@@ -208,7 +207,7 @@ void Sweep::make_piece(const WorkItem& batch, Worker& worker) {
   piece_maker_.make(layer, rows, worker.piece_maker, worker.piece);
   if (mesh_ != nullptr)
     mesh_->make(layer, batch.index, work_.batches_of(batch.layer), worker.mesh, worker.piece.mesh);
-  count_points_of(batch, layer, worker.counts);
+  worker.counts.add(count_points(plan_.tiling, below_, layer, rows));
   deliver(work_.number_of(batch), worker.piece);
   worker.write_seconds += watch.seconds();
   progress_.check();
@@ -229,19 +228,11 @@ void Sweep::deliver(std::int64_t number, Piece& piece) {
 // Frees a layer, whose pieces are all delivered, and makes room for the layer after the next one.
 void Sweep::release(std::int64_t layer) {
   Layer& finished = layer_at(layer);
-  below_ = last_plane(finished);
+  below_ = last_plane(plan_.tiling, finished);
   if (mesh_ != nullptr) mesh_->release(finished);
   const std::size_t blocks = finished.blocks.size();
   finished = Layer();
   finished.blocks.resize(blocks);
-}
-
-// Counts the points of a part of the layer's blocks with each batch.
-void Sweep::count_points_of(const WorkItem& batch, const Layer& layer, PointCounts& counts) const {
-  const auto blocks = static_cast<std::int64_t>(layer.blocks.size());
-  const std::int64_t batches = work_.batches_of(batch.layer);
-  counts.add(count_points(plan_.tiling, below_, layer, batch.index * blocks / batches,
-                          (batch.index + 1) * blocks / batches));
 }
 
 }  // namespace eses::detail

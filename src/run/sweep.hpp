@@ -64,7 +64,6 @@ class Sweep {
   void make_piece(const WorkItem& batch, Worker& worker);
   void deliver(std::int64_t number, Piece& piece);
   void release(std::int64_t layer);
-  void count_points_of(const WorkItem& batch, const Layer& layer, PointCounts& counts) const;
   SweepSums sums();
 
   PatchSchedule& patches_;

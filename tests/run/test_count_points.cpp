@@ -1,31 +1,13 @@
 // Compares the counting of points by words of bits with a test of each point and its six
 // neighbours.
 
-#undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "run/test_count_points.cpp"
-
-#include <hwy/foreach_target.h>
-#include <hwy/highway.h>
-
 #include <vector>
 
-#include "run/count_points.hpp"
+#include "run/layer.hpp"
 #include "support/atom_sets.hpp"
-#include "support/instruction_sets.hpp"
 
-HWY_BEFORE_NAMESPACE();
-namespace eses::detail::HWY_NAMESPACE {
-void count_blocks(const BlockTiling& tiling, const Plane& below, const Layer& layer,
-                  std::int64_t begin, std::int64_t end, PointCounts& counts);
-}  // namespace eses::detail::HWY_NAMESPACE
-HWY_AFTER_NAMESPACE();
-
-#if HWY_ONCE
 namespace eses::detail::test {
 namespace {
-
-using CountBlocks = void (*)(const BlockTiling&, const Plane&, const Layer&, std::int64_t,
-                             std::int64_t, PointCounts&);
 
 // The points of a whole grid.
 struct GridPoints {
@@ -122,24 +104,20 @@ CutGrid cut(const GridPoints& points, std::int64_t block_size, Random& random) {
   return result;
 }
 
-PointCounts count_all(CountBlocks count, const CutGrid& grid, Random& random) {
+PointCounts count_all(const CutGrid& grid, Random& random) {
   PointCounts counts;
   Plane below;
   for (const Layer& layer : grid.layers) {
     // The count is made in two parts, as threads make it.
-    const auto blocks = static_cast<std::int64_t>(layer.blocks.size());
+    const std::int64_t rows = layer.owned_planes() * grid.tiling.region.size()[1];
     const auto middle =
-        static_cast<std::int64_t>(random.integer(0, static_cast<std::size_t>(blocks)));
-    count(grid.tiling, below, layer, 0, middle, counts);
-    PointCounts rest;
-    count(grid.tiling, below, layer, middle, blocks, rest);
-    counts.add(rest);
-    below = last_plane(layer);
+        static_cast<std::int64_t>(random.integer(0, static_cast<std::size_t>(rows)));
+    counts.add(count_points(grid.tiling, below, layer, {0, middle}));
+    counts.add(count_points(grid.tiling, below, layer, {middle, rows}));
+    below = last_plane(grid.tiling, layer);
   }
   return counts;
 }
-
-const Versions<CountBlocks> versions = ESES_VERSIONS(count_blocks);
 
 }  // namespace
 
@@ -165,12 +143,10 @@ TEST_CASE("points are counted correctly however the grid is cut") {
       const PointCounts expected = count_plainly(points);
       INFO("block size " << block_size << ", grid " << size[0] << " x " << size[1] << " x "
                          << size[2]);
-      for_each_version(versions, [&](CountBlocks count) {
-        const PointCounts counts = count_all(count, grid, random);
-        CHECK(counts.inside == expected.inside);
-        CHECK(counts.inside_regular == expected.inside_regular);
-        CHECK(counts.irregular == expected.irregular);
-      });
+      const PointCounts counts = count_all(grid, random);
+      CHECK(counts.inside == expected.inside);
+      CHECK(counts.inside_regular == expected.inside_regular);
+      CHECK(counts.irregular == expected.irregular);
     }
   CHECK(blocks_without_words > 20);
 }
@@ -184,14 +160,11 @@ TEST_CASE("points of a grid that is one point thick are counted, too") {
       const PointCounts expected = count_plainly(points);
       INFO("block size " << block_size << ", grid " << size[0] << " x " << size[1] << " x "
                          << size[2]);
-      for_each_version(versions, [&](CountBlocks count) {
-        const PointCounts counts = count_all(count, grid, random);
-        CHECK(counts.inside == expected.inside);
-        CHECK(counts.inside_regular == expected.inside_regular);
-        CHECK(counts.irregular == expected.irregular);
-      });
+      const PointCounts counts = count_all(grid, random);
+      CHECK(counts.inside == expected.inside);
+      CHECK(counts.inside_regular == expected.inside_regular);
+      CHECK(counts.irregular == expected.irregular);
     }
 }
 
 }  // namespace eses::detail::test
-#endif  // HWY_ONCE
