@@ -17,7 +17,7 @@
 #include "run/engine.hpp"
 #include "run/planned_run.hpp"
 #include "run/sink.hpp"
-#include "run/solved_block.hpp"
+#include "run/layer.hpp"
 #include "surface/find_cavities.hpp"
 #include "system/formatted.hpp"
 #include "system/parallel.hpp"

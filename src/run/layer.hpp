@@ -1,5 +1,5 @@
 #pragma once
-/// A solved layer of blocks as rows of the whole grid.
+/// Solved blocks, and layers of them as rows of the whole grid. Threads take the rows in batches.
 
 #include <algorithm>
 #include <cstdint>
@@ -7,12 +7,96 @@
 #include <vector>
 
 #include "grid/tiling.hpp"
-#include "run/row_batches.hpp"
-#include "run/solved_block.hpp"
 #include "solve/block_solver.hpp"
 #include "solve/region_totals.hpp"
 
 namespace eses::detail {
+
+/// Returns whether a point of the block is inside the surface.
+inline bool is_inside(const BlockResult& block, const GridIndex& point) {
+  const GridIndex& first = block.block.first;
+  return block.inside.test({point[0] - first[0], point[1] - first[1], point[2] - first[2]});
+}
+
+/// Returns the crossings of a row. `row_begin` has the begin of each row, and is empty if there are
+/// no crossings.
+inline std::span<const BlockCrossing> row_crossings(std::span<const BlockCrossing> crossings,
+                                                    std::span<const std::uint32_t> row_begin,
+                                                    std::int64_t row) {
+  if (row_begin.empty()) return {};
+  const auto r = static_cast<std::size_t>(row);
+  return crossings.subspan(row_begin[r], row_begin[r + 1] - row_begin[r]);
+}
+
+/// Calls `action(row_start, crossing)` for the crossings of all edges that the block owns, by lower
+/// point (z, y, x), then axis. The lower point of a crossing is `crossing.x` points from
+/// `row_start` along x.
+template <class Action>
+void for_each_crossing(const BlockResult& result, Action&& action) {
+  if (result.crossings.empty()) return;
+  const auto& [first, points, owned] = result.block;
+  for (std::int64_t row = 0; row < owned[1] * owned[2]; ++row) {
+    const GridIndex row_start{first[0], first[1] + row % owned[1], first[2] + row / owned[1]};
+    for (const BlockCrossing& crossing : row_crossings(result.crossings, result.row_begin, row))
+      action(row_start, crossing);
+  }
+}
+
+/// Calls `action(crossing)` for the same crossings, converted by to_crossing().
+template <class Action>
+void for_each_crossing(const Grid& grid, const BlockResult& result, Action&& action) {
+  for_each_crossing(result, [&](const GridIndex& row_start, const BlockCrossing& crossing) {
+    action(to_crossing(grid, row_start, crossing));
+  });
+}
+
+/// Returns the number of rows that a thread formats at a time.
+inline std::int64_t rows_per_batch(std::int64_t row_points) {
+  constexpr std::int64_t text_bytes = 1 << 19;
+  constexpr std::int64_t line_bytes = 16;
+  return std::max<std::int64_t>(1, text_bytes / (line_bytes * row_points));
+}
+
+/// Rows [begin, end) of a layer.
+struct RowRange {
+  std::int64_t begin, end;
+
+  /// Calls `action(y, z)` for each row of planes with `rows_y` rows.
+  template <class Action>
+  void for_each(std::int64_t rows_y, Action&& action) const {
+    for (std::int64_t row = begin; row < end; ++row) action(row % rows_y, row / rows_y);
+  }
+};
+
+/// The batches of the layers of a region. With `ends_with_planes`, they are also cut at the end of
+/// each plane, so that they do not depend on the height of layers, and so not on the block size.
+class RowBatches {
+ public:
+  RowBatches(const GridRegion& region, bool ends_with_planes)
+      : plane_rows_(region.size()[1]),
+        rows_per_batch_(rows_per_batch(region.size()[0])),
+        ends_with_planes_(ends_with_planes) {}
+
+  std::int64_t count(std::int64_t planes) const {
+    return ends_with_planes_ ? planes * batches_in(plane_rows_) : batches_in(planes * plane_rows_);
+  }
+
+  RowRange rows(std::int64_t batch, std::int64_t planes) const {
+    const std::int64_t per_plane = batches_in(plane_rows_);
+    const std::int64_t plane = ends_with_planes_ ? batch / per_plane : 0;
+    const std::int64_t begin = plane * plane_rows_ + (batch - plane * per_plane) * rows_per_batch_;
+    const std::int64_t last = ends_with_planes_ ? plane + 1 : planes;
+    return {begin, std::min(begin + rows_per_batch_, last * plane_rows_)};
+  }
+
+ private:
+  std::int64_t batches_in(std::int64_t rows) const {
+    return (rows + rows_per_batch_ - 1) / rows_per_batch_;
+  }
+
+  std::int64_t plane_rows_, rows_per_batch_;
+  bool ends_with_planes_;
+};
 
 /// The results of a layer of blocks.
 struct Layer {

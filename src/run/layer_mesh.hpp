@@ -10,7 +10,6 @@
 #include "output/vertex_maker.hpp"
 #include "run/layer.hpp"
 #include "run/plan.hpp"
-#include "run/row_batches.hpp"
 
 namespace eses::detail {
 

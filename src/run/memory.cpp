@@ -14,7 +14,7 @@
 #include "output/mesh_writer.hpp"
 #include "run/checkpoint.hpp"
 #include "run/layer_mesh.hpp"
-#include "run/row_batches.hpp"
+#include "run/layer.hpp"
 #include "system/gzip.hpp"
 #include "system/resources.hpp"
 

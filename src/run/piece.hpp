@@ -13,7 +13,6 @@
 #include "output/mesh_file.hpp"
 #include "output/text_buffer.hpp"
 #include "run/layer.hpp"
-#include "run/row_batches.hpp"
 #include "solve/block_solver.hpp"
 #include "system/gzip.hpp"
 

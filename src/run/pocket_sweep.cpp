@@ -15,7 +15,7 @@
 #include "run/planned_run.hpp"
 #include "run/pocket_finder.hpp"
 #include "run/sink.hpp"
-#include "run/solved_block.hpp"
+#include "run/layer.hpp"
 #include "run/sweep.hpp"
 #include "surface/patch_schedule.hpp"
 #include "system/formatted.hpp"

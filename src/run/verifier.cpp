@@ -11,7 +11,6 @@
 
 #include "geometry/tolerances.hpp"
 #include "run/layer.hpp"
-#include "run/solved_block.hpp"
 #include "system/formatted.hpp"
 #include "system/parallel.hpp"
 

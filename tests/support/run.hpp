@@ -7,7 +7,7 @@
 
 #include "run/engine.hpp"
 #include "run/planned_run.hpp"
-#include "run/solved_block.hpp"
+#include "run/layer.hpp"
 
 namespace eses::detail::test {
 
