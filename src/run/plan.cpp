@@ -15,7 +15,6 @@
 #include "output/eses_writer.hpp"
 #include "output/grid_map.hpp"
 #include "output/mesh_writer.hpp"
-#include "run/piece_bytes.hpp"
 #include "run/verifier.hpp"
 #include "system/bytes_text.hpp"
 #include "system/formatted.hpp"
@@ -179,6 +178,13 @@ std::string fixed_choices(const Parameters& p) {
                                static_cast<double>(region.point_count()), fixed_choices(p),
                                bytes_text(whole_bytes(smallest)), bytes_text(available)),
                      advice);
+}
+
+// Returns the typical size in bytes of a vertex and its two triangles in a chunk.
+double piece_bytes_per_vertex(const mesh::PieceContents& contents) {
+  const std::size_t triangle = sizeof(mesh::Triangle) + (contents.triangle_patches ? 1 : 0) +
+                               (contents.corners ? sizeof(mesh::TrianglePoints) : 0);
+  return static_cast<double>((contents.vertices ? sizeof(mesh::FileVertex) : 0) + 2 * triangle);
 }
 
 // A closed mesh has about twice as many triangles as vertices.

@@ -16,7 +16,7 @@
 #include "input/read_input.hpp"
 #include "output/mesh_writer.hpp"
 #include "output/output_files.hpp"
-#include "run/chunk_identity.hpp"
+#include "run/chunks.hpp"
 #include "run/run_cavities.hpp"
 #include "system/bytes_text.hpp"
 #include "system/formatted.hpp"

@@ -17,7 +17,7 @@
 #include "input/atom_reader.hpp"
 #include "output/output_files.hpp"
 #include "run/checkpoint.hpp"
-#include "run/piece_bytes.hpp"
+#include "run/chunks.hpp"
 #include "run/slabs.hpp"
 #include "support/eses_files.hpp"
 #include "support/sandbox.hpp"

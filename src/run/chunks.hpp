@@ -1,0 +1,82 @@
+#pragma once
+/// Chunks of planes on disk: the identity of a run, the sink that writes a chunk, and the merge of
+/// all chunks into the output files.
+
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "eses/atoms.hpp"
+#include "mesh/piece.hpp"
+#include "output/file.hpp"
+#include "output/mesh_groups.hpp"
+#include "run/checkpoint.hpp"
+#include "run/piece.hpp"
+#include "run/planned_run.hpp"
+#include "run/sink.hpp"
+
+namespace eses::detail {
+
+/// Returns a hash of all atoms, and of their groups and names, if there are any.
+std::uint64_t hash_of(std::span<const Atom> atoms, std::span<const mesh::GroupNumbers> groups,
+                      const mesh::GroupNames& names);
+
+/// Returns a text that differs between runs whose chunks must not be combined. `hash` is that of
+/// the atoms.
+std::string chunk_identity(const PlannedRun& run, std::uint64_t hash);
+
+/// Returns the head of a piece.
+PieceHead head_of(const Piece& piece);
+
+/// Returns the length of a piece in bytes, with its head.
+std::uint64_t length_of(const PieceHead& head);
+
+/// Writes a piece, whose head is set, at an offset of a file.
+void write_piece(const Piece& piece, File& file, std::uint64_t offset);
+
+/// Reads the piece at an offset of a file that ends at `end`. Returns false if it is damaged.
+bool read_piece(const File& file, std::uint64_t offset, std::uint64_t end, Piece& piece);
+
+/// A chunk that a sweep writes into a checkpoint, piece by piece. It is complete after `finish`.
+class ChunkFile final : public Sink {
+ public:
+  /// Creates the file of a chunk of these planes. Keeps a reference to `run`.
+  ChunkFile(PlannedRun& run, const PlaneRange& planes);
+
+  void prepare(Piece& piece) override;
+  void place(Piece& piece) override;
+  void store(const Piece& piece) override;
+
+  /// Writes the sums of the chunk, which makes it complete.
+  void finish(const SweepSums& sums);
+
+ private:
+  PlannedRun& run_;
+  PlaneChunk chunk_;
+  ScratchFile file_;
+};
+
+/// The chunks of a checkpoint, all together.
+class Merge {
+ public:
+  /// Reads the sums of all chunks. `check` is called repeatedly, and may end the run by an
+  /// exception. Keeps a reference to `run`. Throws Error if the chunks do not cover the region
+  /// exactly, or if the mesh has too many vertices.
+  Merge(PlannedRun& run, std::function<void()> check);
+
+  /// The sums of all chunks, with the area share of each atom of the file.
+  SweepSums& sums() { return sums_; }
+  /// Passes the pieces of all chunks to a sink, as one sweep over the region would. Throws Error if
+  /// a chunk is damaged.
+  void replay(Sink& sink);
+
+ private:
+  PlannedRun& run_;
+  std::function<void()> check_;
+  std::vector<PlaneChunk> chunks_;  // sorted by planes
+  SweepSums sums_;
+};
+
+}  // namespace eses::detail
