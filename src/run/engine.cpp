@@ -23,7 +23,6 @@
 #include "run/layer_mesh.hpp"
 #include "run/progress_report.hpp"
 #include "run/run_files.hpp"
-#include "run/run_mesh.hpp"
 #include "run/sink.hpp"
 #include "run/sweep.hpp"
 #include "run/verifier.hpp"

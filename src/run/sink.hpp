@@ -44,10 +44,18 @@ class Sinks final : public Sink {
   /// Adds a sink that outlives this object.
   void add(Sink& sink) { sinks_.push_back(&sink); }
 
-  void take_block(const BlockResult& block, std::size_t thread) override;
-  void prepare(Piece& piece) override;
-  void place(Piece& piece) override;
-  void store(const Piece& piece) override;
+  void take_block(const BlockResult& block, std::size_t thread) override {
+    for (Sink* const sink : sinks_) sink->take_block(block, thread);
+  }
+  void prepare(Piece& piece) override {
+    for (Sink* const sink : sinks_) sink->prepare(piece);
+  }
+  void place(Piece& piece) override {
+    for (Sink* const sink : sinks_) sink->place(piece);
+  }
+  void store(const Piece& piece) override {
+    for (Sink* const sink : sinks_) sink->store(piece);
+  }
 
  private:
   std::vector<Sink*> sinks_;
@@ -59,8 +67,15 @@ class PieceTextSink final : public Sink {
  public:
   /// Keeps a reference to `file`.
   PieceTextSink(PieceText Piece::*text, File& file) : text_(text), file_(file) {}
-  void place(Piece& piece) override;
-  void store(const Piece& piece) override;
+  void place(Piece& piece) override {
+    PieceText& text = piece.*text_;
+    text.offset = size_;
+    size_ += text.buffer.text().size();
+  }
+  void store(const Piece& piece) override {
+    const PieceText& text = piece.*text_;
+    file_.write_at(text.buffer.text(), text.offset);
+  }
 
  private:
   PieceText Piece::*text_;
@@ -76,7 +91,9 @@ class MapSink final : public Sink {
 
   MapSink(MapQuantity quantity, TakeRows take_rows)
       : quantity_(quantity), take_rows_(std::move(take_rows)) {}
-  void store(const Piece& piece) override;
+  void store(const Piece& piece) override {
+    take_rows_(piece.first_row, piece.map_rows[static_cast<std::size_t>(quantity_)]);
+  }
 
  private:
   MapQuantity quantity_;
