@@ -27,7 +27,7 @@
 #include "output/file_path.hpp"
 #include "output/msms_text.hpp"
 #include "output/output_directory.hpp"
-#include "output/output_file.hpp"
+#include "output/file.hpp"
 #include "output/text_buffer.hpp"
 #include "run/far_atoms.hpp"
 #include "system/formatted.hpp"

@@ -15,7 +15,7 @@
 #include "cli/interruption.hpp"
 #include "output/file_path.hpp"
 #include "output/output_directory.hpp"
-#include "output/output_file.hpp"
+#include "output/file.hpp"
 #include "output/result_log.hpp"
 #include "system/formatted.hpp"
 

@@ -12,7 +12,7 @@
 
 #include "eses/error.hpp"
 #include "output/output_directory.hpp"
-#include "output/output_file.hpp"
+#include "output/file.hpp"
 #include "system/formatted.hpp"
 
 namespace eses::detail {

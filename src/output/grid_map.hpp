@@ -11,7 +11,7 @@
 
 #include "eses/grid.hpp"
 #include "output/map_writer.hpp"
-#include "output/output_file.hpp"
+#include "output/file.hpp"
 
 namespace eses::detail {
 

@@ -12,7 +12,6 @@
 #include "mesh/piece.hpp"
 #include "output/file.hpp"
 #include "output/mesh_writer.hpp"
-#include "output/output_file.hpp"
 #include "output/text_buffer.hpp"
 
 namespace eses::detail::mesh {

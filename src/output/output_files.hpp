@@ -13,7 +13,7 @@
 
 #include "output/map_writer.hpp"
 #include "output/output_directory.hpp"
-#include "output/output_file.hpp"
+#include "output/file.hpp"
 
 namespace eses::detail {
 

@@ -12,7 +12,6 @@
 #include "output/file.hpp"
 #include "output/grid_map.hpp"
 #include "output/output_directory.hpp"
-#include "output/output_file.hpp"
 #include "output/output_files.hpp"
 #include "run/plan.hpp"
 #include "support/atom_sets.hpp"

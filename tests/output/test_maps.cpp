@@ -13,7 +13,7 @@
 #include "eses/error.hpp"
 #include "output/grid_map.hpp"
 #include "output/output_directory.hpp"
-#include "output/output_file.hpp"
+#include "output/file.hpp"
 #include "support/atom_sets.hpp"
 #include "support/eses_files.hpp"
 #include "support/run.hpp"

@@ -17,7 +17,6 @@
 #include "eses/error.hpp"
 #include "output/file.hpp"
 #include "output/number_text.hpp"
-#include "output/output_file.hpp"
 #include "support/atom_sets.hpp"
 #include "support/eses_files.hpp"
 #include "support/run.hpp"
