@@ -73,8 +73,8 @@ Mesh mesh_in_memory(const Result& result, const CheckCallback& check, bool quali
       if (!region.contains(crossing.upper())) continue;
       row.edges.push_back(mesh::edge_key(
           static_cast<std::uint64_t>(crossing.lower[0] - region.begin[0]), crossing.axis));
-      piece.vertices.push_back(mesh::file_vertex(
-          mesh::make_vertex(grid, crossing.lower, as_in_blocks(crossing), clearance)));
+      piece.vertices.push_back(
+          mesh::make_vertex(grid, crossing.lower, as_in_blocks(crossing), clearance));
       piece.vertices.back().labels.source = static_cast<std::uint32_t>(next);
       ++vertex_count;
     }

@@ -24,10 +24,10 @@
 #include "input/read_spheres.hpp"
 #include "input/text_source.hpp"
 #include "output/buffered_text.hpp"
+#include "output/file.hpp"
 #include "output/file_path.hpp"
 #include "output/msms_text.hpp"
 #include "output/output_directory.hpp"
-#include "output/file.hpp"
 #include "output/text_buffer.hpp"
 #include "run/far_atoms.hpp"
 #include "system/formatted.hpp"
@@ -347,7 +347,7 @@ struct ComponentWriter {
       const AtomIndex closest = surface.closest_atoms[i];
       const std::string_view name = input.name(closest);
       line.resize(mesh::max_msms_vertex_bytes + 1 + name.size());
-      const mesh::Vertex& vertex = surface.vertices[i];
+      const MsmsVertex& vertex = surface.vertices[i];
       const char* const end =
           mesh::put_msms_vertex(line.data(), vertex.position, vertex.normal, vertex.patch,
                                 input.file_indices[closest], name);

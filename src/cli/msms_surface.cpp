@@ -9,6 +9,7 @@
 #include "eses/compute.hpp"
 #include "eses/error.hpp"
 #include "eses/surface.hpp"
+#include "mesh/vertex.hpp"
 #include "output/msms_text.hpp"
 #include "system/formatted.hpp"
 #include "system/hints.hpp"
@@ -16,7 +17,7 @@
 namespace eses::detail::cli {
 namespace {
 
-mesh::Vertex vertex_of(const Mesh& mesh, std::size_t index, const eses::Crossing& crossing) {
+MsmsVertex vertex_of(const Mesh& mesh, std::size_t index, const eses::Crossing& crossing) {
   return {.position = mesh.vertices[index],
           .normal = mesh.normals[index],
           .patch = mesh.patches[index],
@@ -37,8 +38,8 @@ Weights find_weights(const MsmsSurface& surface, std::span<const Vec3> positions
       area_of_vertex[corner] += mesh::area_of(positions, triangle) / 3;
   Weights weights;
   for (std::size_t i = 0; i < positions.size(); ++i) {
-    const mesh::Vertex& vertex = surface.vertices[i];
-    const AtomIndex atom = vertex.adjacent_atom([&](AtomIndex candidate) {
+    const MsmsVertex& vertex = surface.vertices[i];
+    const AtomIndex atom = mesh::least_atom(vertex.adjacent_atoms(), [&](AtomIndex candidate) {
       const Atom& sphere = spheres[candidate];
       return squared_norm(vertex.position - sphere.center) - sphere.radius * sphere.radius;
     });
@@ -155,9 +156,10 @@ MsmsSurface make_msms_surface(std::vector<Atom> spheres, const MsmsOptions& opti
                   options.density));
   result.triangles = mesh.faces;
   for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
-    const mesh::Vertex& vertex =
+    const MsmsVertex& vertex =
         result.vertices.emplace_back(vertex_of(mesh, i, computed.crossings()[mesh.crossings[i]]));
-    result.closest_atoms.push_back(vertex.closest_atom(surface.atoms()));
+    result.closest_atoms.push_back(
+        mesh::closest_atom(vertex.position, vertex.adjacent_atoms(), surface.atoms()));
   }
   result.components = mesh::find_shells(mesh.vertices, mesh.faces);
   if (result.components.all.empty()) result.components.all.emplace_back();

@@ -1,6 +1,7 @@
 #pragma once
 /// The surface of `eses-blocks msms`: triangles, components, and the areas of components and atoms.
 
+#include <array>
 #include <cstdint>
 #include <map>
 #include <span>
@@ -12,7 +13,6 @@
 #include "eses/grid.hpp"
 #include "eses/measure.hpp"
 #include "mesh/shells.hpp"
-#include "mesh/vertex.hpp"
 
 namespace eses::detail::cli {
 
@@ -22,8 +22,16 @@ struct MsmsAreas {
   double sas = 0;
 };
 
+struct MsmsVertex {
+  Vec3 position, normal;
+  std::uint8_t patch = 1;            ///< 1 convex, 2 saddle, 3 concave
+  std::array<AtomIndex, 3> atoms{};  ///< adjacent atoms, ascending; the first `patch` are used
+
+  std::span<const AtomIndex> adjacent_atoms() const { return std::span(atoms).first(patch); }
+};
+
 struct MsmsSurface {
-  std::vector<mesh::Vertex> vertices;  ///< in the order of the grid
+  std::vector<MsmsVertex> vertices;  ///< in the order of the grid
   std::vector<AtomIndex>
       closest_atoms;  ///< of each vertex, the adjacent atom whose sphere is closest
   std::vector<mesh::Triangle> triangles;

@@ -13,9 +13,9 @@
 
 #include "cli/arguments.hpp"
 #include "cli/interruption.hpp"
+#include "output/file.hpp"
 #include "output/file_path.hpp"
 #include "output/output_directory.hpp"
-#include "output/file.hpp"
 #include "output/result_log.hpp"
 #include "system/formatted.hpp"
 

@@ -20,11 +20,10 @@ Vertex make_vertex(const Grid& grid, const GridIndex& lower, const BlockCrossing
   vertex.position[axis] =
       off_grid_points(crossing.coordinate, vertex.position[axis],
                       grid.coordinate(axis, lower[axis] + 1), grid.spacing, distance);
-  vertex.lower = lower;
-  vertex.axis = crossing.axis;
   vertex.normal = crossing.normal;
-  vertex.patch = crossing.atom_count;
-  vertex.atoms = crossing.atoms;
+  for (std::size_t a = 0; a < 3; ++a) vertex.labels.lower[a] = static_cast<std::int32_t>(lower[a]);
+  vertex.labels.axis = crossing.axis;
+  vertex.labels.patch = crossing.atom_count;
   return vertex;
 }
 

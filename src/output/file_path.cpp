@@ -11,8 +11,8 @@
 #include <system_error>
 
 #include "eses/error.hpp"
-#include "output/output_directory.hpp"
 #include "output/file.hpp"
+#include "output/output_directory.hpp"
 #include "system/formatted.hpp"
 
 namespace eses::detail {

@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "eses/grid.hpp"
-#include "output/map_writer.hpp"
 #include "output/file.hpp"
+#include "output/map_writer.hpp"
 
 namespace eses::detail {
 

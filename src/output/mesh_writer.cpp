@@ -190,7 +190,7 @@ void MeshText::append_ply_header(BufferedText& text, const MeshCounts& counts) c
   text.append("element face {}\nproperty list uchar int vertex_indices\nend_header\n", triangles);
 }
 
-Color MeshText::color_of(const FileVertex& vertex) const {
+Color MeshText::color_of(const Vertex& vertex) const {
   const VertexLabels& labels = vertex.labels;
   if (color_ == MeshColor::potential)
     return potential_color(labels.potential, *source_.potential_limit);
@@ -203,7 +203,7 @@ Color MeshText::color_of(const FileVertex& vertex) const {
 // Writes what the file has of a vertex with these writers of a position, a normal, an integer and a
 // potential, which return the end of what they have written.
 template <class PutPosition, class PutNormal, class PutInteger, class PutPotential>
-char* MeshText::put_fields(char* out, const FileVertex& vertex, PutPosition put_position,
+char* MeshText::put_fields(char* out, const Vertex& vertex, PutPosition put_position,
                            PutNormal put_normal, PutInteger put_integer,
                            PutPotential put_potential) const {
   const VertexLabels& labels = vertex.labels;
@@ -223,7 +223,7 @@ char* MeshText::put_fields(char* out, const FileVertex& vertex, PutPosition put_
 }
 
 // Writes the position of a vertex as text. Two of its coordinates are coordinates of grid points.
-char* MeshText::put_coordinates(char* out, const FileVertex& vertex) const {
+char* MeshText::put_coordinates(char* out, const Vertex& vertex) const {
   const VertexLabels& labels = vertex.labels;
   for (std::size_t axis = 0; axis < 3; ++axis)
     out = axis == labels.axis
@@ -233,7 +233,7 @@ char* MeshText::put_coordinates(char* out, const FileVertex& vertex) const {
 }
 
 // Writes a vertex of binary PLY, which is also the vertex record of VTP.
-char* MeshText::put_record(char* out, const FileVertex& vertex) const {
+char* MeshText::put_record(char* out, const Vertex& vertex) const {
   return put_fields(
       out, vertex, put_components<double>, put_components<float>,
       [](char* end, auto integer) { return put(end, integer); },
@@ -241,14 +241,14 @@ char* MeshText::put_record(char* out, const FileVertex& vertex) const {
 }
 
 // Writes a vertex of text PLY.
-char* MeshText::put_ply_line(char* out, const FileVertex& vertex) const {
+char* MeshText::put_ply_line(char* out, const Vertex& vertex) const {
   return end_line(put_fields(
       out, vertex, [&](char* end, const Vec3&) { return put_coordinates(end, vertex); }, put_vector,
       put_index, put_number));
 }
 
 // The colours follow the position, as numbers from 0 to 1.
-char* MeshText::put_obj_vertex(char* out, const FileVertex& vertex) const {
+char* MeshText::put_obj_vertex(char* out, const Vertex& vertex) const {
   *out++ = 'v';
   *out++ = ' ';
   out = put_coordinates(out, vertex);
@@ -263,12 +263,12 @@ char* MeshText::put_obj_vertex(char* out, const FileVertex& vertex) const {
   return end_line(put_vector(out, vertex.normal));
 }
 
-char* MeshText::put_glb_vertex(char* out, const FileVertex& vertex) const {
+char* MeshText::put_glb_vertex(char* out, const Vertex& vertex) const {
   out = put_gltf_vertex(out, vertex.position, vertex.normal, gltf_center_);
   return optional_.has_colors ? put_gltf_color(out, color_of(vertex)) : out;
 }
 
-void MeshText::append_vertex(TextBuffer& text, const FileVertex& vertex) const {
+void MeshText::append_vertex(TextBuffer& text, const Vertex& vertex) const {
   char* const out = text.reserve(max_vertex_bytes);
   switch (format_) {
     case MeshFormat::ply:
@@ -291,10 +291,10 @@ void MeshText::append_vertex(TextBuffer& text, const FileVertex& vertex) const {
 }
 
 // Appends the fields of the records of vertices to the columns.
-void MeshText::append_columns(std::span<const FileVertex> vertices,
+void MeshText::append_columns(std::span<const Vertex> vertices,
                               std::span<TextBuffer> columns) const {
   std::array<char, max_vertex_bytes> record{};
-  for (const FileVertex& vertex : vertices) {
+  for (const Vertex& vertex : vertices) {
     put_record(record.data(), vertex);
     const char* from = record.data();
     for (std::size_t i = 0; i < fields_.size(); ++i) {
@@ -346,7 +346,7 @@ void MeshText::append(const MeshPiece& piece, std::span<TextBuffer> sections) co
   if (has_columns())
     append_columns(piece.vertices, sections);
   else
-    for (const FileVertex& vertex : piece.vertices) append_vertex(sections.front(), vertex);
+    for (const Vertex& vertex : piece.vertices) append_vertex(sections.front(), vertex);
   append_triangles(piece, sections.back());
 }
 

@@ -83,18 +83,18 @@ class MeshText {
 
  private:
   void append_ply_header(BufferedText& text, const MeshCounts& counts) const;
-  void append_vertex(TextBuffer& text, const FileVertex& vertex) const;
-  void append_columns(std::span<const FileVertex> vertices, std::span<TextBuffer> columns) const;
+  void append_vertex(TextBuffer& text, const Vertex& vertex) const;
+  void append_columns(std::span<const Vertex> vertices, std::span<TextBuffer> columns) const;
   void append_triangles(const MeshPiece& piece, TextBuffer& text) const;
   template <class PutPosition, class PutNormal, class PutInteger, class PutPotential>
-  char* put_fields(char* out, const FileVertex& vertex, PutPosition put_position,
-                   PutNormal put_normal, PutInteger put_integer, PutPotential put_potential) const;
-  char* put_coordinates(char* out, const FileVertex& vertex) const;
-  char* put_record(char* out, const FileVertex& vertex) const;
-  char* put_ply_line(char* out, const FileVertex& vertex) const;
-  char* put_obj_vertex(char* out, const FileVertex& vertex) const;
-  char* put_glb_vertex(char* out, const FileVertex& vertex) const;
-  Color color_of(const FileVertex& vertex) const;
+  char* put_fields(char* out, const Vertex& vertex, PutPosition put_position, PutNormal put_normal,
+                   PutInteger put_integer, PutPotential put_potential) const;
+  char* put_coordinates(char* out, const Vertex& vertex) const;
+  char* put_record(char* out, const Vertex& vertex) const;
+  char* put_ply_line(char* out, const Vertex& vertex) const;
+  char* put_obj_vertex(char* out, const Vertex& vertex) const;
+  char* put_glb_vertex(char* out, const Vertex& vertex) const;
+  Color color_of(const Vertex& vertex) const;
 
   MeshFormat format_;
   MeshColor color_;

@@ -11,9 +11,9 @@
 #include <string>
 #include <vector>
 
+#include "output/file.hpp"
 #include "output/map_writer.hpp"
 #include "output/output_directory.hpp"
-#include "output/file.hpp"
 
 namespace eses::detail {
 

@@ -10,6 +10,27 @@
 
 namespace eses::detail {
 
+mesh::Vertex VertexMaker::operator()(const GridIndex& lower, const BlockCrossing& crossing) const {
+  mesh::Vertex vertex = mesh::make_vertex(grid, lower, crossing, clearance);
+  const std::span<const AtomIndex> adjacent(crossing.atoms.data(), crossing.atom_count);
+  mesh::VertexLabels& labels = vertex.labels;
+  labels.source = as_number(
+      file_indices[names_closest_atom ? mesh::closest_atom(vertex.position, adjacent, atoms)
+                                      : adjacent.front()]);
+  if (!groups.empty()) {
+    labels.chain = groups[adjacent.front()].chain;
+    labels.residue = groups[adjacent.front()].residue;
+  }
+  if (component_of) {
+    Vec3 position = grid.point(lower);
+    position[crossing.axis] = crossing.coordinate;
+    labels.component = component_of(crossing, position);
+  }
+  if (potential != nullptr)
+    labels.potential = potential->at(vertex.position + potential_offset * vertex.normal);
+  return vertex;
+}
+
 /// A layer with the index of its rows.
 struct LayerMesh::LayerView {
   LayerView(const BlockTiling& tiling, const Layer& layer)
@@ -23,7 +44,7 @@ struct LayerMesh::LayerView {
 };
 
 LayerMesh::LayerMesh(const Plan& plan, const GridRegion& region, mesh::PieceContents contents,
-                     mesh::VertexMaker make_vertex)
+                     VertexMaker make_vertex)
     : plan_(plan),
       region_(region),
       rows_y_(region_.size()[1]),

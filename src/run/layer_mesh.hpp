@@ -2,16 +2,43 @@
 /// The mesh of layers of blocks.
 
 #include <cstdint>
+#include <functional>
 #include <mutex>
+#include <span>
 #include <vector>
 
+#include "input/file_index.hpp"
+#include "input/potential_map.hpp"
 #include "mesh/piece.hpp"
 #include "mesh/triangulate.hpp"
-#include "output/vertex_maker.hpp"
+#include "mesh/vertex.hpp"
+#include "output/mesh_groups.hpp"
 #include "run/layer.hpp"
 #include "run/plan.hpp"
 
 namespace eses::detail {
+
+/// Makes the vertices of a mesh.
+struct VertexMaker {
+  Grid grid;
+  double clearance = mesh::clearance;  ///< see mesh::make_vertex
+  FileIndices file_indices = {};
+  std::span<const Atom> atoms = {};                 ///< by slab index
+  bool names_closest_atom = false;                  ///< or the first adjacent atom
+  std::span<const mesh::GroupNumbers> groups = {};  ///< by slab index; empty if they are not known
+  const PotentialMap* potential = nullptr;          ///< null without a potential
+  double potential_offset = 0;                      ///< see MeshPotential
+  /// Returns the component of a crossing at a position; empty if components are not known.
+  std::function<std::uint32_t(const BlockCrossing& crossing, Vec3 position)> component_of = {};
+
+  /// Returns the vertex of a crossing. `lower` is the lower end of its grid edge. Throws Error if
+  /// the map of the potential does not contain the vertex.
+  mesh::Vertex operator()(const GridIndex& lower, const BlockCrossing& crossing) const;
+  /// Returns only its position.
+  Vec3 position_of(const GridIndex& lower, const BlockCrossing& crossing) const {
+    return mesh::make_vertex(grid, lower, crossing, clearance).position;
+  }
+};
 
 /// Scratch memory of a thread that makes a part of the mesh.
 struct MeshScratch {
@@ -33,7 +60,7 @@ class LayerMesh {
   /// Makes pieces with `contents` of the cells that have all their corners in `region`, as far as
   /// they belong to `plan.tiling`. Keeps a reference to `plan`.
   LayerMesh(const Plan& plan, const GridRegion& region, mesh::PieceContents contents,
-            mesh::VertexMaker make_vertex);
+            VertexMaker make_vertex);
 
   /// Returns the estimated memory in bytes of the vertex numbers of a layer's rows, and of the
   /// plane that is kept. `plane_crossings` is the expected number of crossings of a plane.
@@ -74,7 +101,7 @@ class LayerMesh {
   std::int64_t rows_y_;  // number of rows of a plane
   bool has_cells_;
   mesh::PieceContents contents_;
-  mesh::VertexMaker make_vertex_;
+  VertexMaker make_vertex_;
   std::mutex mutex_;
   bool is_numbered_ = false;       // whether the rows of the current layer are numbered
   std::uint64_t layer_begin_ = 0;  // index of the first vertex of the current layer

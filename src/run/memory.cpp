@@ -13,8 +13,8 @@
 #include "output/mesh_groups.hpp"
 #include "output/mesh_writer.hpp"
 #include "run/checkpoint.hpp"
-#include "run/layer_mesh.hpp"
 #include "run/layer.hpp"
+#include "run/layer_mesh.hpp"
 #include "system/gzip.hpp"
 #include "system/resources.hpp"
 

@@ -184,7 +184,7 @@ std::string fixed_choices(const Parameters& p) {
 double piece_bytes_per_vertex(const mesh::PieceContents& contents) {
   const std::size_t triangle = sizeof(mesh::Triangle) + (contents.triangle_patches ? 1 : 0) +
                                (contents.corners ? sizeof(mesh::TrianglePoints) : 0);
-  return static_cast<double>((contents.vertices ? sizeof(mesh::FileVertex) : 0) + 2 * triangle);
+  return static_cast<double>((contents.vertices ? sizeof(mesh::Vertex) : 0) + 2 * triangle);
 }
 
 // A closed mesh has about twice as many triangles as vertices.

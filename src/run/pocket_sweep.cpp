@@ -12,10 +12,10 @@
 #include <vector>
 
 #include "grid/make_grid.hpp"
+#include "run/layer.hpp"
 #include "run/planned_run.hpp"
 #include "run/pocket_finder.hpp"
 #include "run/sink.hpp"
-#include "run/layer.hpp"
 #include "run/sweep.hpp"
 #include "surface/patch_schedule.hpp"
 #include "system/formatted.hpp"

@@ -34,7 +34,8 @@ mesh::MeshText make_text(const PlannedRun& run) {
 }
 
 // Returns a function without a target if the mesh has no components.
-mesh::ComponentOfCrossing component_of_crossing(const PlannedRun& run) {
+std::function<std::uint32_t(const BlockCrossing&, Vec3)> component_of_crossing(
+    const PlannedRun& run) {
   if (run.request.outputs.mesh->color != MeshColor::component) return {};
   return [&cavities = *run.cavities.map, atoms = run.slab.molecule.atoms(),
           probe = run.plan.parameters.probe_radius](const BlockCrossing& crossing, Vec3 position) {
@@ -108,16 +109,16 @@ RunMesh::RunMesh(const PlannedRun& run, OutputFiles* files)
                     [this](const mesh::MeshPiece& piece) { file_->add(piece); });
 }
 
-mesh::VertexMaker RunMesh::vertex_maker() const {
-  return mesh::VertexMaker({.grid = run_.plan.grid,
-                            .clearance = choice_.quality ? mesh::coincidence : mesh::clearance,
-                            .file_indices = run_.slab.file_indices(),
-                            .atoms = run_.slab.molecule.atoms(),
-                            .names_closest_atom = text_.names_closest_atom(),
-                            .groups = run_.slab.groups,
-                            .potential = run_.potential ? &*run_.potential : nullptr,
-                            .potential_offset = choice_.potential ? choice_.potential->offset : 0,
-                            .component_of = component_of_crossing(run_)});
+VertexMaker RunMesh::vertex_maker() const {
+  return {.grid = run_.plan.grid,
+          .clearance = choice_.quality ? mesh::coincidence : mesh::clearance,
+          .file_indices = run_.slab.file_indices(),
+          .atoms = run_.slab.molecule.atoms(),
+          .names_closest_atom = text_.names_closest_atom(),
+          .groups = run_.slab.groups,
+          .potential = run_.potential ? &*run_.potential : nullptr,
+          .potential_offset = choice_.potential ? choice_.potential->offset : 0,
+          .component_of = component_of_crossing(run_)};
 }
 
 void RunMesh::prepare(Piece& piece) {

@@ -13,7 +13,7 @@
 #include "output/mesh_file.hpp"
 #include "output/mesh_writer.hpp"
 #include "output/output_files.hpp"
-#include "output/vertex_maker.hpp"
+#include "run/layer_mesh.hpp"
 #include "run/planned_run.hpp"
 #include "run/sink.hpp"
 
@@ -31,7 +31,7 @@ class RunMesh final : public Sink {
     return choice_.quality ? mesh::PieceContents() : text_.piece_contents();
   }
   /// Makes the vertices of the pieces.
-  mesh::VertexMaker vertex_maker() const;
+  VertexMaker vertex_maker() const;
   void prepare(Piece& piece) override;
   void place(Piece& piece) override;
   void store(const Piece& piece) override;

@@ -11,9 +11,9 @@
 
 #include "catch.hpp"
 #include "eses/error.hpp"
+#include "output/file.hpp"
 #include "output/grid_map.hpp"
 #include "output/output_directory.hpp"
-#include "output/file.hpp"
 #include "support/atom_sets.hpp"
 #include "support/eses_files.hpp"
 #include "support/run.hpp"

@@ -6,8 +6,8 @@
 #include <variant>
 
 #include "run/engine.hpp"
-#include "run/planned_run.hpp"
 #include "run/layer.hpp"
+#include "run/planned_run.hpp"
 
 namespace eses::detail::test {
 
