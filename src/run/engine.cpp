@@ -21,7 +21,6 @@
 #include "run/chunks.hpp"
 #include "run/exact_measures.hpp"
 #include "run/layer_mesh.hpp"
-#include "run/progress_report.hpp"
 #include "run/run_files.hpp"
 #include "run/sink.hpp"
 #include "run/sweep.hpp"

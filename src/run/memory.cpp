@@ -15,6 +15,7 @@
 #include "run/checkpoint.hpp"
 #include "run/layer.hpp"
 #include "run/layer_mesh.hpp"
+#include "run/plan.hpp"
 #include "system/gzip.hpp"
 #include "system/resources.hpp"
 
@@ -100,14 +101,13 @@ double max_batches(const BlockTiling& tiling, const Outputs& outputs) {
                       : as_double(tiling.blocks[2]) * batches_in(planes * size[1]);
 }
 
-double bytes_of_threads(const SurfaceSurvey& survey, const Grid& grid, const Schedule& schedule,
-                        const Outputs& outputs) {
-  const BlockTiling& tiling = schedule.tiling;
-  const double threads = schedule.threads;
+double bytes_of_threads(const SurfaceSurvey& survey, const Plan& plan, const Outputs& outputs) {
+  const BlockTiling& tiling = plan.tiling;
+  const double threads = plan.threads;
   return threads * (bytes_per_thread + kept_per_block * blocks_in_layer(tiling)) +
          std::min(threads, max_batches(tiling, outputs)) *
-             text_bytes(survey, grid, tiling.region, outputs) +
-         BlockWorkspace::memory_bytes(survey, grid, tiling, schedule.threads);
+             text_bytes(survey, plan.grid, tiling.region, outputs) +
+         BlockWorkspace::memory_bytes(survey, plan.grid, tiling, plan.threads);
 }
 
 // Returns the memory of the results of a layer and of a fraction of the next one.
@@ -136,11 +136,10 @@ double bytes_of_improving(const SurfaceSurvey& survey, const Grid& grid,
 }
 
 // Returns the maximum fraction of the next layer that is solved before the current one is written.
-double fraction_ahead(const Schedule& schedule) {
+double fraction_ahead(const Plan& plan) {
   constexpr double fullest = 1.5;  // maximum memory of a block, relative to the mean
-  if (schedule.tiling.blocks[2] < 2) return 0;
-  return std::min(1.0,
-                  fullest * as_double(schedule.blocks_ahead) / blocks_in_layer(schedule.tiling));
+  if (plan.tiling.blocks[2] < 2) return 0;
+  return std::min(1.0, fullest * as_double(plan.blocks_ahead) / blocks_in_layer(plan.tiling));
 }
 
 }  // namespace
@@ -191,16 +190,17 @@ double min_expected_memory(std::size_t atoms) {
   return base_bytes + static_cast<double>(atoms) * bytes_per_atom;
 }
 
-double expected_memory(const SurfaceSurvey& survey, const MemoryBudget& budget, const Grid& grid,
-                       const Schedule& schedule, const Outputs& outputs) {
+double expected_memory(const SurfaceSurvey& survey, const MemoryBudget& budget, const Plan& plan,
+                       const Outputs& outputs) {
+  const Grid& grid = plan.grid;
   const LabelTotals& labels = budget.labels;
   const auto atoms = static_cast<double>(survey.atom_count());
-  const BlockTiling& tiling = schedule.tiling;
+  const BlockTiling& tiling = plan.tiling;
   // If blocks of the next layer are solved ahead, the patches of two layers are in memory.
-  const double layers = schedule.blocks_ahead > 0 && tiling.blocks[2] > 1 ? 2 : 1;
+  const double layers = plan.blocks_ahead > 0 && tiling.blocks[2] > 1 ? 2 : 1;
   const double height = layers * grid.spacing * as_double(points_of_block(tiling)[2] - 1);
   double held =
-      bytes_of_layers(survey, grid, tiling, fraction_ahead(schedule), outputs) +
+      bytes_of_layers(survey, grid, tiling, fraction_ahead(plan), outputs) +
       2 * sizeof(std::uint64_t) * as_double(tiling.blocks[0]) * as_double(tiling.region.size()[1]) +
       as_double(tiling.blocks[2]) * bytes_per_layer;
   const double crossings_of_plane =
@@ -219,9 +219,9 @@ double expected_memory(const SurfaceSurvey& survey, const MemoryBudget& budget, 
   if (outputs.residues)
     names += chain_table_memory(static_cast<double>(labels.chain_runs),
                                 static_cast<double>(labels.chain_text_bytes));
-  const double solving = survey.patch_bytes(height, schedule.threads) +
-                         GridText::memory_bytes(grid) + (outputs.mesh ? token_bytes(grid) : 0) +
-                         bytes_of_threads(survey, grid, schedule, outputs) +
+  const double solving = survey.patch_bytes(height, plan.threads) + GridText::memory_bytes(grid) +
+                         (outputs.mesh ? token_bytes(grid) : 0) +
+                         bytes_of_threads(survey, plan, outputs) +
                          std::max(held, bytes_per_area * atoms);
   return min_expected_memory(survey.atom_count()) + names + solving;
 }

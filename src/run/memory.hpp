@@ -11,12 +11,7 @@
 
 namespace eses::detail {
 
-/// The choices of a run that do not influence its results.
-struct Schedule {
-  BlockTiling tiling;
-  int threads = 1;
-  std::int64_t blocks_ahead = 0;  ///< see WorkList
-};
+struct Plan;
 
 /// Numbers and lengths of names. A run is a sequence of consecutive atoms with the same residue or
 /// chain.
@@ -65,9 +60,10 @@ double halo_growth(const BlockTiling& tiling);
 /// Returns a lower bound of expected_memory for this number of atoms, in bytes.
 double min_expected_memory(std::size_t atoms);
 
-/// Returns an estimate of the peak memory of the process in bytes, intended as an upper bound. It
-/// excludes `budget.held` and the memory of the caller.
-double expected_memory(const SurfaceSurvey& survey, const MemoryBudget& budget, const Grid& grid,
-                       const Schedule& schedule, const Outputs& outputs);
+/// Returns an estimate of the peak memory of the process in bytes, intended as an upper bound, for
+/// the grid, the blocks and the threads of a plan. It excludes `budget.held` and the memory of the
+/// caller.
+double expected_memory(const SurfaceSurvey& survey, const MemoryBudget& budget, const Plan& plan,
+                       const Outputs& outputs);
 
 }  // namespace eses::detail

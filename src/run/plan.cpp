@@ -126,25 +126,29 @@ std::vector<GridIndex> possible_block_sizes(const SurfaceSurvey& survey, double 
   return sizes;
 }
 
-// Returns the schedules to choose from, the fastest first. Fewer threads cost more time than small
-// blocks.
-std::vector<Schedule> possible_schedules(const Grid& grid, const GridRegion& region,
-                                         const Parameters& p, const SurfaceSurvey& survey) {
+// Returns plans with the schedules to choose from, the fastest first. Fewer threads cost more time
+// than small blocks.
+std::vector<Plan> possible_plans(const SurfaceSurvey& survey, const Plan& plan) {
+  const Parameters& p = plan.parameters;
   const std::vector<GridIndex> block_sizes =
-      possible_block_sizes(survey, grid.spacing, p.block_size);
-  std::vector<Schedule> schedules;
+      possible_block_sizes(survey, plan.grid.spacing, p.block_size);
+  std::vector<Plan> plans;
   for (int threads = chosen_threads(p.threads); threads > 0; threads /= 2) {
     for (const GridIndex& block_size : block_sizes) {
-      const BlockTiling tiling = make_tiling(grid, block_size, region);
-      const int used = useful_threads(tiling, threads, survey.patched_count());
+      Plan& possible = plans.emplace_back(plan);
+      possible.tiling = make_tiling(plan.grid, block_size, plan.tiling.region);
+      possible.threads = useful_threads(possible.tiling, threads, survey.patched_count());
       // With 4 blocks ahead for each thread, threads rarely wait for the slowest block of a layer.
       // A single thread never waits.
-      for (const std::int64_t ahead : {used > 1 ? 4 * used : 0, 0})
-        schedules.push_back({tiling, used, ahead});
+      possible.blocks_ahead = possible.threads > 1 ? 4 * possible.threads : 0;
+      if (possible.blocks_ahead > 0) {
+        plans.push_back(possible);
+        plans.back().blocks_ahead = 0;
+      }
     }
     if (p.threads > 0) break;
   }
-  return schedules;
+  return plans;
 }
 
 std::uint64_t whole_bytes(double bytes) {
@@ -246,15 +250,13 @@ void choose_schedule(const SurfaceSurvey& survey, const MemoryBudget& budget,
                         (budget.makes_maps ? map_bytes(outputs, plan) : 0) +
                         (p.exact ? exact_measure_bytes(survey.atom_count()) : 0);
   double smallest = std::numeric_limits<double>::infinity();
-  for (const Schedule& schedule : possible_schedules(plan.grid, region, p, survey)) {
-    const double memory = always + expected_memory(survey, budget, plan.grid, schedule, outputs) +
-                          Verifier::memory_bytes(p.verify, schedule.threads, plan.crossings);
+  for (Plan& possible : possible_plans(survey, plan)) {
+    const double memory = always + expected_memory(survey, budget, possible, outputs) +
+                          Verifier::memory_bytes(p.verify, possible.threads, plan.crossings);
     smallest = std::min(smallest, memory);
     if (memory > limit || !is_available(memory)) continue;
-    plan.tiling = schedule.tiling;
-    plan.threads = schedule.threads;
-    plan.blocks_ahead = schedule.blocks_ahead;
-    plan.memory_bytes = whole_bytes(memory);
+    possible.memory_bytes = whole_bytes(memory);
+    plan = std::move(possible);
     return;
   }
   if (!is_available(smallest)) refuse_memory(region, p, smallest, *available);
