@@ -110,17 +110,15 @@ BlockTiling tiling_of(const PlannedRun& run, const PlaneRange& planes) {
   return tiling;
 }
 
-// Passes blocks to a callback of the run.
+// Passes blocks to the callback of the run.
 class BlocksIntoCallback final : public Sink {
  public:
-  BlocksIntoCallback(const SolvedBlockCallback& callback, ProgressReport& report)
-      : callback_(callback), report_(report) {}
+  explicit BlocksIntoCallback(ProgressReport& report) : report_(report) {}
   void take_block(const BlockResult& block, std::size_t /*thread*/) override {
-    report_.call([&] { callback_(block); });
+    report_.call([&] { report_.callbacks().block(block); });
   }
 
  private:
-  const SolvedBlockCallback& callback_;
   ProgressReport& report_;
 };
 
@@ -134,7 +132,7 @@ void add_seconds(const PhaseSeconds& of_sweep, PhaseSeconds& seconds) {
 
 // Returns the ranges of planes that this process sweeps, ascending. A run that can be resumed has
 // several ranges, as an interruption loses the current range.
-std::vector<PlaneRange> ranges_to_sweep(const PlannedRun& run) {
+std::vector<PlaneRange> ranges_of(const PlannedRun& run) {
   std::vector<PlaneRange> ranges;
   for (const PlaneRange& range : remaining(run.slab.planes, run.finished_planes)) {
     std::int64_t planes = range.count();
@@ -149,81 +147,45 @@ std::vector<PlaneRange> ranges_to_sweep(const PlannedRun& run) {
   return ranges;
 }
 
-// Returns the number of blocks in these ranges.
-std::int64_t count_blocks(const PlannedRun& run, std::span<const PlaneRange> ranges) {
-  std::int64_t blocks = 0;
-  for (const PlaneRange& planes : ranges) blocks += tiling_of(run, planes).block_count();
-  return blocks;
-}
-
-// Sweeps the planes of this process's slab.
-class SlabSweep {
- public:
-  // `mesh` is null without a mesh. Keeps references to all arguments.
-  SlabSweep(const PlannedRun& run, std::span<const PlaneRange> ranges, const RunMesh* mesh,
-            const Callbacks& callbacks, ProgressReport& report);
-
-  // Sweeps the next range into a sink, and then verifies its share of the points and edges. Adds
-  // times and the results of the verification to the summary.
-  SweepSums sweep(const PlaneRange& planes, Sink& sink, Summary& summary);
-
- private:
-  Plan plan_of(const PlaneRange& planes);
-  SurfaceModel make_surface() const;
-  SweepContents contents() const;
-  void verify(Verifier& verifier, SweepSums& sums, Summary& summary);
-
-  const PlannedRun& run_;
-  const RunMesh* mesh_;
-  const Callbacks& callbacks_;
-  ProgressReport& report_;
-  std::shared_ptr<ScheduledSurface> surface_;  // null before the first range
-  double check_count_;  // number of points, and of edges, that this process verifies
-  std::int64_t all_planes_, swept_planes_ = 0;
-};
-
-SlabSweep::SlabSweep(const PlannedRun& run, std::span<const PlaneRange> ranges, const RunMesh* mesh,
-                     const Callbacks& callbacks, ProgressReport& report)
-    : run_(run),
-      mesh_(mesh),
-      callbacks_(callbacks),
-      report_(report),
-      surface_(run.cavities.patches),
-      all_planes_(plane_count(ranges)) {
-  const Share share = run.share;
-  const auto checks_before = [&](std::int64_t i) {
-    return run.request.parameters.verify * i / share.count;
+// Returns a plan for each range that this process sweeps. Each has a part of the checks, in
+// proportion to its planes.
+std::vector<Plan> plans_of_ranges(const PlannedRun& run) {
+  const std::vector<PlaneRange> ranges = ranges_of(run);
+  const auto checks_before_share = [&](std::int64_t share) {
+    return run.request.parameters.verify * share / run.share.count;
   };
-  check_count_ = static_cast<double>(checks_before(share.index + 1) - checks_before(share.index));
-}
-
-SurfaceModel SlabSweep::make_surface() const {
-  SurfaceModel surface(run_.slab.molecule, run_.request.parameters.probe_radius);
-  surface.cavities = run_.filled();
-  if (!run_.plan.is_whole_surface() || run_.slab.planes != region_planes(run_.plan))
-    surface.confine_to(slab_box(run_.plan, run_.slab.planes));
-  return surface;
-}
-
-// Returns the plan of the next range. Each range has a part of the checks, in proportion to its
-// planes.
-Plan SlabSweep::plan_of(const PlaneRange& planes) {
-  const auto checks_before = [&](std::int64_t before) {
-    return std::llround(check_count_ * static_cast<double>(before) /
-                        static_cast<double>(all_planes_));
+  const std::int64_t checks =
+      checks_before_share(run.share.index + 1) - checks_before_share(run.share.index);
+  const auto checks_before = [&](std::int64_t planes) {
+    return std::llround(static_cast<double>(checks) * static_cast<double>(planes) /
+                        static_cast<double>(plane_count(ranges)));
   };
-  Plan plan = run_.slab_plan;
-  plan.tiling = tiling_of(run_, planes);
-  const std::int64_t before = checks_before(swept_planes_);
-  swept_planes_ += planes.count();
-  plan.parameters.verify = checks_before(swept_planes_) - before;
-  return plan;
+  std::vector<Plan> plans;
+  std::int64_t planned = 0;  // planes
+  for (const PlaneRange& planes : ranges) {
+    Plan& plan = plans.emplace_back(run.slab_plan);
+    plan.tiling = tiling_of(run, planes);
+    plan.parameters.verify = checks_before(planned + planes.count()) - checks_before(planned);
+    planned += planes.count();
+  }
+  return plans;
+}
+
+// Returns the surface near the slab, whose patches the sweep builds.
+std::shared_ptr<ScheduledSurface> make_surface(const PlannedRun& run) {
+  const Box slab = slab_box(run.plan, run.slab.planes);
+  SurfaceModel surface(run.slab.molecule, run.request.parameters.probe_radius);
+  surface.cavities = run.filled();
+  if (!run.plan.is_whole_surface() || run.slab.planes != region_planes(run.plan))
+    surface.confine_to(slab);
+  return std::make_shared<ScheduledSurface>(std::move(surface),
+                                            HeightRange{slab.low.z, slab.high.z});
 }
 
 // Returns what the pieces have for the outputs and the maps in memory.
-SweepContents SlabSweep::contents() const {
-  const Outputs& outputs = run_.request.outputs;
-  const MapsInMemory& in_memory = run_.request.maps_in_memory;
+SweepContents contents_of(const Request& request) {
+  const Outputs& outputs = request.outputs;
+  const MapsInMemory& in_memory = request.maps_in_memory;
   SweepContents contents{
       .grid = outputs.grid,
       .edges = outputs.edges,
@@ -234,11 +196,13 @@ SweepContents SlabSweep::contents() const {
   return contents;
 }
 
-void SlabSweep::verify(Verifier& verifier, SweepSums& sums, Summary& summary) {
+// Adds the results of the verification of a range to its sums and to the summary.
+void verify(Verifier& verifier, ProgressReport& report, SweepSums& sums, Summary& summary) {
   const Stopwatch watch;
-  const Verification found = verifier.check([this](std::int64_t finished, std::int64_t all) {
-    report_.check();
-    if (callbacks_.verification) report_.call([&] { callbacks_.verification(finished, all); });
+  const Verification found = verifier.check([&](std::int64_t finished, std::int64_t all) {
+    report.check();
+    const ProgressCallback& callback = report.callbacks().verification;
+    if (callback) report.call([&] { callback(finished, all); });
   });
   summary.seconds.verify += watch.seconds();
   sums.verified_points = found.points;
@@ -250,50 +214,51 @@ void SlabSweep::verify(Verifier& verifier, SweepSums& sums, Summary& summary) {
   sum.faults.insert(sum.faults.end(), found.faults.begin(), found.faults.end());
 }
 
-SweepSums SlabSweep::sweep(const PlaneRange& planes, Sink& sink, Summary& summary) {
+// Sweeps a range into a sink, and verifies its points and edges. Adds times and the results of the
+// verification to the summary. `run_mesh` is null without a mesh.
+SweepSums sweep_range(const PlannedRun& run, const Plan& plan, PatchSchedule& patches,
+                      const RunMesh* run_mesh, Sink& sink, ProgressReport& report,
+                      Summary& summary) {
   const Stopwatch sweeping;
   const double verified_before = summary.seconds.verify;
-  const Plan plan = plan_of(planes);
-  if (!surface_) {
-    const Box slab = slab_box(run_.plan, run_.slab.planes);
-    surface_ =
-        std::make_shared<ScheduledSurface>(make_surface(), HeightRange{slab.low.z, slab.high.z});
-  }
   Sinks sinks;
   sinks.add(sink);
-  if (run_.request.maps_in_memory.sink != nullptr) sinks.add(*run_.request.maps_in_memory.sink);
-  if (callbacks_.block) sinks.add(std::make_unique<BlocksIntoCallback>(callbacks_.block, report_));
+  if (run.request.maps_in_memory.sink != nullptr) sinks.add(*run.request.maps_in_memory.sink);
+  if (report.callbacks().block) sinks.add(std::make_unique<BlocksIntoCallback>(report));
   std::optional<Verifier> verifier;
   if (plan.parameters.verify > 0) {
     const Stopwatch drawing;
-    verifier.emplace(run_.slab.molecule.atoms(), plan, run_.filled().get());
+    verifier.emplace(run.slab.molecule.atoms(), plan, run.filled().get());
     summary.seconds.verify += drawing.seconds();
     sinks.add(*verifier);
   }
   std::optional<LayerMesh> mesh;
-  if (mesh_ != nullptr)
-    mesh.emplace(plan, run_.plan.tiling.region_with_halo, mesh_->swept_contents(),
-                 mesh_->vertex_maker());
-  Sweep sweep(surface_->schedule, plan, contents(), run_.slab.file_indices(),
-              mesh ? &*mesh : nullptr, sinks, report_);
-  if (planes.begin > run_.plan.tiling.region.begin[2]) sweep.solve_plane_below();
+  if (run_mesh != nullptr)
+    mesh.emplace(plan, run.plan.tiling.region_with_halo, run_mesh->swept_contents(),
+                 run_mesh->vertex_maker());
+  Sweep sweep(patches, plan, contents_of(run.request), run.slab.file_indices(),
+              mesh ? &*mesh : nullptr, sinks, report);
+  if (region_planes(plan).begin > region_planes(run.plan).begin) sweep.solve_plane_below();
   SweepSums sums = sweep.run();
   add_seconds(sums.seconds, summary.seconds);
-  if (verifier) verify(*verifier, sums, summary);
+  if (verifier) verify(*verifier, report, sums, summary);
   summary.seconds.blocks += sweeping.seconds() - (summary.seconds.verify - verified_before);
   return sums;
 }
 
 // Sweeps the ranges of this process. Returns the sums of a sweep in place. Other sweeps leave
 // chunks in the checkpoint; a chunk with faults is not completed.
-std::optional<SweepSums> sweep_ranges(PlannedRun& run, std::span<const PlaneRange> ranges,
-                                      RunFiles& files, const Callbacks& callbacks,
+std::optional<SweepSums> sweep_ranges(PlannedRun& run, std::span<const Plan> plans, RunFiles& files,
                                       ProgressReport& report, Summary& summary) {
-  SlabSweep slab(run, ranges, files.mesh(), callbacks, report);
-  if (run.is_in_place) return slab.sweep(ranges.front(), files.sink(), summary);
-  for (const PlaneRange& planes : ranges) {
-    ChunkFile chunk(run, planes);
-    const SweepSums sums = slab.sweep(planes, chunk, summary);
+  std::shared_ptr<ScheduledSurface> surface = run.cavities.patches;
+  for (const Plan& plan : plans) {
+    if (!surface) surface = make_surface(run);
+    const auto sweep = [&](Sink& sink) {
+      return sweep_range(run, plan, surface->schedule, files.mesh(), sink, report, summary);
+    };
+    if (run.is_in_place) return sweep(files.sink());
+    ChunkFile chunk(run, region_planes(plan));
+    const SweepSums sums = sweep(chunk);
     if (sums.fault_count == 0) chunk.finish(sums);
   }
   return std::nullopt;
@@ -366,8 +331,10 @@ RunResult execute(PlannedRun& run, const Callbacks& callbacks, const Processes& 
   });
   require_shared_directory(request.output_directory, processes);
 
-  const std::vector<PlaneRange> ranges = ranges_to_sweep(run);
-  ProgressReport report(callbacks.progress, count_blocks(run, ranges));
+  const std::vector<Plan> plans = plans_of_ranges(run);
+  std::int64_t blocks = 0;
+  for (const Plan& plan : plans) blocks += plan.tiling.block_count();
+  ProgressReport report(callbacks, blocks);
   const std::function<void()> check = [&report] { report.check(); };
   check();  // the first check tells the caller that the files are locked
 
@@ -377,7 +344,7 @@ RunResult execute(PlannedRun& run, const Callbacks& callbacks, const Processes& 
   if (request.parameters.verify > 0) summary.verification.emplace();
   // The sweep takes the patches that these measures have made.
   if (request.parameters.exact) result.exact = measure_surface(run, check);
-  std::optional<SweepSums> swept = sweep_ranges(run, ranges, *files, callbacks, report, summary);
+  std::optional<SweepSums> swept = sweep_ranges(run, plans, *files, report, summary);
   processes.wait_for_all();  // until all chunks are complete
   if (summary.verification) combine_verifications(*summary.verification, processes);
   if (!request.part && (!run.checkpoint || !has_faults(summary)))

@@ -170,10 +170,10 @@ PocketFinder sweep_planes(const Molecule& molecule, double probe_radius, const P
   ProbeSweep small(molecule, grid, probe_radius, true, options, caller);
   ProbeSweep large(molecule, grid, options.large_probe_radius, false, options, caller);
   PocketFinder finder(grid, probe_radius, small.threads(), place);
-  const ProgressCallback check = [&](std::int64_t, std::int64_t) {
+  const Callbacks callbacks{.progress = [&](std::int64_t, std::int64_t) {
     if (options.check) options.check();
-  };
-  ProgressReport report(check, 0);
+  }};
+  ProgressReport report(callbacks, 0);
   report.check();
   for (std::int64_t z = 0; z < grid.size[2]; z += small.layer_planes()) {
     const PlaneRange planes{z, std::min(z + small.layer_planes(), grid.size[2])};

@@ -21,20 +21,20 @@
 
 namespace eses::detail {
 
-/// Calls the progress callback, if it is not empty, and other callbacks of the run, one at a time.
-/// An exception of a callback ends the run.
+/// Calls the callbacks of a run, one at a time. An exception of a callback ends the run.
 class ProgressReport {
  public:
-  /// Keeps a reference to `callback`.
-  ProgressReport(const ProgressCallback& callback, std::int64_t blocks)
-      : callback_(callback), blocks_(blocks) {}
+  /// Keeps a reference to `callbacks`.
+  ProgressReport(const Callbacks& callbacks, std::int64_t blocks)
+      : callbacks_(callbacks), blocks_(blocks) {}
 
-  /// Adds solved blocks and calls the callback.
+  const Callbacks& callbacks() const { return callbacks_; }
+  /// Adds solved blocks and calls the callback of the progress, if there is one.
   void add(std::int64_t solved_blocks) {
-    if (!callback_) return;
+    if (!callbacks_.progress) return;
     const std::lock_guard lock(mutex_);
     solved_blocks_ += solved_blocks;
-    callback_(solved_blocks_, blocks_);
+    callbacks_.progress(solved_blocks_, blocks_);
   }
   /// Calls the callback without progress, so that it can end the run by an exception.
   void check() { add(0); }
@@ -47,7 +47,7 @@ class ProgressReport {
   }
 
  private:
-  const ProgressCallback& callback_;
+  const Callbacks& callbacks_;
   std::mutex mutex_;
   std::int64_t blocks_, solved_blocks_ = 0;
 };
