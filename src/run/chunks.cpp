@@ -9,9 +9,11 @@
 #include <utility>
 #include <variant>
 
+#include "distributed/processes.hpp"
 #include "eses/error.hpp"
 #include "eses/version.hpp"
 #include "output/mesh_writer.hpp"
+#include "output/output_files.hpp"
 #include "system/formatted.hpp"
 #include "system/gzip.hpp"
 #include "system/splitmix64.hpp"
@@ -131,13 +133,14 @@ std::uint32_t checksum_of_lists(const Piece& piece) {
                 planes.begin, planes.end - 1));
 }
 
-}  // namespace
-
+// Returns a hash of all atoms, and of their groups and names, if there are any.
 std::uint64_t hash_of(std::span<const Atom> atoms, std::span<const mesh::GroupNumbers> groups,
                       const mesh::GroupNames& names) {
   return hash_of_atoms(atoms, groups) ^ hash_of_names(names);
 }
 
+// Returns a text that differs between runs whose chunks must not be combined. `hash` is that of the
+// atoms.
 std::string chunk_identity(const PlannedRun& run, std::uint64_t hash) {
   const Request& request = run.request;
   const Parameters& p = request.parameters;
@@ -155,6 +158,61 @@ std::string chunk_identity(const PlannedRun& run, std::uint64_t hash) {
       request.outputs.edges, request.outputs.gzip, map_identity(request.outputs),
       mesh_identity(request.outputs.mesh, run.potential),
       p.max_filled_void ? formatted("{:a}", *p.max_filled_void) : "none");
+}
+
+// Throws SharedError unless all processes have read the same atoms.
+void require_same_atoms(const PlannedRun& run, std::uint64_t hash, const Processes& processes) {
+  const std::uint64_t first = processes.gather(std::span<const std::uint64_t>(&hash, 1)).front();
+  processes.all_or_throw([&] {
+    if (hash != first)
+      throw Error(formatted("cannot read {}{}: it is not the file that the first process reads",
+                            std::get<InputFile>(run.request.atoms).path.string(),
+                            processes.on_machine()));
+  });
+}
+
+void lock_checkpoint(const PlannedRun& run) {
+  if (run.request.part) return run.checkpoint->lock_part(*run.request.part);
+  try {
+    run.checkpoint->lock();
+  } catch (const Error&) {
+    if (run.request.join == Join::if_complete) throw NotJoined();
+    throw;
+  }
+}
+
+// Throws an exception if chunks are missing.
+void require_complete(const PlannedRun& run, std::span<const PlaneRange> finished) {
+  const std::vector<PlaneRange> missing = remaining(region_planes(run.plan), finished);
+  if (missing.empty()) return;
+  if (run.request.join == Join::if_complete) throw NotJoined();
+  std::vector<std::string> ranges;
+  for (const auto& [begin, end] : missing) ranges.push_back(formatted("{} to {}", begin, end - 1));
+  throw Error(formatted("cannot join: the planes {} of {} are missing in {}; compute their parts",
+                        fmt::join(ranges, ", "), run.plan.grid.size[2],
+                        path_in(run.request.output_directory, checkpoint_name)));
+}
+
+}  // namespace
+
+void open_checkpoint(std::span<const Atom> atoms, const Processes& processes, PlannedRun& run) {
+  if (run.is_in_place) return;
+  const Request& request = run.request;
+  const std::uint64_t hash = hash_of(atoms, run.slab.groups, run.groups);
+  require_same_atoms(run, hash, processes);
+  std::vector<PlaneRange> finished;
+  processes.all_or_throw([&] {
+    run.checkpoint = std::make_unique<Checkpoint>(
+        request.output_directory, chunk_identity(run, hash),
+        request.keeps_chunks() ? Checkpoint::Chunks::kept : Checkpoint::Chunks::temporary);
+    if (!processes.is_first()) return;
+    if (!request.dry_run) lock_checkpoint(run);
+    if (request.keeps_chunks()) finished = run.checkpoint->complete();
+    if (request.join != Join::none) require_complete(run, finished);
+    // Other parts may be writing their chunks.
+    if (!request.dry_run && !request.part) run.checkpoint->remove_others(finished);
+  });
+  run.finished_planes = processes.gather<PlaneRange>(finished);
 }
 
 PieceHead head_of(const Piece& piece) {

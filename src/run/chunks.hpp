@@ -1,6 +1,6 @@
 #pragma once
-/// Chunks of planes on disk: the identity of a run, the sink that writes a chunk, and the merge of
-/// all chunks into the output files.
+/// Chunks of planes on disk: the checkpoint of a run, the sink that writes a chunk, and the merge
+/// of all chunks into the output files.
 
 #include <cstdint>
 #include <functional>
@@ -19,13 +19,10 @@
 
 namespace eses::detail {
 
-/// Returns a hash of all atoms, and of their groups and names, if there are any.
-std::uint64_t hash_of(std::span<const Atom> atoms, std::span<const mesh::GroupNumbers> groups,
-                      const mesh::GroupNames& names);
-
-/// Returns a text that differs between runs whose chunks must not be combined. `hash` is that of
-/// the atoms.
-std::string chunk_identity(const PlannedRun& run, std::uint64_t hash);
+/// Opens the checkpoint of a run that is not in place, and finds its complete chunks. `atoms` are
+/// those of the file. All processes must call it. Throws SharedError if they have read different
+/// atoms, and NotJoined or an error if the chunks cannot be used.
+void open_checkpoint(std::span<const Atom> atoms, const Processes& processes, PlannedRun& run);
 
 /// Returns the head of a piece.
 PieceHead head_of(const Piece& piece);

@@ -1,7 +1,9 @@
 #include "run/planned_run.hpp"
 
-#include <fmt/ranges.h>
-
+#include <algorithm>
+#include <cstdint>
+#include <memory>
+#include <optional>
 #include <span>
 #include <stdexcept>
 #include <string>
@@ -15,9 +17,8 @@
 #include "input/pdb_elements.hpp"
 #include "input/read_input.hpp"
 #include "output/mesh_writer.hpp"
-#include "output/output_files.hpp"
 #include "run/chunks.hpp"
-#include "run/run_cavities.hpp"
+#include "surface/find_cavities.hpp"
 #include "system/bytes_text.hpp"
 #include "system/formatted.hpp"
 #include "system/hints.hpp"
@@ -26,17 +27,6 @@
 
 namespace eses::detail {
 namespace {
-
-// Throws SharedError unless all processes have read the same atoms.
-void require_same_atoms(const PlannedRun& run, std::uint64_t hash, const Processes& processes) {
-  const std::uint64_t first = processes.gather(std::span<const std::uint64_t>(&hash, 1)).front();
-  processes.all_or_throw([&] {
-    if (hash != first)
-      throw Error(formatted("cannot read {}{}: it is not the file that the first process reads",
-                            std::get<InputFile>(run.request.atoms).path.string(),
-                            processes.on_machine()));
-  });
-}
 
 // Whether the mesh names chains and residues, or has the colours of chains.
 bool needs_groups(const Outputs& outputs) {
@@ -84,61 +74,89 @@ void read_potential(const Processes& processes, PlannedRun& run) {
   });
 }
 
+// Memory of the patches of an atom, and of all patches that are kept for the sweep (bytes).
+constexpr std::uint64_t kept_patch_bytes = 400;
+constexpr std::uint64_t max_kept_bytes = 48 << 20;
+
+// Whether cavities are filled, or the mesh has components.
+bool needs_cavities(const Request& request) {
+  const std::optional<MeshOptions>& mesh = request.outputs.mesh;
+  return request.parameters.max_filled_void ||
+         (mesh && (mesh->component || mesh->color == MeshColor::component));
+}
+
+FoundCavities find_cavities_of(const Molecule& molecule, const Request& request,
+                               bool keeps_patches) {
+  const std::optional<MeshOptions>& mesh = request.outputs.mesh;
+  std::optional<ComponentNumber> kept;
+  if (mesh && mesh->component) kept = ComponentNumber{*mesh->component};
+  try {
+    return find_cavities(molecule,
+                         {.probe_radius = request.parameters.probe_radius,
+                          .threads = chosen_threads(request.parameters.threads),
+                          .check = request.check,
+                          .max_filled_void = request.parameters.max_filled_void,
+                          .kept_component = kept},
+                         keeps_patches);
+  } catch (const Error& error) {
+    const auto* const file = std::get_if<InputFile>(&request.atoms);
+    if (file == nullptr) throw;
+    throw Error(formatted("{}: {}", file->path.string(), error.what()));
+  }
+}
+
+// Gives the cavities the indices of the atoms in the slab.
+std::shared_ptr<const CavityMap> with_slab_indices(std::shared_ptr<const CavityMap> cavities,
+                                                   const Slab& slab) {
+  if (slab.atoms_in_file.empty()) return cavities;
+  CavityMap renumbered = *cavities;
+  renumbered.renumber([&](AtomIndex atom) -> std::optional<AtomIndex> {
+    const auto begin = slab.atoms_in_file.begin(), end = slab.atoms_in_file.end();
+    const auto found = std::lower_bound(begin, end, static_cast<FileIndex>(atom));
+    if (found == end || *found != static_cast<FileIndex>(atom)) return std::nullopt;
+    return static_cast<AtomIndex>(found - begin);
+  });
+  return std::make_shared<const CavityMap>(std::move(renumbered));
+}
+
+// Whether the cavities are searched. A dry run only has to know whether the component of the mesh
+// exists, because it fails where the run would fail.
+bool searches_cavities(const Request& request) {
+  return needs_cavities(request) &&
+         (!request.dry_run || (request.outputs.mesh && request.outputs.mesh->component));
+}
+
+// Finds the cavities of a molecule that a single process has, if the run needs them. A run that
+// needs all patches several times keeps them unless there are many. Throws Error, with the path of
+// the input file, if the component of the mesh does not exist.
+FoundCavities prepare_patches(const Molecule& molecule, const Request& request, const Plan& plan) {
+  const Parameters& parameters = plan.parameters;
+  if (!needs_cavities(request) && !parameters.exact) return {};
+  const std::uint64_t bytes = kept_patch_bytes * molecule.atoms().size();
+  const bool keeps_patches = plan.is_whole_surface() && bytes <= max_kept_bytes &&
+                             (parameters.max_memory == 0 || 8 * bytes <= parameters.max_memory);
+  if (searches_cavities(request)) return find_cavities_of(molecule, request, keeps_patches);
+  return {nullptr, keeps_patches ? schedule_patches(molecule, parameters.probe_radius) : nullptr};
+}
+
+// Finds the cavities of the whole molecule, with the atoms of a slab. Throws the same errors.
+std::shared_ptr<const CavityMap> find_slab_cavities(const Molecule& whole, const Request& request,
+                                                    const Slab& slab) {
+  return with_slab_indices(find_cavities_of(whole, request, false).map, slab);
+}
+
 // Returns the memory of labels, names, radii and the potential that this process holds during the
 // run.
 std::uint64_t held_bytes(const PlannedRun& run) {
   std::uint64_t bytes = run.names.bytes() + run.radii.size() * sizeof(double) +
                         (run.potential ? run.potential->bytes() : 0);
-  if (run.cavities.patches) bytes += kept_patch_memory(run.slab.molecule.atoms().size());
+  if (run.cavities.patches) bytes += kept_patch_bytes * run.slab.molecule.atoms().size();
   for (const std::span<const AtomLabel> labels :
        {std::span<const AtomLabel>(run.groups.chains),
         std::span<const AtomLabel>(run.groups.residues),
         std::span<const AtomLabel>(run.names.residues().labels), run.slab.molecule.labels()})
     bytes += memory_of_labels(labels);
   return bytes;
-}
-
-void lock_checkpoint(const PlannedRun& run) {
-  if (run.request.part) return run.checkpoint->lock_part(*run.request.part);
-  try {
-    run.checkpoint->lock();
-  } catch (const Error&) {
-    if (run.request.join == Join::if_complete) throw NotJoined();
-    throw;
-  }
-}
-
-// Throws an exception if chunks are missing.
-void require_complete(const PlannedRun& run, std::span<const PlaneRange> finished) {
-  const std::vector<PlaneRange> missing = remaining(region_planes(run.plan), finished);
-  if (missing.empty()) return;
-  if (run.request.join == Join::if_complete) throw NotJoined();
-  std::vector<std::string> ranges;
-  for (const auto& [begin, end] : missing) ranges.push_back(formatted("{} to {}", begin, end - 1));
-  throw Error(formatted("cannot join: the planes {} of {} are missing in {}; compute their parts",
-                        fmt::join(ranges, ", "), run.plan.grid.size[2],
-                        path_in(run.request.output_directory, checkpoint_name)));
-}
-
-// Opens the checkpoint of a run that is not in place, and finds its complete chunks.
-void open_checkpoint(std::span<const Atom> atoms, const Processes& processes, PlannedRun& run) {
-  if (run.is_in_place) return;
-  const Request& request = run.request;
-  const std::uint64_t hash = hash_of(atoms, run.slab.groups, run.groups);
-  require_same_atoms(run, hash, processes);
-  std::vector<PlaneRange> finished;
-  processes.all_or_throw([&] {
-    run.checkpoint = std::make_unique<Checkpoint>(
-        request.output_directory, chunk_identity(run, hash),
-        request.keeps_chunks() ? Checkpoint::Chunks::kept : Checkpoint::Chunks::temporary);
-    if (!processes.is_first()) return;
-    if (!request.dry_run) lock_checkpoint(run);
-    if (request.keeps_chunks()) finished = run.checkpoint->complete();
-    if (request.join != Join::none) require_complete(run, finished);
-    // Other parts may be writing their chunks.
-    if (!request.dry_run && !request.part) run.checkpoint->remove_others(finished);
-  });
-  run.finished_planes = processes.gather<PlaneRange>(finished);
 }
 
 // Chooses the schedule of this process for its slab. `sharing` is the number of processes on this
