@@ -7,8 +7,8 @@
 #include <utility>
 #include <variant>
 
+#include "api/arguments.hpp"
 #include "api/mesh_in_memory.hpp"
-#include "api/surface_access.hpp"
 #include "eses/error.hpp"
 #include "eses/maps.hpp"
 #include "grid/make_grid.hpp"

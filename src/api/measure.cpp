@@ -4,7 +4,6 @@
 #include <stdexcept>
 
 #include "api/arguments.hpp"
-#include "api/surface_access.hpp"
 #include "surface/atom_loops.hpp"
 #include "surface/measure_patches.hpp"
 #include "system/formatted.hpp"

@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "api/arguments.hpp"
-#include "api/surface_access.hpp"
 #include "eses/cavities.hpp"
 #include "eses/measure.hpp"
 #include "eses/place.hpp"

@@ -13,8 +13,8 @@
 #include "input/text_source.hpp"
 #include "output/area_formats.hpp"
 #include "output/area_table_writer.hpp"
-#include "output/buffered_text.hpp"
 #include "output/measure_tables.hpp"
+#include "output/text_buffer.hpp"
 #include "system/formatted.hpp"
 
 namespace eses {

@@ -23,7 +23,6 @@
 #include "eses/version.hpp"
 #include "input/read_spheres.hpp"
 #include "input/text_source.hpp"
-#include "output/buffered_text.hpp"
 #include "output/file.hpp"
 #include "output/file_path.hpp"
 #include "output/msms_text.hpp"

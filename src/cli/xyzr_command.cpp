@@ -11,7 +11,7 @@
 #include "eses/read_atoms.hpp"
 #include "input/other_formats.hpp"
 #include "input/radii_set.hpp"
-#include "output/buffered_text.hpp"
+#include "output/text_buffer.hpp"
 #include "run/request.hpp"
 #include "system/formatted.hpp"
 

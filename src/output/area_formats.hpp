@@ -6,8 +6,8 @@
 
 #include <string_view>
 
-#include "output/buffered_text.hpp"
 #include "output/measure_tables.hpp"
+#include "output/text_buffer.hpp"
 
 namespace eses::detail {
 

@@ -17,7 +17,7 @@
 #include <string_view>
 
 #include "input/residue_runs.hpp"
-#include "output/buffered_text.hpp"
+#include "output/text_buffer.hpp"
 
 namespace eses::detail {
 

@@ -40,7 +40,7 @@
 #include "eses/read_atoms.hpp"
 #include "eses/residue_areas.hpp"
 #include "input/file_index.hpp"
-#include "output/buffered_text.hpp"
+#include "output/text_buffer.hpp"
 
 namespace eses::detail {
 

@@ -14,7 +14,6 @@
 
 #include "eses/grid.hpp"
 #include "mesh/piece.hpp"
-#include "output/buffered_text.hpp"
 #include "output/gltf_text.hpp"
 #include "output/mesh_format.hpp"
 #include "output/mesh_groups.hpp"

@@ -10,8 +10,8 @@
 
 #include "input/file_index.hpp"
 #include "mesh/triangulate.hpp"
-#include "output/buffered_text.hpp"
 #include "output/surface_kind.hpp"
+#include "output/text_buffer.hpp"
 
 namespace eses::detail::mesh {
 

@@ -1,6 +1,8 @@
 #pragma once
-/// A buffer of text, and writers of the fields of lines and records. Each writer returns the end of
-/// the text that it has written.
+/// Buffers of text: one with writers of the fields of lines and records, each of which returns the
+/// end of the text that it has written, and one that passes formatted text on in parts.
+
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
@@ -8,12 +10,17 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <functional>
 #include <span>
+#include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 #include "eses/grid.hpp"
 #include "eses/vec3.hpp"
 #include "output/number_text.hpp"
+#include "system/formatted.hpp"
 
 namespace eses::detail {
 
@@ -142,5 +149,31 @@ inline TokensOfAxes coordinate_tokens(const Grid& grid) {
 inline double token_bytes(const Grid& grid) {
   return static_cast<double>(grid.size[0] + grid.size[1] + grid.size[2]) * sizeof(TextToken);
 }
+
+/// Receives the parts of a text, in order.
+using TextSink = std::function<void(std::string_view part)>;
+
+/// Buffers formatted text and passes it to a sink when the buffer is full.
+class BufferedText {
+ public:
+  explicit BufferedText(TextSink sink) : sink_(std::move(sink)) {}
+
+  template <class... Arguments>
+  void append(fmt::format_string<Arguments...> format, Arguments&&... arguments) {
+    constexpr std::size_t part_bytes = 1 << 16;
+    append_formatted(text_, format, fmt::make_format_args(arguments...));
+    if (text_.size() >= part_bytes) flush();
+  }
+
+  /// Passes the rest of the text to the sink. Must be called at the end.
+  void flush() {
+    sink_(text_);
+    text_.clear();
+  }
+
+ private:
+  TextSink sink_;
+  std::string text_;
+};
 
 }  // namespace eses::detail

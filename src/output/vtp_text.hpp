@@ -16,7 +16,6 @@
 #include "eses/outputs.hpp"
 #include "eses/summary.hpp"
 #include "mesh/triangulate.hpp"
-#include "output/buffered_text.hpp"
 #include "output/surface_kind.hpp"
 #include "output/text_buffer.hpp"
 
