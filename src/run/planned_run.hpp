@@ -1,6 +1,6 @@
 #pragma once
 /// Step 1 of a run: reading the input, planning (run/plan.hpp), and choosing the planes and atoms
-/// of this process (run/slabs.hpp). Step 2 is in slab_sweep.hpp.
+/// of this process (run/slabs.hpp). Step 2 is in engine.hpp.
 
 #include <cstdint>
 #include <memory>
