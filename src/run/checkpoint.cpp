@@ -73,6 +73,13 @@ bool is_damaged(std::string_view text) {
   return line_end == std::string_view::npos || text != with_checksum(text.substr(line_end + 1));
 }
 
+// The header of the file of the sums.
+struct SumsHeader {
+  ChunkInfo info;
+  std::uint64_t count = 0;
+  std::uint64_t checksum = 0;  // of the sums
+};
+
 std::uint64_t size_of(const std::filesystem::path& path) {
   std::error_code error;
   const std::uint64_t size = std::filesystem::file_size(path, error);
@@ -83,10 +90,6 @@ std::uint64_t size_of(const std::filesystem::path& path) {
 template <class Value>
 auto bytes_of(Value& value) {
   return as_chars(std::span(&value, 1));
-}
-
-std::uint64_t checksum_of(const PlaneChunk& chunk) {
-  return checksum(as_chars(std::span(chunk.atom_sums)), checksum(bytes_of(chunk.info)));
 }
 
 }  // namespace
@@ -235,25 +238,34 @@ std::string Checkpoint::sums_path(const PlaneRange& planes) const {
 
 // The file of the sums is written last, so that its existence implies that the chunk is complete.
 void Checkpoint::finish(const PlaneChunk& chunk) {
-  const std::uint64_t sum = checksum_of(chunk);
+  const auto sums = as_chars(std::span(chunk.atom_sums));
+  const SumsHeader header{chunk.info, chunk.atom_sums.size(), checksum(sums)};
+  const std::uint64_t header_checksum = checksum(bytes_of(header));
   write_complete(name_of(chunk.info.planes, sums_suffix),
-                 {bytes_of(sum), bytes_of(chunk.info), as_chars(std::span(chunk.atom_sums))});
+                 {bytes_of(header_checksum), bytes_of(header), sums});
 }
 
 PlaneChunk Checkpoint::read(const PlaneRange& planes) const {
   const ScratchFile file(path_, name_of(planes, sums_suffix), ScratchFile::Kept::existing);
-  std::uint64_t sum = 0;
-  constexpr std::uint64_t begin = sizeof sum + sizeof(ChunkInfo);
+  std::uint64_t header_checksum = 0;
+  SumsHeader header;
+  constexpr std::uint64_t begin = sizeof header_checksum + sizeof header;
   PlaneChunk chunk;
-  const std::uint64_t bytes = file.size();
-  const bool has_sums = bytes >= begin && (bytes - begin) % sizeof(AtomSum) == 0;
-  if (has_sums) {
-    file.read_at(bytes_of(sum), 0);
-    file.read_at(bytes_of(chunk.info), sizeof sum);
-    chunk.atom_sums.resize((bytes - begin) / sizeof(AtomSum));
-    file.read_at(as_chars(std::span(chunk.atom_sums)), begin);
+  const std::uint64_t bytes = size_of(sums_path(planes));
+  bool is_sound = bytes >= begin && (bytes - begin) % sizeof(AtomSum) == 0;
+  if (is_sound) {
+    file.read_at(bytes_of(header_checksum), 0);
+    file.read_at(bytes_of(header), sizeof header_checksum);
+    is_sound = header_checksum == checksum(bytes_of(header)) && header.info.planes == planes &&
+               header.count == (bytes - begin) / sizeof(AtomSum);
   }
-  if (!has_sums || sum != checksum_of(chunk) || chunk.info.planes != planes)
+  if (is_sound) {
+    chunk.info = header.info;
+    chunk.atom_sums.resize(header.count);
+    file.read_at(as_chars(std::span(chunk.atom_sums)), begin);
+    is_sound = header.checksum == checksum(as_chars(std::span(chunk.atom_sums)));
+  }
+  if (!is_sound)
     throw Error(formatted("cannot resume: {} is damaged; remove it to compute its planes again",
                           sums_path(planes)));
   return chunk;

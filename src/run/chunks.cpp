@@ -22,7 +22,7 @@ namespace eses::detail {
 namespace {
 
 // Version of checkpoints. Must increase with each change of the results or of the format of chunks.
-constexpr int checkpoint_format = 8;
+constexpr int checkpoint_format = 7;
 
 // `index` is that of the atom in the molecule.
 std::uint64_t hash_of_atom(const Atom& atom, std::uint64_t index) {
