@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "catch.hpp"
 #include "run/layer.hpp"
 #include "support/atom_sets.hpp"
 
