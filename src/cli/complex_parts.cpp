@@ -142,6 +142,21 @@ std::vector<bool> atoms_of_chains(const NamedPart& part, const DividedFile& file
   return is_in;
 }
 
+/// Returns the first chains of a file, each with the range of its residues.
+std::string chains_with_residues(std::span<const AtomLabel> labels) {
+  std::map<std::string_view, std::pair<std::string_view, std::string_view>> ranges;
+  for (const AtomLabel& label : labels) {
+    const auto [range, is_new] =
+        ranges.try_emplace(label.chain, label.residue_number, label.residue_number);
+    if (!is_new) range->second.second = label.residue_number;
+  }
+  return first_texts(ranges, 10, [](const auto& each) {
+    const auto& [name, range] = each;
+    return formatted("{} (residues {} to {})", name.empty() ? "(blank)" : printable(name),
+                     printable(range.first), printable(range.second));
+  });
+}
+
 /// Returns whether a part of chains leaves atoms to another part, as its ligands.
 bool gives_ligands_to(const PartSelector& part, const PartSelector& other) {
   return !part.named.chains.empty() && other.is_ligand();
@@ -187,10 +202,15 @@ std::vector<bool> atoms_in(const PartSelector& part, const DividedFile& file,
   if (!named.residue.empty()) return atoms_of_residue(named, file, option);
   std::vector<bool> is_in =
       named.all_ligands ? find_ligand_atoms(file.labels) : selected(named.selection, file, option);
-  if (std::ranges::find(is_in, true) == is_in.end())
-    throw Error(formatted("{}: no atoms of {}, which {} names", input_name(file.path),
-                          printable(name_of(part)), option));
-  return is_in;
+  if (std::ranges::find(is_in, true) != is_in.end()) return is_in;
+  if (named.all_ligands)
+    throw Error(
+        formatted("{}: there are no ligands, which {} names; they are residues of several "
+                  "atoms besides amino acids, nucleotides and waters",
+                  input_name(file.path), option));
+  throw Error(formatted("{}: no atoms of {}, which {} names; the chains are {}",
+                        input_name(file.path), printable(name_of(part)), option,
+                        chains_with_residues(file.labels)));
 }
 
 std::optional<PartSelector> part_selector_in(std::string_view text) {

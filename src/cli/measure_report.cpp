@@ -90,6 +90,13 @@ std::string reports_text(const SurfaceChoice& surfaces, const MeasuredFile& file
     if (surfaces.has_sas() && report.relative_sas)
       text += formatted(", relative SAS area {:.4f}", *report.relative_sas);
     text += "\n";
+    if (!surfaces.has_sas()) continue;
+    for (const ReportedResidue& residue : report.residues) {
+      text += formatted("  {}: SAS area {:.4f}", one_line(residue.name), residue.sas);
+      if (residue.relative_sas)
+        text += formatted(", relative SAS area {:.4f}", *residue.relative_sas);
+      text += "\n";
+    }
   }
   return text;
 }

@@ -143,11 +143,32 @@ MeasuredPart measure_part(std::uint32_t part, const MeasureOptions& options, Mea
   return measured;
 }
 
-/// Returns the areas of atoms. Their residue, if it is one, has a relative area.
+/// Adds the relative area of the atoms, if they are one residue, and the residues, if they are few.
+void add_residues(std::span<const AtomLabel> labels, const MeasuredFile& file,
+                  ReportedAtoms& report) {
+  constexpr std::size_t max_residues = 10;
+  std::vector<ReportedResidue> residues;
+  for_each_residue(labels, [&](std::size_t begin, std::size_t end) {
+    if (residues.size() > max_residues) return;
+    ReportedResidue& residue = residues.emplace_back();
+    residue.name = residue_name(labels[begin]);
+    for (std::size_t i = begin; i < end; ++i)
+      residue.sas += file.measures.by_atom.sas[report.atoms[i]];
+    if (!file.reference) return;
+    if (const auto max = eses::max_sas_area(labels.subspan(begin, end - begin), *file.reference))
+      residue.relative_sas = residue.sas / *max;
+  });
+  if (residues.size() == 1)
+    report.relative_sas = residues.front().relative_sas;
+  else if (residues.size() <= max_residues)
+    report.residues = std::move(residues);
+}
+
+/// Returns the areas of atoms.
 ReportedAtoms reported_atoms(const PartSelector& selector, const std::vector<bool>& is_in,
                              const std::vector<bool>& are_polar, const MeasuredFile& file) {
   const eses::AtomAreas& areas = file.measures.by_atom;
-  ReportedAtoms report{.name = selector.text, .atoms = {}, .relative_sas = {}};
+  ReportedAtoms report{.name = selector.text, .atoms = {}, .relative_sas = {}, .residues = {}};
   std::vector<AtomLabel> labels;
   for (AtomIndex i = 0; i < is_in.size(); ++i) {
     if (!is_in[i]) continue;
@@ -157,9 +178,7 @@ ReportedAtoms reported_atoms(const PartSelector& selector, const std::vector<boo
     if (are_polar[i]) report.polar_sas += areas.sas[i];
     if (!areas.convex.empty()) report.ses += areas.ses(i);
   }
-  if (residue_runs(labels).labels.size() != 1 || !file.reference) return report;
-  if (const auto max = eses::max_sas_area(labels, *file.reference))
-    report.relative_sas = report.sas / *max;
+  add_residues(labels, file, report);
   return report;
 }
 

@@ -26,13 +26,21 @@ struct MeasuredPart {
   Measures measures;        ///< without areas by atom
 };
 
+/// A residue of reported atoms, and the SAS area of these atoms in square angstrom.
+struct ReportedResidue {
+  std::string name;
+  double sas = 0;
+  std::optional<double> relative_sas;  ///< only for residues with a maximum area
+};
+
 /// Atoms of a file, and their areas in it, in square angstrom.
 struct ReportedAtoms {
   std::string name;
   std::vector<AtomIndex> atoms;  ///< ascending
   double ses = 0, sas = 0;
-  double polar_sas = 0;                ///< SAS area of the polar atoms
-  std::optional<double> relative_sas;  ///< only for one residue with a maximum area
+  double polar_sas = 0;                   ///< SAS area of the polar atoms
+  std::optional<double> relative_sas;     ///< only for one residue with a maximum area
+  std::vector<ReportedResidue> residues;  ///< if there are several, but not many
 };
 
 /// The pockets and cavities at the place of --at.

@@ -194,9 +194,25 @@ class Reports(Case):
         for text in ("ALA", "ala"):
             done = self.call("measure", path, "--report", text, code=1)
             self.assertTrue(done.stderr.endswith("; residue ALA is ligand:ALA\n"), done.stderr)
+        done = self.call("measure", path, "--report", "ligand", code=1)
+        self.assertIn("there are no ligands, which --report names; they are residues of several atoms", done.stderr)
         self.call("measure", path, "--report", "A", "--parts", "chains", code=2)
         self.call("measure", DATA / "c60.xyzr", "--report", "A", code=2)
 
+
+    def test_few_residues_have_areas_of_their_own(self):
+        path = self.file("two.pdb", peptide())
+        table = list(csv.DictReader(io.StringIO(self.call("measure", path, "--table", "residues").stdout)))
+        lines = self.call("measure", path, "--report", "2-4").stdout.splitlines()
+        at = next(i for i, line in enumerate(lines) if line.startswith("report 2-4: "))
+        self.assertEqual(lines[at + 1:], [
+            f"  {row['chain']}:ALA {row['residue_number']}: SAS area {float(row['sas_area']):.4f}, "
+            f"relative SAS area {float(row['relative_sas_area']):.4f}" for row in table[1:4]])
+        long = self.file("long.pdb", "".join(atom_line(i, "CA", "ALA", "A", i, (3.8 * i, 0, 0)) for i in range(1, 13)))
+        for report, count in (("1-10", 10), ("1-11", 0), ("7", 0)):
+            lines = self.call("measure", long, "--report", report).stdout.splitlines()
+            self.assertEqual(sum(line.startswith("  A:ALA ") for line in lines), count)
+        self.assertNotIn("  A:ALA", self.call("measure", long, "--report", "1-3", "--surface", "ses").stdout)
 
     def test_rows_in_the_same_line_are_atoms_of_their_own(self):
         columns = ("group_PDB id type_symbol label_atom_id label_alt_id label_comp_id label_asym_id label_entity_id label_seq_id "
@@ -436,7 +452,8 @@ class Interfaces(Case):
                              ("A/401", "no atoms of ligand A/401, which --ligand names; the ligands are B/401 (LIG); did you mean "
                               "B/401?"),
                              ("A/lig", "the ligands are B/401 (LIG); did you mean B/LIG?"),
-                             ("ligand:lig", "; did you mean LIG?"), ("(EDO)", "no atoms of (EDO), which --ligand names")):
+                             ("ligand:lig", "; did you mean LIG?"), ("(EDO)", "no atoms of (EDO), which --ligand names; the chains are A (residues 1 to 3), B (residues 4 to "
+                              "401)")):
             done = self.call("interface", path, "--ligand", text, code=1)
             self.assertTrue(done.stderr.endswith(f"{advice}\n"), done.stderr)
 
