@@ -84,7 +84,7 @@ class SASAAnalysis(AnalysisBase):  # type: ignore[misc]
         self.results.residue_area = []
 
     def _single_frame(self) -> None:
-        result = measure(self._block, report=self._mask, **self._options)
+        result: Any = measure(self._block, report=self._mask, **self._options)
         areas = np.nan_to_num(result.atoms[self._surface][self._mask])
         rows = np.searchsorted(self.atomgroup.residues.ix, self.atomgroup.resindices)
         self.results.total_area.append(float(areas.sum()))
