@@ -20,6 +20,10 @@ constexpr double decision_margin = 1e-9;
 // Points nearer than this are the same end of two arcs.
 constexpr double same_end = 1e-7;
 
+// Shorter arcs are points (radians). The rims of placements on one contact circle meet in the
+// points where the axis of the circle meets the sphere. Rounding leaves such arcs there.
+constexpr double max_point = 1e-9;
+
 // A rim whose sine is smaller is left to part_of_atom: its radial directions lose digits.
 constexpr double min_sine = 1e-3;
 
@@ -89,10 +93,20 @@ class Division {
     is_certain_ = squared_norm(sum) > 0.01;
   }
 
-  std::optional<std::array<double, 3>> divide(std::span<const DirectedArc> arcs) {
-    for (const DirectedArc& arc : arcs)
-      if (!is_certain_ || !add_arc(arc)) return std::nullopt;
-    if (!is_certain_ || !add_borders()) return std::nullopt;
+  // Adds an arc whose ends are the same.
+  void add_point(const DirectedArc& arc) { add(owner_of(arc.rim.point(arc.start)), arc); }
+
+  // Divides the patch that these closed curves bound. Each of them is the boundary of one of its
+  // pieces, which have no holes.
+  std::optional<std::array<double, 3>> divide(std::span<const std::span<const DirectedArc>> loops) {
+    find_shared_point();
+    for (const std::span<const DirectedArc> loop : loops) {
+      end_count_ = 0;
+      for (const DirectedArc& arc : loop)
+        if (!is_certain_ || !add_arc(arc)) return std::nullopt;
+      if (!is_certain_ || !add_borders()) return std::nullopt;
+    }
+    if (shared_) return std::nullopt;
     return solid_angles();
   }
 
@@ -135,19 +149,25 @@ class Division {
 
   // Adds an arc of the boundary to its owners. Returns false in doubt.
   bool add_arc(const DirectedArc& arc, int depth = 0) {
-    if (arc.angle > pi - decision_margin || arc.rim.sine < min_sine || depth > max_depth)
-      return false;
+    if (arc.rim.sine < min_sine || depth > max_depth) return false;
+    if (arc.angle > pi - decision_margin)
+      return add_halves(arc, std::cos(arc.angle / 2), std::sin(arc.angle / 2), depth);
     const Owner first = owner_of(arc.rim.point(arc.start));
     const Owner second = owner_of(arc.rim.point(arc.end));
     if (first != second) return add_crossed_arc(arc, first, second, depth);
     for (Owner other = 0; other < 3; ++other) {
       if (other == first || precedes_along(first, other, arc)) continue;
-      const Difference of = difference(first, other, arc);  // it has its maximum within the arc
-      const double inverse = 1 / of.reach();
-      return add_halves(arc, inverse * of.along, inverse * of.across, depth);
+      return add_around_maximum(first, other, arc, depth);
     }
     add(first, arc);
     return true;
+  }
+
+  // Adds an arc within which the value of atom `a` less that of atom `b` has its maximum.
+  bool add_around_maximum(Owner a, Owner b, const DirectedArc& arc, int depth) {
+    const Difference of = difference(a, b, arc);
+    const double inverse = 1 / of.reach();
+    return add_halves(arc, inverse * of.along, inverse * of.across, depth);
   }
 
   // Adds the parts of an arc on both sides of the point at this angle.
@@ -180,10 +200,10 @@ class Division {
     const Owner third = 3 - first - second;
     const double lead = value(third, point) - value(first, point);
     if (lead < -decision_margin) return add_halves(arc, cosine, sine, depth);
-    if (!(lead > decision_margin) || low.angle < 0 || high.angle < 0 ||
-        end_count_ == ends_.size() || !precedes_along(first, third, low) ||
-        !precedes_along(second, third, high))
-      return false;
+    if (!(lead > decision_margin) || low.angle < 0 || high.angle < 0) return false;
+    if (!precedes_along(first, third, low)) return add_around_maximum(first, third, arc, depth);
+    if (!precedes_along(second, third, high)) return add_around_maximum(second, third, arc, depth);
+    if (end_count_ == ends_.size()) return false;
     add(first, low);
     add(second, high);
     ends_[end_count_++] = {first, second, point};
@@ -233,32 +253,34 @@ class Division {
     return true;
   }
 
-  // Adds the borders in the patch. If they meet in a point that all atoms share, each leads there
-  // from its only end. Otherwise each connects its two ends.
+  // Adds the borders in a piece of the patch. If each has one end, all lead from there to the point
+  // that the atoms share. Otherwise each connects its two ends.
   bool add_borders() {
-    const std::optional<Vec3> shared = find_shared_point();
-    if (!is_certain_) return false;
+    std::array<std::array<const BorderEnd*, 2>, 3> ends{};  // by the third atom
+    std::array<std::size_t, 3> counts{};
+    for (std::size_t k = 0; k < end_count_; ++k) {
+      const Owner third = 3 - ends_[k].first - ends_[k].second;
+      if (counts[third] == ends[third].size()) return false;
+      ends[third][counts[third]++] = &ends_[k];
+    }
+    const bool is_shared = counts == std::array<std::size_t, 3>{1, 1, 1};
+    const std::optional<Vec3> shared =
+        is_shared ? std::exchange(shared_, std::nullopt) : std::nullopt;
     for (Owner third = 0; third < 3; ++third) {
-      std::array<const BorderEnd*, 2> ends{};
-      std::size_t count = 0;
-      for (std::size_t k = 0; k < end_count_; ++k) {
-        if (ends_[k].first + ends_[k].second + third != 3) continue;
-        if (count == ends.size()) return false;
-        ends[count++] = &ends_[k];
-      }
-      if (count == 0 && !shared) continue;
-      if (count != (shared ? 1U : 2U)) return false;
-      const BorderEnd& from = *ends[0];
-      if (!shared && ends[1]->first == from.first) return false;
-      if (!add_border(from.first, from.second, from.point, shared ? *shared : ends[1]->point))
+      if (counts[third] == 0) continue;
+      if (counts[third] != (shared ? 1U : 2U)) return false;
+      const BorderEnd& from = *ends[third][0];
+      if (!shared && ends[third][1]->first == from.first) return false;
+      if (!add_border(from.first, from.second, from.point,
+                      shared ? *shared : ends[third][1]->point))
         return false;
     }
     return true;
   }
 
-  // Returns the point of the patch that has the same value for all three atoms. There are at most
-  // two on the sphere. If both are in the patch, the division is not certain.
-  std::optional<Vec3> find_shared_point() {
+  // Finds the point of the patch that has the same value for all three atoms. There are at most two
+  // on the sphere. If both are in the patch, the division is not certain.
+  void find_shared_point() {
     const Vec3 u = toward_[1] - toward_[0], v = toward_[2] - toward_[0], w = cross(u, v);
     const double c = radius_[1] - radius_[0], d = radius_[2] - radius_[0];
     const double squared = squared_norm(w);
@@ -266,12 +288,11 @@ class Division {
     const Vec3 foot = (1 / squared) * (c * cross(v, w) + d * cross(w, u));
     const double rest = 1 - squared_norm(foot);
     if (std::fabs(rest) < decision_margin) is_certain_ = false;
-    if (!is_certain_ || rest < 0) return std::nullopt;
+    if (!is_certain_ || rest < 0) return;
     const Vec3 offset = std::sqrt(rest / squared) * w;
     const bool has_low = contains(foot - offset), has_high = contains(foot + offset);
     if (has_low && has_high) is_certain_ = false;
-    if (!has_low && !has_high) return std::nullopt;
-    return has_low ? foot - offset : foot + offset;
+    if (has_low || has_high) shared_ = has_low ? foot - offset : foot + offset;
   }
 
   bool contains(Vec3 n) {
@@ -310,6 +331,7 @@ class Division {
   std::array<Part, 3> parts_;
   std::array<BorderEnd, 6> ends_;
   std::size_t end_count_ = 0;
+  std::optional<Vec3> shared_;  // the point that all atoms share, until a piece has it
   bool is_certain_ = true;
 };
 
@@ -321,10 +343,12 @@ DirectedArc edge(const ConcavePatch& patch, std::size_t k) {
   return {rim, start, end, 0};
 }
 
-// Returns whether the arcs are a single closed curve.
-bool are_one_loop(std::span<const DirectedArc> arcs) {
-  std::size_t at = 0, count = 0;
-  do {
+// Sorts the arcs, so that those of each closed curve follow each other. Returns the curves, or
+// nothing in doubt.
+std::vector<std::span<const DirectedArc>> sort_into_loops(std::span<DirectedArc> arcs) {
+  std::vector<std::span<const DirectedArc>> loops;
+  std::size_t begin = 0;
+  for (std::size_t at = 0; at < arcs.size(); ++at) {
     const Vec3 point = arcs[at].rim.point(arcs[at].end);
     std::size_t next = arcs.size(), found = 0;
     for (std::size_t k = 0; k < arcs.size(); ++k) {
@@ -332,11 +356,24 @@ bool are_one_loop(std::span<const DirectedArc> arcs) {
       next = k;
       ++found;
     }
-    if (found != 1) return false;
-    at = next;
-    ++count;
-  } while (at != 0 && count <= arcs.size());
-  return count == arcs.size();
+    if (found != 1 || (next <= at && next != begin)) return {};
+    if (next == begin) {
+      loops.push_back(arcs.subspan(begin, at + 1 - begin));
+      begin = at + 1;
+    } else {
+      std::swap(arcs[at + 1], arcs[next]);
+    }
+  }
+  return begin == arcs.size() ? loops : std::vector<std::span<const DirectedArc>>();
+}
+
+// Returns whether each of several curves has a part of an edge of the triangle. None of them then
+// bounds a hole: a hole that reaches an edge is a part of the outside.
+bool are_without_holes(std::span<const std::span<const DirectedArc>> loops) {
+  return loops.size() == 1 || std::all_of(loops.begin(), loops.end(), [](const auto& loop) {
+           return std::any_of(loop.begin(), loop.end(),
+                              [](const DirectedArc& arc) { return arc.rim.cosine == 0; });
+         });
 }
 
 }  // namespace
@@ -347,14 +384,22 @@ std::optional<std::array<double, 3>> divide_among_three(const SurfaceModel& surf
   Division division(surface, center, patch);
   if (patch.cutters.empty()) {
     const std::array<DirectedArc, 3> edges{edge(patch, 0), edge(patch, 1), edge(patch, 2)};
-    return division.divide(edges);
+    const std::span<const DirectedArc> loop(edges);
+    return division.divide({&loop, 1});
   }
   if (arcs.size() > max_arcs) return std::nullopt;
   std::vector<DirectedArc> directed;
-  for (const RimArc& arc : arcs)
-    directed.push_back({Rim(patch.caps[arc.cap]), arc.start, arc.end, arc.angle});
-  if (directed.empty() || !are_one_loop(directed)) return std::nullopt;
-  return division.divide(directed);
+  for (const RimArc& arc : arcs) {
+    const Rim rim(patch.caps[arc.cap]);
+    const DirectedArc added{rim, arc.start, arc.end, arc.angle};
+    if (arc.angle * rim.sine < max_point)
+      division.add_point(added);
+    else
+      directed.push_back(added);
+  }
+  const auto loops = sort_into_loops(directed);
+  if (loops.empty() || !are_without_holes(loops)) return std::nullopt;
+  return division.divide(loops);
 }
 
 }  // namespace eses::detail
