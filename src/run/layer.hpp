@@ -98,42 +98,47 @@ class RowBatches {
   bool ends_with_planes_;
 };
 
+/// A bit for each point of the rows of a layer, with the halo.
+class LayerBits {
+ public:
+  /// The words of a row: bit i % 64 of word i / 64 is point i.
+  using Row = std::span<const std::uint64_t>;
+
+  /// Clears the bits of this number of planes.
+  void reset(const BlockTiling& tiling, std::int64_t planes);
+  bool is_empty() const { return words_.empty(); }
+  /// Sets the bits of a block, which owns them or has them in the halo of the region. Several
+  /// threads may call it for different blocks.
+  void add(const BlockTiling& tiling, const BlockBounds& block, const PointBits& bits);
+
+  /// Row (y, z). `y` is relative to the region's first row, `z` to the layer's first plane.
+  Row row(std::int64_t y, std::int64_t z) const {
+    return Row(words_).subspan(static_cast<std::size_t>(z * rows_ + y) * row_words_, row_words_);
+  }
+  /// The rows of a plane, by y.
+  Row plane(std::int64_t z) const {
+    const std::size_t size = static_cast<std::size_t>(rows_) * row_words_;
+    return Row(words_).subspan(static_cast<std::size_t>(z) * size, size);
+  }
+
+ private:
+  std::int64_t rows_ = 0;  // of a plane
+  std::size_t row_words_ = 0;
+  std::vector<std::uint64_t> words_;  // [z][y][x]
+};
+
 /// The results of a layer of blocks.
 struct Layer {
-  std::vector<BlockResult> blocks;  ///< [by][bx]
+  std::vector<BlockResult> blocks;  ///< [by][bx]; the layer has the bits of their points
+  LayerBits inside;
+  LayerBits covered;  ///< see BlockResult; empty unless it is needed
 
   std::int64_t first_z() const { return blocks.front().block.first[2]; }
   std::int64_t owned_planes() const { return blocks.front().block.owned[2]; }
 };
 
-/// The inside bits of a row of the region: bit i % 64 of word i / 64 is point i.
-using RowBits = std::vector<std::uint64_t>;
-
-/// The points of rows: the region, or BlockTiling::region_with_halo.
+/// The crossings of rows: of the region, or of BlockTiling::region_with_halo.
 enum class Extent { region, with_halo };
-
-/// An index of the parts of rows in the blocks of a layer, made once for many rows.
-class LayerRows {
- public:
-  LayerRows(const BlockTiling& tiling, const Layer& layer, Extent extent = Extent::region,
-            PointBits BlockResult::*bits = &BlockResult::inside);
-
-  /// Merges the bits, by default the inside points, of row (y, z) from all blocks along x. `y`
-  /// is relative to the region's first row, `z` to the layer's first plane.
-  void merge_row(std::int64_t y, std::int64_t z, RowBits& row) const;
-
- private:
-  struct Part {
-    const std::uint64_t* words;  // words [z][y] of one column of a block
-    std::int64_t rows;           // number of rows of the block along y
-    std::int64_t position;       // index of the first point in the row
-    std::int64_t count;          // number of points that the column owns
-  };
-
-  const BlockTiling& tiling_;
-  std::size_t words_;                     // of a row
-  std::vector<std::vector<Part>> parts_;  // by block row
-};
 
 /// Returns the index along an axis of the block that owns a point. `offset` is relative to the
 /// region's first point.
@@ -181,15 +186,9 @@ class LayerCrossings {
   std::vector<std::vector<const BlockResult*>> blocks_;  // by block row
 };
 
-/// The words of the rows of a plane of points with the halo, by y.
-using Plane = std::vector<std::uint64_t>;
-
-/// Returns the last plane that a layer owns, which is kept when the layer has been written.
-Plane last_plane(const BlockTiling& tiling, const Layer& layer);
-
-/// Counts the points of these rows of a layer. `below` is the last plane of the previous layer,
-/// empty if there is none.
-PointCounts count_points(const BlockTiling& tiling, const Plane& below, const Layer& layer,
+/// Counts the points of these rows of a layer. `below` has the inside bits of the last plane of the
+/// previous layer, and is empty if there is none.
+PointCounts count_points(const BlockTiling& tiling, LayerBits::Row below, const Layer& layer,
                          const RowRange& rows);
 
 }  // namespace eses::detail

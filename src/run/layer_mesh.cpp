@@ -35,11 +35,11 @@ mesh::Vertex VertexMaker::operator()(const GridIndex& lower, const BlockCrossing
 struct LayerMesh::LayerView {
   LayerView(const BlockTiling& tiling, const Layer& layer)
       : first_z(layer.first_z()),
-        rows(tiling, layer, Extent::with_halo),
+        inside(layer.inside),
         crossings(tiling, layer, Extent::with_halo) {}
 
   std::int64_t first_z;
-  LayerRows rows;
+  const LayerBits& inside;
   LayerCrossings crossings;
 };
 
@@ -96,7 +96,8 @@ GridIndex LayerMesh::index_of(const LayerView& view, std::int64_t x, std::int64_
 
 void LayerMesh::make_row(const LayerView& view, std::int64_t y, std::int64_t z,
                          mesh::Row& row) const {
-  view.rows.merge_row(y, z, row.inside);
+  const LayerBits::Row inside = view.inside.row(y, z);
+  row.inside.assign(inside.begin(), inside.end());
   row.edges.clear();
   row.patches.clear();
   row.positions.clear();

@@ -120,7 +120,9 @@ double bytes_of_layers(const SurfaceSurvey& survey, const Grid& grid, const Bloc
   const double height = grid.spacing * as_double(points[2]);
   const double area =
       std::min(layers * survey.max_slab_area(height), survey.max_slab_area(2 * height));
-  return layers * blocks_in_layer(tiling) * BlockResult::memory_bytes(points, extras) +
+  // A layer has the bits of all its points as soon as one of its blocks is solved.
+  const double layers_of_bits = fraction_of_next > 0 ? 2 : 1;
+  return layers_of_bits * blocks_in_layer(tiling) * BlockResult::memory_bytes(points, extras) +
          BlockResult::crossing_bytes(extras) * crossing_slack *
              (outputs.mesh ? halo_growth(tiling) : 1) * expected_crossings(area, grid.spacing);
 }

@@ -58,7 +58,6 @@ class PieceMaker {
  public:
   /// Scratch memory of a thread.
   struct Scratch {
-    RowBits row;
     std::optional<Gzip> gzip;
   };
 
@@ -74,8 +73,7 @@ class PieceMaker {
   void make(const Layer& layer, const RowRange& rows, Scratch& scratch, Piece& piece) const;
 
  private:
-  void append_points(const Layer& layer, const RowRange& rows, Scratch& scratch,
-                     TextBuffer& text) const;
+  void append_points(const Layer& layer, const RowRange& rows, TextBuffer& text) const;
   void append_crossings(const Layer& layer, const RowRange& rows, TextBuffer& text) const;
   void compress(TextBuffer& text, Scratch& scratch) const;
 

@@ -64,13 +64,14 @@ void Sweep::solve_plane_below() {
     const auto t = static_cast<std::size_t>(thread);
     build_patches(plan_.grid.coordinate(2, tiling.region.begin[2]), workers_[t]);
     const std::int64_t bx = index % tiling.blocks[0], by = index / tiling.blocks[0];
-    layer.blocks[static_cast<std::size_t>(index)] =
-        solve_block(block_below(tiling.block(bx, by, 0)),
-                    block_below(tiling.block_with_halo(bx, by, 0)), workspaces[t]);
+    BlockResult& result = layer.blocks[static_cast<std::size_t>(index)];
+    result = solve_block(block_below(tiling.block(bx, by, 0)),
+                         block_below(tiling.block_with_halo(bx, by, 0)), workspaces[t]);
+    add_bits(result, layer);
     progress_.check();
   };
   parallel_for(static_cast<std::int64_t>(layer.blocks.size()), plan_.threads, solve_one, &monitor_);
-  below_ = last_plane(tiling, layer);
+  keep_last_plane(layer);
   if (mesh_ != nullptr) mesh_->go_on_from(layer);
 }
 
@@ -179,10 +180,11 @@ void Sweep::solve(const WorkItem& block, Worker& worker) {
                        tiling.block_with_halo(bx, by, block.layer), worker.block);
   result.seconds = watch.seconds();
   {
-    const std::lock_guard lock(shares_mutex_);
+    const std::lock_guard lock(results_mutex_);
     worker.block.tally.atom_shares.move_into(atom_shares_);
   }
   sink_.take_block(result, worker.thread);
+  add_bits(result, layer_at(block.layer));
   require_memory_within(plan_.parameters.max_memory, plan_.parameters.memory_before);
   progress_.add(1);
   monitor_.change([&] {
@@ -190,6 +192,25 @@ void Sweep::solve(const WorkItem& block, Worker& worker) {
     work_.finish(block);
     for (; layer < work_.solved_layers(); ++layer) pass(layer);
   });
+}
+
+// Moves the bits of a block into its layer.
+void Sweep::add_bits(BlockResult& block, Layer& layer) {
+  for (const auto& [of_layer, of_block] :
+       {std::pair(&layer.inside, &block.inside), std::pair(&layer.covered, &block.covered)}) {
+    if (of_block->size[2] == 0) continue;
+    {
+      const std::lock_guard lock(results_mutex_);
+      if (of_layer->is_empty()) of_layer->reset(plan_.tiling, of_block->size[2]);
+    }
+    of_layer->add(plan_.tiling, block.block, *of_block);
+    *of_block = PointBits();
+  }
+}
+
+void Sweep::keep_last_plane(const Layer& layer) {
+  const LayerBits::Row plane = layer.inside.plane(layer.owned_planes() - 1);
+  below_.assign(plane.begin(), plane.end());
 }
 
 // Frees the patches that only a solved layer needs. The next layer begins with the plane above the
@@ -228,7 +249,7 @@ void Sweep::deliver(std::int64_t number, Piece& piece) {
 // Frees a layer, whose pieces are all delivered, and makes room for the layer after the next one.
 void Sweep::release(std::int64_t layer) {
   Layer& finished = layer_at(layer);
-  below_ = last_plane(plan_.tiling, finished);
+  keep_last_plane(finished);
   if (mesh_ != nullptr) mesh_->release(finished);
   const std::size_t blocks = finished.blocks.size();
   finished = Layer();

@@ -91,6 +91,8 @@ class Sweep {
   void build_patches(double height, Worker& worker);
   std::optional<WorkItem> take_work(Worker& worker);
   void solve(const WorkItem& block, Worker& worker);
+  void add_bits(BlockResult& block, Layer& layer);
+  void keep_last_plane(const Layer& layer);
   void pass(std::int64_t layer);
   void make_piece(const WorkItem& batch, Worker& worker);
   void deliver(std::int64_t number, Piece& piece);
@@ -103,15 +105,15 @@ class Sweep {
   Sink& sink_;
   ProgressReport& progress_;
   PieceMaker piece_maker_;
-  std::vector<Worker> workers_;  // by thread
-  std::array<Layer, 2> layers_;  // the current layer and the next one; see layer_at
-  Plane below_;                  // the plane below the current layer
+  std::vector<Worker> workers_;       // by thread
+  std::array<Layer, 2> layers_;       // the current layer and the next one; see layer_at
+  std::vector<std::uint64_t> below_;  // inside bits of the plane below the current layer
 
   Monitor monitor_;  // of `patches_` and of the following members
   WorkList work_;
   std::int64_t placed_ = 0;  // number of pieces that have their place
 
-  std::mutex shares_mutex_;
+  std::mutex results_mutex_;            // of the following member, and of the sizes of `layers_`
   std::vector<AreaShare> atom_shares_;  // by atom of the surface
 };
 

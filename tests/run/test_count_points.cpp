@@ -100,6 +100,9 @@ CutGrid cut(const GridPoints& points, std::int64_t block_size, Random& random) {
             make_block(points, result.tiling.block(bx, by, bz), random.chance(0.3)));
         result.blocks_without_words += layer.blocks.back().inside.words.empty();
       }
+    layer.inside.reset(result.tiling, layer.blocks.front().block.points[2]);
+    for (const BlockResult& block : layer.blocks)
+      layer.inside.add(result.tiling, block.block, block.inside);
     result.layers.push_back(std::move(layer));
   }
   return result;
@@ -107,7 +110,7 @@ CutGrid cut(const GridPoints& points, std::int64_t block_size, Random& random) {
 
 PointCounts count_all(const CutGrid& grid, Random& random) {
   PointCounts counts;
-  Plane below;
+  std::vector<std::uint64_t> below;
   for (const Layer& layer : grid.layers) {
     // The count is made in two parts, as threads make it.
     const std::int64_t rows = layer.owned_planes() * grid.tiling.region.size()[1];
@@ -115,7 +118,8 @@ PointCounts count_all(const CutGrid& grid, Random& random) {
         static_cast<std::int64_t>(random.integer(0, static_cast<std::size_t>(rows)));
     counts.add(count_points(grid.tiling, below, layer, {0, middle}));
     counts.add(count_points(grid.tiling, below, layer, {middle, rows}));
-    below = last_plane(grid.tiling, layer);
+    const LayerBits::Row last = layer.inside.plane(layer.owned_planes() - 1);
+    below.assign(last.begin(), last.end());
   }
   return counts;
 }
