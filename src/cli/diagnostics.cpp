@@ -136,11 +136,12 @@ std::vector<std::string> warnings_of(std::span<const DiagnosticText> diagnostics
   return lines;
 }
 
-void warn(std::span<const DiagnosticText> diagnostics, bool is_strict, bool is_quiet) {
-  const std::vector<std::string> lines = warnings_of(diagnostics);
-  if (is_strict && !lines.empty()) throw StrictError{lines};
-  if (is_quiet) return;
-  for (const std::string& line : lines) print_message("warning", line);
+std::vector<std::string> warnings_to_print(std::span<const DiagnosticText> diagnostics,
+                                           bool is_strict, bool is_quiet) {
+  std::vector<std::string> lines = warnings_of(diagnostics);
+  if (is_strict && !lines.empty()) throw StrictError{std::move(lines)};
+  if (is_quiet) lines.clear();
+  return lines;
 }
 
 }  // namespace eses::detail::cli

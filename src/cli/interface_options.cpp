@@ -8,7 +8,6 @@
 #include "cli/arguments.hpp"
 #include "cli/input_files.hpp"
 #include "cli/shared_options.hpp"
-#include "cli/table_files.hpp"
 #include "system/formatted.hpp"
 
 namespace eses::detail::cli {
@@ -50,23 +49,7 @@ Exit codes:
   1  input, output or resource error
   2  error in the command line)";
 
-std::optional<InterfaceTable> interface_table_in(const std::string& name) {
-  const auto* const found = std::ranges::find(interface_tables, name, &NamedInterfaceTable::name);
-  return found == interface_tables.end() ? std::nullopt : std::optional(found->table);
-}
-
-std::optional<std::vector<const NamedInterfaceTable*>> interface_tables_in(
-    const std::string& list) {
-  const std::vector<std::string> names = split(list, ',');
-  std::vector<const NamedInterfaceTable*> chosen;
-  for (const NamedInterfaceTable& table : interface_tables)
-    if (std::ranges::count(names, table.name) > 0) chosen.push_back(&table);
-  const bool are_known = std::ranges::all_of(
-      names, [](const std::string& name) { return interface_table_in(name).has_value(); });
-  return are_known ? std::optional(chosen) : std::nullopt;
-}
-
-void add_interface_options(CLI::App& app, InterfaceOptions& options, InputChoice& inputs) {
+void add_interface_options(CLI::App& app, InterfaceOptions& options) {
   set_up(app, {.usage = "eses-blocks interface [OPTIONS] FILE...",
                .examples = interface_examples,
                .details = interface_details,
@@ -76,7 +59,7 @@ void add_interface_options(CLI::App& app, InterfaceOptions& options, InputChoice
                           "--select", "--threads", "--quiet", "--json"}});
   begin_group(app, "Interfaces");
   add_input_files(app, "input files (PDB, mmCIF or PQR), or folders of them; - for\nstandard input",
-                  inputs);
+                  options.choice);
   add_parts(app, "--groups", "GROUP GROUP", "the two sides, such as A+B C [each chain is a side]",
             options.groups.parts)
       ->expected(2);
@@ -99,29 +82,21 @@ void add_interface_options(CLI::App& app, InterfaceOptions& options, InputChoice
                       options.min_residue_area),
             options.min_residue_area, area);
   begin_group(app, "Input and output");
-  add_input_lists(app, inputs);
+  add_input_lists(app, options.choice);
   add_format(app, options.format);
-  add_value(app, "--write", "LIST",
-            "tables to write: interfaces,residues,atoms; buried areas\nas B-factors: pdb,cif",
-            options.written_tables,
-            Format<std::vector<const NamedInterfaceTable*>>{
-                interface_tables_in, "some of interfaces,residues,atoms,pdb,cif"});
-  add_value(app, "--table", "NAME", "print one of these tables in place of the report",
-            options.table,
-            Format<InterfaceTable>{interface_table_in, "one of interfaces,residues,atoms,pdb,cif"});
-  add_table_files(
+  add_tables(app, interface_tables,
+             "tables to write: interfaces,residues,atoms; buried areas\nas B-factors: pdb,cif",
+             options.written_tables, options.printed_table);
+  add_last_options(
       app, options,
       "write the interfaces of all files as a table; - prints it\nin place of the report");
-  add_last_options(app, options, &options.all_models);
 }
 
-/// Throws UsageError if outputs exclude each other.
-void check_outputs(const InterfaceOptions& options) {
-  check_table_files(options, options.table != InterfaceTable::report);
-  const bool has_atoms =
-      options.table == InterfaceTable::pdb || options.table == InterfaceTable::cif;
-  if (has_atoms && options.has_many())
-    throw UsageError("--table pdb and cif print the atoms of a single file or model; use --write");
+/// Returns whether the atoms with buried areas are printed.
+bool prints_atoms(const InterfaceOptions& options) {
+  const NamedInterfaceTable* const printed = options.printed_table;
+  return printed != nullptr &&
+         (printed->table == InterfaceTable::pdb || printed->table == InterfaceTable::cif);
 }
 
 }  // namespace
@@ -130,22 +105,18 @@ InterfaceOptions parse_interface_arguments(const Arguments& arguments) {
   CLI::App app("Areas that the parts of a complex bury of each other, in closed form.",
                "eses-blocks interface");
   InterfaceOptions options;
-  InputChoice inputs;
-  add_interface_options(app, options, inputs);
+  add_interface_options(app, options);
   parse(app, arguments, "FILE...");
   options.groups.by_chain = options.groups.parts.empty();
-  options.inputs = inputs.files(options.quiet);
-  options.list = inputs.list;
-  options.resumed = resume_identity(app, options.resume, options.structure.radii);
-  choose_csv(options);
-  check_outputs(options);
+  complete_table_options(app, !options.written_tables.empty(), options.printed_table != nullptr,
+                         options);
+  if (prints_atoms(options) && options.has_many())
+    throw UsageError("--table pdb and cif print the atoms of a single file or model; use --write");
   for (const std::filesystem::path& path : options.inputs) {
-    const InputFile input{path, options.format};
     std::error_code ignored;
     if (path != "-" && !std::filesystem::is_regular_file(path, ignored)) continue;
-    refuse_structure_options(app, input);
-    refuse_xyzr(input, "interface", "chains");
-    if (options.all_models) require_models(input);
+    refuse_other_input(app, options, path);
+    refuse_xyzr({path, options.format}, "interface", "chains");
   }
   refuse_repeated_chains(options.groups, "--groups");
   if (!options.groups.by_chain && options.groups.parts.size() != 2)

@@ -286,10 +286,9 @@ std::string no_interface_reason(const InterfaceOptions& options, const Interface
 std::string empty_table_reason(const InterfaceOptions& options, const InterfaceFile& file) {
   if (file.interfaces.empty()) return no_interface_reason(options, file);
   constexpr InterfaceTable residues = InterfaceTable::residues;
-  const bool has_table =
-      options.table == residues ||
-      std::ranges::find(options.written_tables, residues, &NamedInterfaceTable::table) !=
-          options.written_tables.end();
+  std::vector<const NamedInterfaceTable*> needed = options.written_tables;
+  if (options.printed_table != nullptr) needed.push_back(options.printed_table);
+  const bool has_table = std::ranges::count(needed, residues, &NamedInterfaceTable::table) > 0;
   if (!has_table || !interface_rows(options, residues, file).empty()) return "";
   return formatted("no residue loses {} A^2, the area of --residue-cutoff",
                    options.min_residue_area);

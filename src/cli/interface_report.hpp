@@ -38,7 +38,7 @@ std::string no_interface_reason(const InterfaceOptions& options, const Interface
 /// Returns why the tables of interfaces or residues have no rows; empty if they have some.
 std::string empty_table_reason(const InterfaceOptions& options, const InterfaceFile& file);
 
-/// Returns the heading of a table as CSV; empty for the report and for files of atoms.
+/// Returns the heading of a table as CSV; empty for files of atoms.
 std::string interface_heading(InterfaceTable table);
 
 /// Returns the rows of a table as CSV. Each begins with `start` and ends with `end`.

@@ -10,7 +10,6 @@
 #include "cli/input_files.hpp"
 #include "cli/option_values.hpp"
 #include "cli/shared_options.hpp"
-#include "cli/table_files.hpp"
 #include "input/other_formats.hpp"
 #include "run/pocket_sweep.hpp"
 #include "system/formatted.hpp"
@@ -61,33 +60,11 @@ Exit codes:
   1  a file could not be measured, or another input, output or resource error
   2  error in the command line)";
 
-/// Returns the names of all tables, for messages.
-std::string table_names() {
-  std::vector<std::string_view> names;
-  for (const Table& table : tables) names.push_back(table.name);
-  return formatted("{}", fmt::join(names, ","));
-}
-
 std::optional<double> probe_radius_in(const std::string& text) {
   const std::optional<double> value = whole_text<double>(text);
   const bool is_valid =
       value && (*value == 0 || (*value >= min_probe_radius && *value <= max_probe_radius));
   return is_valid ? value : std::nullopt;
-}
-
-std::optional<const Table*> table_in(const std::string& name) {
-  const auto* const found = std::ranges::find(tables, name, &Table::name);
-  return found == tables.end() ? std::nullopt : std::optional<const Table*>(found);
-}
-
-std::optional<TableList> tables_in(const std::string& list) {
-  std::set<const Table*> chosen;  // in the order of `tables`
-  for (const std::string& name : split(list, ','))
-    if (const auto table = table_in(name))
-      chosen.insert(*table);
-    else
-      return std::nullopt;
-  return TableList(chosen.begin(), chosen.end());
 }
 
 std::optional<SurfaceChoice> surfaces_in(const std::string& list) {
@@ -179,7 +156,7 @@ void check_pocket_options(const CLI::App& app, const MeasureCommandOptions& opti
   }
 }
 
-void add_measure_options(CLI::App& app, MeasureCommandOptions& options, InputChoice& inputs) {
+void add_measure_options(CLI::App& app, MeasureCommandOptions& options) {
   set_up(app, {.usage = "eses-blocks measure [OPTIONS] FILE...",
                .examples = measure_examples,
                .details = measure_details,
@@ -188,7 +165,8 @@ void add_measure_options(CLI::App& app, MeasureCommandOptions& options, InputCho
                           "--csv",          "--resume",    "--like",   "--radii",  "--model",
                           "--waters",       "--no-hetatm", "--chains", "--quiet",  "--json"}});
   begin_group(app, "Surface");
-  add_input_files(app, "files or folders (xyzr, PQR, PDB, mmCIF); - for standard input", inputs);
+  add_input_files(app, "files or folders (xyzr, PQR, PDB, mmCIF); - for standard input",
+                  options.choice);
   add_value(app, "--probe-radius,--probe-in", "ANGSTROM",
             formatted("radius of the solvent probe, 0 or 0.01 to 1000 [{}]", options.probe_radius),
             options.probe_radius,
@@ -217,14 +195,12 @@ void add_measure_options(CLI::App& app, MeasureCommandOptions& options, InputCho
            options.cavities);
   add_pocket_options(app, options);
   begin_group(app, "Input and output");
-  add_input_lists(app, inputs);
+  add_input_lists(app, options.choice);
   add_format(app, options.format);
-  add_value(app, "--write", "LIST",
-            "tables to write: atoms,residues,chains,derivatives,cavities,\n"
-            "pieces,pockets,rsa,seq,res; areas as B-factors: pdb,cif",
-            options.written_tables, Format<TableList>{tables_in, "some of " + table_names()});
-  add_value(app, "--table", "NAME", "print one of these tables in place of the report",
-            options.printed_table, Format<const Table*>{table_in, "one of " + table_names()});
+  add_tables(app, tables,
+             "tables to write: atoms,residues,chains,derivatives,cavities,\n"
+             "pieces,pockets,rsa,seq,res; areas as B-factors: pdb,cif",
+             options.written_tables, options.printed_table);
   add_value(app, "--reference", "NAME",
             "maximum areas of residues, for relative areas: tien\n(2013), miller (1987) or sander "
             "(1994) [tien]",
@@ -232,9 +208,9 @@ void add_measure_options(CLI::App& app, MeasureCommandOptions& options, InputCho
             one_of<AreaReference>({{"tien", AreaReference::tien},
                                    {"miller", AreaReference::miller},
                                    {"sander", AreaReference::sander}}));
-  add_table_files(app, options,
-                  "write the results of all files as a table; - prints it in\nplace of the report");
-  add_last_options(app, options, &options.all_models);
+  add_last_options(
+      app, options,
+      "write the results of all files as a table; - prints it in\nplace of the report");
 }
 
 /// Throws UsageError if an option needs a surface that is not measured.
@@ -259,15 +235,13 @@ void check_surfaces(const MeasureCommandOptions& options) {
 /// Throws UsageError if an option cannot be used with these files.
 void check(const CLI::App& app, const MeasureCommandOptions& options) {
   refuse_repeated_chains(options.parts, "--parts");
-  check_table_files(options, options.printed_table != nullptr);
   if (options.printed_table != nullptr && options.has_many())
     throw UsageError(formatted("--table prints the table of a single file or model; use --write {}",
                                options.printed_table->name));
   const bool has_place_of_atoms = options.at && !options.at->point && !options.at->box;
   for (const std::filesystem::path& path : options.inputs) {
+    refuse_other_input(app, options, path);
     const InputFile input{path, options.format};
-    refuse_structure_options(app, input);
-    if (options.all_models) require_models(input);
     for (const Table* const table : options.needed_tables())
       if (table->has(needs_names)) refuse_xyzr(input, options.option_of(*table), "names");
     if (options.parts.is_chosen()) refuse_xyzr(input, "--parts", "chains");
@@ -282,13 +256,10 @@ MeasureCommandOptions parse_measure_arguments(const Arguments& arguments) {
   CLI::App app("Areas and volumes of molecular surfaces in closed form, without a grid.",
                "eses-blocks measure");
   MeasureCommandOptions options;
-  InputChoice inputs;
-  add_measure_options(app, options, inputs);
+  add_measure_options(app, options);
   parse(app, arguments, "FILE...");
-  options.inputs = inputs.files(options.quiet);
-  options.list = inputs.list;
-  options.resumed = resume_identity(app, options.resume, options.structure.radii);
-  choose_csv(options);
+  complete_table_options(app, !options.written_tables.empty(), options.printed_table != nullptr,
+                         options);
   options.pocket_options.probe_radius = options.probe_radius;
   check_pocket_options(app, options);
   check_surfaces(options);

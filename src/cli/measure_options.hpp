@@ -12,8 +12,8 @@
 
 #include "cli/command.hpp"
 #include "cli/complex_parts.hpp"
-#include "cli/input_models.hpp"
 #include "cli/measure_records.hpp"
+#include "cli/table_options.hpp"
 #include "eses/pockets.hpp"
 #include "eses/read_atoms.hpp"
 #include "eses/surface.hpp"
@@ -76,9 +76,7 @@ struct PlaceChoice {
   std::optional<std::array<Vec3, 2>> box;
 };
 
-struct MeasureCommandOptions : ModelOptions {
-  std::filesystem::path list;  ///< file of --files-from; empty if it is not given
-  double probe_radius = SurfaceOptions().probe_radius;
+struct MeasureCommandOptions : TableOptions {
   SurfaceChoice surfaces{.all = true};
   PartChoice parts;
   std::vector<PartSelector> reports;      ///< atoms whose areas are reported
@@ -91,15 +89,6 @@ struct MeasureCommandOptions : ModelOptions {
   TableList written_tables;
   const Table* printed_table = nullptr;  ///< printed in place of the report; null if none is
   AreaReference reference = AreaReference::tien;  ///< of relative areas
-  std::filesystem::path output_directory = ".";   ///< of the tables
-  std::filesystem::path csv;                      ///< file of --csv; empty if there is none
-  bool prints_csv = false;  ///< whether the table of --csv is printed in place of the report
-  bool resume = false;
-  std::optional<std::string> resumed;  ///< see resume_identity
-  int threads = 0;                     ///< 0 means all available processors
-  bool json = false;
-  bool quiet = false;
-  bool strict = false;  ///< whether warnings are errors
 
   bool need_pockets() const { return pockets || needs(has_pockets); }
 

@@ -32,20 +32,6 @@ void add_fill_cavities(CLI::App& app, std::optional<double>& max_filled_void);
 /// `--model all` is accepted and sets it.
 void add_structure_options(CLI::App& app, StructureOptions& structure, bool* all_models = nullptr);
 
-/// Adds the last options of a command for several files, which has an option --table.
-template <class Options>
-void add_last_options(CLI::App& app, Options& options, bool* all_models = nullptr) {
-  add_structure_options(app, options.structure, all_models);
-  begin_group(app, "Computation (does not affect results)");
-  add_threads(app, options.threads);
-  begin_group(app, "Messages");
-  add_flag(app, "--strict", "treat warnings as errors", options.strict);
-  add_flag(app, "-q,--quiet", "print only results, no headings or warnings", options.quiet);
-  add_flag(app, "--json", "print a JSON object, in a line, for each file", options.json)
-      ->excludes("--table");
-  add_notices(app);
-}
-
 /// Throws UsageError if an option for PDB and mmCIF files is given with a file of another format.
 void refuse_structure_options(const CLI::App& app, const InputFile& input);
 

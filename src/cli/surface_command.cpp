@@ -122,7 +122,11 @@ void present_plan(Report& report) {
   report.disk = require_disk_space(report.run.plan.files, options.request.outputs,
                                    options.request.output_directory);
   add_run_diagnostics(report);
-  const auto warn_or_throw = [&] { warn(report.diagnostics, options.strict, options.quiet); };
+  const auto warn_or_throw = [&] {
+    for (const std::string& warning :
+         warnings_to_print(report.diagnostics, options.strict, options.quiet))
+      print_message("warning", warning);
+  };
   if (options.request.dry_run) {
     print(options.json ? json_text(report) : plan_text(report));
     warn_or_throw();

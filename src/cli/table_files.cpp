@@ -1,14 +1,14 @@
 #include "cli/table_files.hpp"
 
 #include <fmt/ranges.h>
-#include <sys/stat.h>
 
 #include <set>
 #include <system_error>
 
 #include "cli/messages.hpp"
 #include "eses/error.hpp"
-#include "eses/version.hpp"
+#include "output/file_path.hpp"
+#include "system/formatted.hpp"
 #include "system/gzip.hpp"
 
 namespace eses::detail::cli {
@@ -37,69 +37,42 @@ void check_outputs(std::span<const ReadFile> read, const std::vector<std::string
   }
 }
 
+/// Returns the files that a command reads.
+std::vector<ReadFile> files_that_are_read(const TableOptions& options) {
+  std::vector<ReadFile> read{{options.structure.radii, "the file of --radii"},
+                             {options.choice.list, "the file of --files-from"}};
+  for (const std::filesystem::path& input : options.inputs)
+    read.push_back({input, "an input file"});
+  return read;
+}
+
 /// Returns the path of the log of results: beside the table of --csv, or in the directory of the
 /// tables.
-std::string log_path(const TableChoice& choice) {
-  if (choice.csv.empty()) return choice.names.empty() ? "" : result_log_path(choice.directory);
-  const auto [parent, name] = end_of_links(choice.csv);
+std::string log_path(const TableOptions& options, bool has_tables) {
+  if (options.csv.empty()) return has_tables ? result_log_path(options.output_directory) : "";
+  const auto [parent, name] = end_of_links(options.csv);
   return result_log_path(parent, name);
 }
 
 /// Returns the paths of the files. Throws Error if one of them cannot be written.
-OutputPaths paths_of(const TableChoice& choice, std::span<const ReadFile> read) {
+OutputPaths paths_of(const TableOptions& options, std::span<const std::string> tables) {
   OutputPaths paths;
-  for (const std::string& name : choice.names) paths.add(choice.directory, name);
-  if (!choice.names.empty()) paths.locks.push_back(lock_path(choice.directory));
-  if (!choice.csv.empty()) {
-    const auto [parent, name] = require_end_of_links(choice.csv);
+  for (const std::string& name : tables) paths.add(options.output_directory, name);
+  if (!tables.empty()) paths.locks.push_back(lock_path(options.output_directory));
+  if (!options.csv.empty()) {
+    const auto [parent, name] = require_end_of_links(options.csv);
     require_free_name({parent, name});
     paths.add(parent, name);
-    paths.final.back() = choice.csv;  // for messages
+    paths.final.back() = options.csv;  // for messages
     paths.locks.push_back(lock_path(parent, name));
   }
   std::vector<std::string> all = paths.final;
-  if (const std::string log = log_path(choice); !log.empty()) all.push_back(log);
-  check_outputs(read, all);
+  if (const std::string log = log_path(options, !tables.empty()); !log.empty()) all.push_back(log);
+  check_outputs(files_that_are_read(options), all);
   return paths;
 }
 
 }  // namespace
-
-std::string table_name(const std::filesystem::path& input, std::string_view ending) {
-  std::filesystem::path name = input == "-" ? "stdin" : input.filename();
-  if (name.extension() == gzip_suffix) name = name.stem();
-  return name.stem().string() + std::string(ending);
-}
-
-bool is_standard_output(const std::string& name) {
-  return name == "-" || name == "/dev/stdout" || name == "/dev/fd/1";
-}
-
-bool is_null_device(const std::string& path) {
-  struct stat of_path {};
-  struct stat of_null {};
-  return stat(path.c_str(), &of_path) == 0 && stat("/dev/null", &of_null) == 0 &&
-         S_ISCHR(of_path.st_mode) && of_path.st_rdev == of_null.st_rdev;
-}
-
-std::optional<std::string> resume_identity(const CLI::App& app, bool is_resumed,
-                                           const std::filesystem::path& radii) {
-  if (!is_resumed) return std::nullopt;
-  std::string identity = formatted("eses-blocks {} {}\n{}", version, app.get_name(),
-                                   given_options(app, {"--resume", "--csv", "--files-from",
-                                                       "--recursive", "--threads", "--quiet"}));
-  if (const auto file = key_of_input(radii, 0))
-    identity += formatted("radii {} {:08x}\n", file->bytes, file->checksum);
-  return identity;
-}
-
-std::vector<ReadFile> files_that_are_read(std::span<const std::filesystem::path> inputs,
-                                          const std::filesystem::path& radii,
-                                          const std::filesystem::path& list) {
-  std::vector<ReadFile> read{{radii, "the file of --radii"}, {list, "the file of --files-from"}};
-  for (const std::filesystem::path& input : inputs) read.push_back({input, "an input file"});
-  return read;
-}
 
 std::string written_text(const std::filesystem::path& directory,
                          std::span<const std::string> names) {
@@ -109,23 +82,23 @@ std::string written_text(const std::filesystem::path& directory,
   return formatted("written: {}\n", fmt::join(paths, ", "));
 }
 
-TableFiles::TableFiles(const TableChoice& choice, std::span<const ReadFile> read,
+TableFiles::TableFiles(const TableOptions& options, std::span<const std::string> tables,
                        const std::function<bool(std::string_view name)>& is_table)
-    : run_(paths_of(choice, read)),
-      directory_of_tables_(choice.directory),
-      log_path_(choice.resumed && !choice.has_many ? "" : log_path(choice)) {
-  if (!choice.names.empty()) {
-    directory_.emplace(choice.directory);
+    : run_(paths_of(options, tables)), directory_of_tables_(options.output_directory) {
+  const bool has_many = options.inputs.size() > 1;  // the result of a single one is not kept
+  if (!options.identity || has_many) log_path_ = log_path(options, !tables.empty());
+  if (!tables.empty()) {
+    directory_.emplace(options.output_directory);
     run_.check();  // a signal removes the lock from now on
     directory_->remove_abandoned(is_table);
   }
-  if (!choice.csv.empty()) {
-    const auto [parent, name] = end_of_links(choice.csv);
+  if (!options.csv.empty()) {
+    const auto [parent, name] = end_of_links(options.csv);
     if (std::error_code error; !std::filesystem::exists(parent, error)) created_folder_ = parent;
     directory_of_csv_.emplace(parent, name);
     csv_.emplace(*directory_of_csv_, name);
   }
-  if (choice.resumed && choice.has_many) log_.emplace(log_path_, *choice.resumed);
+  if (options.identity && has_many) log_.emplace(log_path_, *options.identity);
 }
 
 void TableFiles::write(std::span<const TableContent> contents) const {

@@ -1,0 +1,144 @@
+#include "cli/table_command.hpp"
+
+#include <unistd.h>
+
+#include <cstdint>
+#include <map>
+#include <mutex>
+#include <stdexcept>
+#include <utility>
+
+#include "cli/command.hpp"
+#include "cli/messages.hpp"
+#include "cli/progress.hpp"
+#include "cli/shared_report.hpp"
+#include "eses/error.hpp"
+#include "system/parallel.hpp"
+
+namespace eses::detail::cli {
+namespace {
+
+/// Prints outcomes in the order of the inputs, and writes or prints the table of `--csv`.
+class Reporter {
+ public:
+  /// Keeps a pointer to the file of `--csv`, which is null if there is none.
+  Reporter(const TableOptions& options, const TableCommand& command, OutputFile* csv)
+      : csv_(csv),
+        prints_csv_(options.prints_csv),
+        inputs_(static_cast<std::int64_t>(options.inputs.size())),
+        // Lines of several inputs on a terminal show the progress themselves.
+        progress_(!options.quiet && (inputs_ == 1 || isatty(STDOUT_FILENO) == 0)) {
+    if (inputs_ > 1) progress_.show(0, inputs_, "files");
+    append_csv(command.csv_heading);
+    if (!prints_csv_) print(command.heading);
+  }
+
+  void take(std::size_t input, Outcome outcome) {
+    const std::lock_guard lock(mutex_);
+    waiting_.emplace(input, std::move(outcome));
+    for (auto first = waiting_.begin(); first != waiting_.end() && first->first == next_;
+         first = waiting_.erase(first), ++next_)
+      report(first->second);
+    if (inputs_ > 1) progress_.show(static_cast<std::int64_t>(next_), inputs_, "files");
+  }
+
+  /// Shows how long the work on a single input has taken. Must not be called from two threads at
+  /// the same time.
+  void show_time() {
+    if (inputs_ == 1) progress_.show_time("measuring");
+  }
+
+  bool has_errors() const { return has_errors_; }
+
+ private:
+  void append_csv(const std::string& text) {
+    if (prints_csv_)
+      print(text);
+    else if (csv_ != nullptr && !text.empty())
+      csv_->append(text);
+  }
+
+  void report(const Outcome& outcome) {
+    if (inputs_ == 1 || !outcome.notes.empty() || !outcome.warnings.empty() ||
+        !outcome.errors.empty())
+      progress_.clear();
+    for (const std::string& note : outcome.notes) print_message("note", note);
+    for (const std::string& warning : outcome.warnings) print_message("warning", warning);
+    for (const std::string& error : outcome.errors) print_message("error", error);
+    if (!prints_csv_) print(outcome.text);
+    append_csv(outcome.rows);
+    has_errors_ = has_errors_ || !outcome.errors.empty();
+  }
+
+  OutputFile* csv_;
+  bool prints_csv_;
+  std::int64_t inputs_;
+  ProgressBar progress_;
+  std::mutex mutex_;
+  std::map<std::size_t, Outcome> waiting_;  // by index of the input
+  std::size_t next_ = 0;                    // index of the input that is reported next
+  bool has_errors_ = false;
+};
+
+/// Returns what is printed and written about an input that cannot be measured.
+Outcome failure(const TableOptions& options, const TableCommand& command, std::size_t input,
+                std::vector<std::string> errors) {
+  const bool has_object = options.json && options.inputs.size() > 1;
+  return {.text = has_object
+                      ? failure_json(options.inputs[input], errors.front(), options.model_of(input))
+                      : "",
+          .rows = command.failure_row(input, errors.front()),
+          .errors = std::move(errors)};
+}
+
+Outcome measured(const TableOptions& options, const TableCommand& command, const InputRun& run) {
+  try {
+    return command.measure(run);
+  } catch (const StrictError& error) {
+    return failure(options, command, run.input, error.lines);
+  } catch (const Error& error) {
+    return failure(options, command, run.input, {options.message_of_input(error, run.input)});
+  } catch (const std::invalid_argument& error) {
+    return failure(options, command, run.input, {options.message_of_input(error, run.input)});
+  }
+}
+
+/// Returns the outcome that an earlier run has kept, or measures the input.
+Outcome outcome_of(const TableOptions& options, const TableCommand& command, const InputRun& run,
+                   TableFiles& files) {
+  const std::vector<std::string> names = command.names_of_tables(run.input);
+  const ResumedInput resumed =
+      files.resume(options.inputs[run.input], options.model_of(run.input), names);
+  if (resumed.result) return {resumed.result->printed, resumed.result->rows};
+  Outcome outcome = measured(options, command, run);
+  if (outcome.errors.empty()) files.keep(resumed, names, {outcome.text, outcome.rows});
+  return outcome;
+}
+
+}  // namespace
+
+int run_table_command(const TableOptions& options, const TableCommand& command) {
+  std::vector<std::string> tables;
+  for (std::size_t input = 0; input < options.inputs.size(); ++input)
+    for (std::string& name : command.names_of_tables(input)) tables.push_back(std::move(name));
+  TableFiles files(options, tables, command.is_table);
+  Reporter reporter(options, command, files.csv());
+  const CheckCallback check = [&] {
+    files.check();
+    reporter.show_time();
+  };
+  const int threads = chosen_threads(options.threads);
+  // Parallel loops are not nested: either inputs or the atoms of an input are measured in parallel.
+  const auto count = static_cast<std::int64_t>(options.inputs.size());
+  const int input_threads = static_cast<int>(std::min<std::int64_t>(threads, count));
+  const int atom_threads = input_threads > 1 ? 1 : threads;
+  parallel_for(count, input_threads, [&](std::int64_t index, int /*thread*/) {
+    const auto input = static_cast<std::size_t>(index);
+    check();
+    reporter.take(input, outcome_of(options, command, {input, atom_threads, check, files}, files));
+  });
+  files.finish(reporter.has_errors(), options.quiet);
+  return reporter.has_errors() ? exit_failure : exit_done;
+}
+
+}  // namespace eses::detail::cli

@@ -1,0 +1,129 @@
+#include "cli/table_options.hpp"
+
+#include <sys/stat.h>
+
+#include <utility>
+
+#include "cli/command.hpp"
+#include "cli/shared_options.hpp"
+#include "cli/shared_report.hpp"
+#include "eses/error.hpp"
+#include "eses/version.hpp"
+#include "input/other_formats.hpp"
+#include "input/read_input.hpp"
+#include "output/result_log.hpp"
+#include "run/request.hpp"
+#include "system/formatted.hpp"
+#include "system/gzip.hpp"
+
+namespace eses::detail::cli {
+namespace {
+
+/// Returns the name of the table of an input: the name of its file without the suffix of its
+/// format, and an ending.
+std::string table_name(const std::filesystem::path& input, std::string_view ending) {
+  std::filesystem::path name = input == "-" ? "stdin" : input.filename();
+  if (name.extension() == gzip_suffix) name = name.stem();
+  return name.stem().string() + std::string(ending);
+}
+
+/// Returns whether a name is that of standard output, also as a file.
+bool is_standard_output(const std::string& name) {
+  return name == "-" || name == "/dev/stdout" || name == "/dev/fd/1";
+}
+
+/// Returns whether a path is the null device, also by another name.
+bool is_null_device(const std::string& path) {
+  struct stat of_path {};
+  struct stat of_null {};
+  return stat(path.c_str(), &of_path) == 0 && stat("/dev/null", &of_null) == 0 &&
+         S_ISCHR(of_path.st_mode) && of_path.st_rdev == of_null.st_rdev;
+}
+
+std::string identity_of(const CLI::App& app, const std::filesystem::path& radii) {
+  const std::string text = formatted("eses-blocks {} {}\n{}", version, app.get_name(),
+                                     given_options(app, {"--resume", "--csv", "--files-from",
+                                                         "--recursive", "--threads", "--quiet"}));
+  const auto file = key_of_input(radii, 0);
+  return file ? text + formatted("radii {} {:08x}\n", file->bytes, file->checksum) : text;
+}
+
+/// Throws UsageError if an input has no models: standard input, and other files than PDB and mmCIF.
+void require_models(const InputFile& input) {
+  if (input.path == "-")
+    throw UsageError("--model all reads the file once for each model; give its name");
+  if (!is_structure(format_of(input.path, input.format)))
+    throw UsageError(
+        formatted("--model all needs PDB or mmCIF files; {} is read as PQR", input.path.string()));
+}
+
+}  // namespace
+
+std::string TableOptions::name_of_table(std::size_t input, std::string_view ending) const {
+  const std::string model = models.empty() ? "" : formatted(".model{}", models[input]);
+  return table_name(inputs[input], model + std::string(ending));
+}
+
+std::string TableOptions::message_of_input(const std::exception& error, std::size_t input) const {
+  const int model = models.empty() ? 0 : models[input];
+  return message_with_file(error, inputs[input]) +
+         (model > 0 ? formatted(" (model {})", model) : "");
+}
+
+void add_last_options(CLI::App& app, TableOptions& options, const std::string& csv_description) {
+  add_value(app, "-o,--output-dir", "DIR", "directory of the tables, created if missing [.]",
+            options.output_directory, any_text("a directory"))
+      ->needs("--write");
+  add_value(app, "--csv", "FILE", csv_description, options.csv, any_text("a file"));
+  add_flag(app, "--resume", "keep finished results, and continue an interrupted run",
+           options.resume);
+  add_structure_options(app, options.structure, &options.all_models);
+  begin_group(app, "Computation (does not affect results)");
+  add_threads(app, options.threads);
+  begin_group(app, "Messages");
+  add_flag(app, "--strict", "treat warnings as errors", options.strict);
+  add_flag(app, "-q,--quiet", "print only results, no headings or warnings", options.quiet);
+  add_flag(app, "--json", "print a JSON object, in a line, for each file", options.json)
+      ->excludes("--table");
+  add_notices(app);
+}
+
+void complete_table_options(const CLI::App& app, bool writes_tables, bool has_table,
+                            TableOptions& options) {
+  options.inputs = options.choice.files(options.quiet);
+  if (options.resume) options.identity = identity_of(app, options.structure.radii);
+  options.prints_csv = is_standard_output(options.csv);
+  if (options.prints_csv || is_null_device(options.csv)) options.csv.clear();
+  if (options.output_directory == "-")
+    throw UsageError("--output-dir is '-', but tables need a directory; print one with --table");
+  if (options.prints_csv && (options.json || has_table))
+    throw UsageError(
+        formatted("--csv - cannot be combined with {}", options.json ? "--json" : "--table"));
+  if (options.resume && options.csv.empty() && !writes_tables)
+    throw UsageError("--resume needs --csv FILE or --write: results are kept beside these files");
+}
+
+void refuse_other_input(const CLI::App& app, const TableOptions& options,
+                        const std::filesystem::path& path) {
+  const InputFile input{path, options.format};
+  refuse_structure_options(app, input);
+  if (options.all_models) require_models(input);
+}
+
+void expand_models(TableOptions& options) {
+  if (!options.all_models) return;
+  std::vector<std::filesystem::path> inputs;
+  for (const std::filesystem::path& path : options.inputs) {
+    std::vector<int> numbers;
+    try {
+      numbers = read_model_numbers(path, {.format = options.format});
+    } catch (const Error&) {
+    }
+    if (numbers.empty()) numbers.push_back(0);
+    inputs.insert(inputs.end(), numbers.size(), path);
+    options.models.insert(options.models.end(), numbers.begin(), numbers.end());
+  }
+  options.inputs = std::move(inputs);
+}
+
+}  // namespace eses::detail::cli

@@ -1,0 +1,101 @@
+#pragma once
+/// The options that `eses-blocks measure` and `interface` share: both take many files, with each
+/// of their models, and write tables.
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <exception>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "cli/arguments.hpp"
+#include "cli/input_files.hpp"
+#include "eses/read_atoms.hpp"
+#include "eses/surface.hpp"
+
+namespace eses::detail::cli {
+
+struct TableOptions {
+  InputChoice choice;                         ///< as it was given
+  std::vector<std::filesystem::path> inputs;  ///< without folders; `-` is standard input
+  AtomFormat format = AtomFormat::automatic;
+  StructureOptions structure;  ///< for PDB and mmCIF files
+  bool all_models = false;     ///< whether each model of a file is measured
+  /// With `all_models`, the number of the model of each input; 0 if it is not known.
+  std::vector<int> models = {};
+  double probe_radius = SurfaceOptions().probe_radius;
+  std::filesystem::path output_directory = ".";  ///< of the tables
+  std::filesystem::path csv;                     ///< file of --csv; empty if there is none
+  bool prints_csv = false;  ///< whether the table of --csv is printed in place of the report
+  bool resume = false;
+  /// With `resume`, identifies the results: the options of the command that affect them, and the
+  /// content of the file of --radii.
+  std::optional<std::string> identity = {};
+  int threads = 0;  ///< 0 means all available processors
+  bool json = false;
+  bool quiet = false;
+  bool strict = false;  ///< whether warnings are errors
+
+  /// Whether the results of several inputs or models are printed.
+  bool has_many() const { return inputs.size() > 1 || all_models; }
+
+  /// Returns the number of the model of an input; 0 for the first one.
+  int model_of(std::size_t input) const { return models.empty() ? structure.model : models[input]; }
+
+  /// Returns the name of a table of an input. Each model has a table, if each is measured.
+  std::string name_of_table(std::size_t input, std::string_view ending) const;
+
+  /// Returns the message of an error, with the name of the input and its model.
+  std::string message_of_input(const std::exception& error, std::size_t input) const;
+};
+
+/// Adds --write and --table, which choose some of the tables and one of them. A table has a name
+/// and an ending: that of NAME.pdb is written to NAME + ending. `written` is in the order of
+/// `tables`, which must outlive the parsing.
+template <class Table, std::size_t count>
+void add_tables(CLI::App& app, const std::array<Table, count>& tables,
+                const std::string& description, std::vector<const Table*>& written,
+                const Table*& printed) {
+  std::string names;
+  for (const Table& table : tables) names += (names.empty() ? "" : ",") + std::string(table.name);
+  const auto table_in = [&tables](const std::string& name) -> std::optional<const Table*> {
+    const auto* const found = std::ranges::find(tables, name, &Table::name);
+    return found == tables.end() ? std::nullopt : std::optional(found);
+  };
+  const auto tables_in = [&tables, table_in](const std::string& list) {
+    const std::vector<std::string> chosen = split(list, ',');
+    std::vector<const Table*> found;
+    for (const Table& table : tables)
+      if (std::ranges::count(chosen, table.name) > 0) found.push_back(&table);
+    const auto is_known = [&](const std::string& name) { return table_in(name).has_value(); };
+    return std::ranges::all_of(chosen, is_known) ? std::optional(found) : std::nullopt;
+  };
+  add_value(app, "--write", "LIST", description, written,
+            Format<std::vector<const Table*>>{tables_in, "some of " + names});
+  add_value(app, "--table", "NAME", "print one of these tables in place of the report", printed,
+            Format<const Table*>{table_in, "one of " + names});
+}
+
+/// Adds the last options: --output-dir, --csv and --resume, those of structures and --threads, and
+/// those of messages.
+void add_last_options(CLI::App& app, TableOptions& options, const std::string& csv_description);
+
+/// Sets the members that depend on several options, after the parsing. `has_table` is whether the
+/// table of --table is printed. Throws UsageError if outputs exclude each other, and the errors of
+/// InputChoice::files.
+void complete_table_options(const CLI::App& app, bool writes_tables, bool has_table,
+                            TableOptions& options);
+
+/// Throws UsageError if the options of PDB and mmCIF files are given with another file.
+void refuse_other_input(const CLI::App& app, const TableOptions& options,
+                        const std::filesystem::path& path);
+
+/// With `--model all`, replaces each input by its models. Files that cannot be read stay, so that
+/// they are reported with the others.
+void expand_models(TableOptions& options);
+
+}  // namespace eses::detail::cli
