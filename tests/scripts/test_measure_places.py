@@ -508,6 +508,15 @@ class Interfaces(Case):
         folder = self.call("interface", self.folder, "--table", "residues").stdout
         self.assertTrue(folder.startswith("file,side,"))
 
+    def test_files_in_parallel_have_the_results_of_one_thread(self):
+        paths = [self.file(f"{i}.pdb", peptide(0.05 * i)) for i in range(8)]
+        paths.insert(3, str(self.folder / "missing.pdb"))
+        one, many = (self.call("interface", *paths, "--threads", threads, "--csv", self.folder / f"{threads}.csv", code=1)
+                     for threads in (1, 4))
+        self.assertEqual((many.stdout, many.stderr), (one.stdout, one.stderr))
+        self.assertEqual((self.folder / "4.csv").read_text(), (self.folder / "1.csv").read_text())
+        self.assertEqual([row["file"] for row in self.rows(self.folder / "4.csv")], paths)
+
 
 if __name__ == "__main__":
     unittest.main()
