@@ -47,7 +47,7 @@ _eses_blocks() {
       COMPREPLY=($(compgen -W "$tables" -- "$cur")) && return
       ;;
     --like) COMPREPLY=($(compgen -W 'freesasa biopython mdtraj zsasa pymol' -- "$cur")) && return ;;
-    --radii) _filedir && COMPREPLY+=($(compgen -W 'protor bondi msms naccess oons occupancy' -- "$cur")) && return ;;
+    --radii) _filedir && COMPREPLY+=($(compgen -W 'protor bondi msms naccess oons protor+shannon bondi+shannon occupancy' -- "$cur")) && return ;;
     --hydrogens) COMPREPLY=($(compgen -W 'keep drop' -- "$cur")) && return ;;
     --chain-names) COMPREPLY=($(compgen -W 'auth label' -- "$cur")) && return ;;
     --surface) COMPREPLY=($(compgen -W 'ses sas vdw all' -- "$cur")) && return ;;

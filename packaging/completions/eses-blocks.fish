@@ -42,7 +42,7 @@ function __eses_blocks_values
         case --component
             echo outside
         case --radii
-            printf '%s\n' protor bondi msms naccess oons occupancy
+            printf '%s\n' protor bondi msms naccess oons protor+shannon bondi+shannon occupancy
         case --chain-names
             printf '%s\n' auth label
         case --like

@@ -25,6 +25,8 @@ SOURCES = {
     "file": "the input file",
     "given": "the caller",
 }
+for _name in ("protor", "bondi", "msms", "naccess", "oons"):
+    SOURCES[f"{_name}+shannon"] = f"{SOURCES[_name]}; ions: Shannon 1976, doi:10.1107/S0567739476001551, for six neighbours"
 
 
 def find_radii(residue: _Texts, name: _Texts, element: _Texts, which: str) -> tuple[str, bool, Any, _Texts, Any, Any, Any]:

@@ -127,10 +127,13 @@ void add_model(CLI::App& app, int& model, bool* all_models) {
 void add_structure_options(CLI::App& app, StructureOptions& structure, bool* all_models) {
   begin_group(app, structure_group);
   add_like(app, structure);
-  add_value(app, "--radii", "NAME",
-            "atomic radii: protor, naccess, oons, bondi, msms,\n"
-            "occupancy, or a file in FreeSASA's format [protor]",
-            structure.radii, any_text("protor, bondi, msms, naccess, oons, occupancy, or a file"));
+  add_value(
+      app, "--radii", "NAME",
+      "atomic radii: protor, naccess, oons, bondi, msms, also\n"
+      "with +shannon for ions; occupancy, or a file [protor]",
+      structure.radii,
+      any_text("protor, bondi, msms, naccess, oons, one of them with +shannon, occupancy, or a "
+               "file"));
   add_value(app, "--unknown-radius", "R",
             "radius of atoms that are not in the set of radii, in\n"
             "angstrom [such atoms are an error]",

@@ -91,6 +91,18 @@ RadiiSet oons_set(std::string name) {
   return set;
 }
 
+constexpr std::string_view with_ions = "+shannon";  // the end of the name of a set
+
+/// Returns a set with other radii for ions that are residues by themselves.
+RadiiSet with_ionic_radii(RadiiSet set) {
+  set.name += with_ions;
+  set.find_named = [others = set.find_named](const AtomIdentity& atom) {
+    const std::optional<double> radius = ionic_radius(atom);
+    return radius ? radius : others(atom);
+  };
+  return set;
+}
+
 /// Reads a configuration file line by line.
 class ConfigurationReader {
  public:
@@ -234,6 +246,11 @@ AtomClass RadiiSet::class_of(const AtomIdentity& atom) const {
 
 std::optional<RadiiSet> named_radii_set(std::string_view name) {
   const std::string word = lower_case(std::string(name));  // publications write ProtOr
+  if (word.ends_with(with_ions)) {
+    std::optional<RadiiSet> base = named_radii_set(word.substr(0, word.size() - with_ions.size()));
+    if (!base || base->is_occupancy || base->name.ends_with(with_ions)) return std::nullopt;
+    return with_ionic_radii(*std::move(base));
+  }
   if (word == "protor")
     return RadiiSet{word, true,
                     [](const AtomIdentity& atom) { return find_by_names(atom, protor_radius); },
@@ -270,8 +287,10 @@ RadiiSet find_radii_set(const std::string& name_or_file) {
     std::error_code ignored;  // such as a name that is too long
     if (std::filesystem::exists(name_or_file, ignored)) throw;
     const std::vector<std::string> names{"protor", "bondi", "msms", "naccess", "oons", "occupancy"};
-    const std::string_view meant = closest_name(lower_case(name_or_file), names);
     const auto all_but_last = std::span(names).first(names.size() - 1);
+    std::vector<std::string> known = names;
+    for (const std::string& each : all_but_last) known.push_back(each + std::string(with_ions));
+    const std::string_view meant = closest_name(lower_case(name_or_file), known);
     throw Error(
         formatted("radii: expected {} or {}, or a file in FreeSASA's configuration format: {}{}",
                   fmt::join(all_but_last, ", "), names.back(), error.what(),

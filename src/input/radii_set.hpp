@@ -51,7 +51,8 @@ struct RadiiSet {
 /// Maximum radius in a file, and of the option for atoms without a radius.
 inline constexpr double max_set_radius = 1000;  // angstrom
 
-/// Returns a built-in set, or nothing for other names.
+/// Returns a built-in set, or nothing for other names. `protor+shannon` is protor with the radii of
+/// ionic_radius.
 std::optional<RadiiSet> named_radii_set(std::string_view name);
 
 /// Returns a built-in set, or reads a file in FreeSASA's configuration format.
@@ -77,6 +78,9 @@ std::optional<double> oons_radius(std::string_view residue, std::string_view ato
 
 /// Returns the radius of a united atom other than hydrogen, as pdb_to_xyzr of MSMS assigns it.
 std::optional<double> msms_radius(std::string_view residue, std::string_view atom);
+
+/// Returns the radius by Shannon (1976) of an ion that is a residue by itself, such as NA or FE2.
+std::optional<double> ionic_radius(const AtomIdentity& atom);
 
 /// Returns the van der Waals radius of an element, such as `C` or `Zn`: the value of Bondi, else of
 /// Mantina et al., else of Alvarez.

@@ -299,6 +299,46 @@ TEST_CASE("a file of radii in FreeSASA's format is read", "[structure][radii]") 
   CHECK(contains(error(""), "f: no atoms found"));
 }
 
+TEST_CASE("radii: ions have Shannon's radii of six neighbours", "[radii]") {
+  const std::array<std::tuple<const char*, const char*, const char*, double>, 14> ions{
+      {{"NA", "NA", "Na", 1.02},
+       {"K", "K", "K", 1.38},
+       {"MG", "MG", "Mg", 0.72},
+       {"CA", "CA", "Ca", 1.00},
+       {"ZN", "ZN", "Zn", 0.74},
+       {"FE", "FE", "Fe", 0.645},
+       {"FE2", "FE", "Fe", 0.78},
+       {"CU1", "CU", "Cu", 0.77},
+       {"CU", "CU", "Cu", 0.73},
+       {"3CO", "CO", "Co", 0.545},
+       {"CL", "CL", "Cl", 1.81},
+       {"IOD", "I", "I", 2.20},
+       {"Na+", "Na+", "Na", 1.02},
+       {"SOD", "SOD", "Na", 1.02}}};
+  for (const char* base : {"protor", "bondi", "msms", "naccess", "oons"}) {
+    const RadiiSet plain = *named_radii_set(base);
+    const RadiiSet set = *named_radii_set(std::string(base) + "+shannon");
+    CHECK(set.name == std::string(base) + "+shannon");
+    CHECK(set.is_united == plain.is_united);
+    for (const auto& [residue, atom, element, radius] : ions) {
+      INFO(base << ' ' << residue);
+      const FoundRadius found = set.find({residue, atom, element, false}).value();
+      CHECK(found.radius == radius);
+      CHECK_FALSE(found.by_element);
+    }
+    // Iron of heme, a carbon of a protein, and an element without a radius.
+    for (const AtomIdentity& other :
+         {AtomIdentity{"HEM", "FE", "Fe"}, AtomIdentity{"ALA", "CA", "C"},
+          AtomIdentity{"MO", "MO", "Mo"}})
+      CHECK(set.find(other).value().radius == plain.find(other).value().radius);
+  }
+  for (const char* name : {"occupancy+shannon", "shannon", "+shannon", "bondi+shannon+shannon"})
+    CHECK_FALSE(named_radii_set(name));
+  StructureOptions options;
+  options.radii = "Bondi+Shanon";
+  CHECK(pdb_error(line_of({}), options).ends_with("; did you mean bondi+shannon?"));
+}
+
 TEST_CASE("radii: a name or a file is accepted, and other text refused", "[structure][radii]") {
   const std::string text = line_of({});
   StructureOptions options;

@@ -228,7 +228,7 @@ class Zsh(TestCase):
                   for option in ("--write", "--table")),
                 ("measure a.xyzr --parts ", {"chains"}),
                 *((f"interface a.pdb {option} ", {"interfaces", "residues", "atoms", "pdb", "cif"}) for option in ("--write", "--table")),
-                ("measure a.pdb --radii ", {"protor", "bondi", "msms", "naccess", "oons", "occupancy", "sub", "a.xyzr", "b.pqr.gz", "i.cif.gz",
+                ("measure a.pdb --radii ", {"protor", "bondi", "msms", "naccess", "oons", "protor+shannon", "bondi+shannon", "occupancy", "sub", "a.xyzr", "b.pqr.gz", "i.cif.gz",
                                             "m.pdb12.gz", "o.mcif", "l.gz", "p.pdbq", "n.pdbx"} | meshes | maps | {"h.txt"}),
                 ("measure a.pdb --surface ", {"ses", "sas", "vdw", "all"}),
                 ("measure a.pdb --hydrogens ", {"keep", "drop"}),
