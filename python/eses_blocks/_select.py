@@ -10,7 +10,6 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _core, adaptors
-from ._references import is_polymer
 
 _Bools = npt.NDArray[np.bool_]
 _LIGAND = "ligand:"
@@ -79,6 +78,8 @@ class Selector:
     def mask(self, chosen: Any, what: str) -> _Bools:
         """Returns the mask of a selection, a part of a molecule as an object of a library, a mask or indices.
         Raises ValueError, which begins with `what`, if the selection is not valid or has no atoms."""
+        if type(chosen).__module__.partition(".")[0] == "gemmi" and type(chosen).__name__ == "Selection":
+            chosen = chosen.str()
         if isinstance(chosen, str):
             mask = self._of_text(chosen, what)
         elif self._syntax.startswith("MDAnalysis") and hasattr(chosen, "universe"):  # such as an AtomGroup
@@ -140,17 +141,18 @@ class Selector:
 
     def _of_text(self, text: str, what: str) -> _Bools:
         names = self.names
-        if text.startswith(_LIGAND):
-            return self._of_residue(text.removeprefix(_LIGAND), what)
         chains = [name.strip() for name in re.split("[+,]", text)]
         known = set(names.chain.tolist()) - {""}
         if set(chains) <= known:
             return np.isin(names.chain, chains)
         if self._own is None and not (names.residue != "").any() and not known:
             raise ValueError(f"{what}: the atoms have no names of chains and residues; give a mask or indices")
+        if text == "ligand" or text.startswith(_LIGAND):
+            try:
+                return self._of_gemmi(text)
+            except ValueError as error:
+                raise ValueError(f"{what}: {str(error).removeprefix('selection: ')}") from None
         try:
-            if text == "ligand":
-                return self._of_gemmi(None)
             if self._syntax or re.search(r"[/(\[;:*!]|^-?\d", text):
                 return np.array(self._own(text), bool) if self._own else self._of_gemmi(text)
         except (OSError, MemoryError):
@@ -172,20 +174,8 @@ class Selector:
         is_other = " " in text.strip() or text in ("protein", "nucleic", "water", "backbone", "all", "hetero")
         return "; selections have gemmi's syntax, such as //A/57/CA, (HEM) or ;polymer" if is_other else ""
 
-    def _of_residue(self, name: str, what: str) -> _Bools:
-        chain, slash, residue = name.rpartition("/")
-        names = self.names
-        mask: _Bools = names.residue == residue
-        if slash:  # CHAIN/NUMBER or CHAIN/NAME
-            numbers = np.char.add(names.residue_number.astype(str), names.icode)
-            mask = (names.chain == chain) & (mask | (numbers == residue))
-        if not mask.any():
-            residues = sorted(dict.fromkeys(self.names.residue.tolist()), key=is_polymer)  # ligands first
-            raise ValueError(f"{what}: no residue {name!r}; the residues are {listed(residues)}")
-        return mask
-
-    def _of_gemmi(self, text: Optional[str]) -> _Bools:
-        """Returns the mask of a selection in gemmi's syntax; without one, that of all ligands."""
+    def _of_gemmi(self, text: str) -> _Bools:
+        """Returns the mask of a selection in gemmi's syntax, ``ligand`` or a text such as ``ligand:STI``."""
         names = self.names
         numbers = [f"{number}{icode}" for number, icode in zip(names.residue_number.tolist(), names.icode.tolist())]
         rows = list(zip(names.chain.tolist(), names.residue.tolist(), numbers, names.name.tolist(),

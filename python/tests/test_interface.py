@@ -150,5 +150,5 @@ def test_a_ligand_is_a_side(path):
     found = eses.interface(path, "ligand:HEM", "A")
     assert found.sas_lost == pytest.approx((LOST, LOST)) and found.first == "ligand:HEM"
     assert found.residues["residue"].tolist() == ["ALA", "HEM"]
-    with pytest.raises(ValueError, match="no residue 'STI'; the residues are HEM, ALA, GLY"):
+    with pytest.raises(ValueError, match="no atoms of residue STI; the residues are HEM, ALA, GLY"):
         eses.interface(path, "A", "ligand:STI")

@@ -82,6 +82,36 @@ def test_texts_choose_the_same_atoms(path, library, text, residues):
     eses.Surface(molecule).cavities(at="B" if text == "ligand" else text)
 
 
+def atom_line(serial, record, name, residue, chain, number, x, y):
+    return (f"{record:<6}{serial:5d}  {name:<3} {residue:>3} {chain}{number:4d}    {x:8.3f}{y:8.3f}{0:8.3f}  1.00  0.00"
+            f"          {name[0]:>2}\n")
+
+
+@pytest.mark.parametrize("ligands_last", [False, True])
+def test_modified_residues_of_a_chain_are_no_ligands(tmp_path, ligands_last):
+    """The ligands, a free amino acid and more waters than residues have the name of the chain, as in the PDB."""
+    backbone = (("N", 0.0, 0.0), ("CA", 1.45, 0.0), ("C", 2.0, 1.4), ("O", 1.2, 2.4))
+    parts = []
+    for chain, y in (("A", 0.0), ("B", 30.0)):
+        parts.append([(record, name, residue, chain, number, 3.3 * number + dx, y + dy)
+                      for number, residue, record in ((1, "ALA", "ATOM"), (2, "CSO", "HETATM"), (3, "SER", "ATOM"), (4, "XYZ", "HETATM"),
+                                                      (5, "ALA", "ATOM")) for name, dx, dy in backbone])
+        parts.append([("HETATM", name, "STI", chain, 201, x, y + 8) for name, x in (("C1", 0.0), ("C2", 1.5), ("O1", 2.7))]
+                     + [("HETATM", name, "GLU", chain, 202, 20 + dx, y + 8 + dy) for name, dx, dy in backbone]
+                     + [("HETATM", "O", "HOH", chain, 300 + k, 3.0 * k, y + 15) for k in range(40)])
+    order = (0, 2, 1, 3) if ligands_last else (0, 1, 2, 3)
+    rows = [row for k in order for row in parts[k]]
+    path = tmp_path / "modified.pdb"
+    path.write_text("".join(atom_line(serial, *row) for serial, row in enumerate(rows, 1)) + "END\n")
+    gemmi = pytest.importorskip("gemmi")
+    for molecule in (path, eses.read_atoms(path), gemmi.read_structure(str(path)), gemmi.read_structure(str(path))[0]):
+        for arguments in ({"report": "ligand"}, {"select": "ligand"}, {"report": ";!polymer"} if molecule is not path else {}):
+            if arguments:
+                found = eses.measure(molecule, **arguments).residues
+                assert list(zip(found["chain"], found["residue"])) == [("A", "STI"), ("B", "STI")]
+        assert reported(eses.measure(molecule, report="ligand:B/202")) == ["GLU"]
+
+
 def test_select_of_files_takes_masks_and_pqr_files(path):
     residues = reported(eses.measure(path, select=range(5)))
     assert residues == reported(eses.measure(eses.read_atoms(path), select=range(5))) == ["ALA"]
@@ -248,7 +278,7 @@ def test_interfaces_of_objects(path):
     ("D", r"^report: no chain 'D'; the chains are A \(residues 10 to 10\)"),
     ("A+D", "^report: no chain 'D'; "),
     ("STI", "no chain 'STI'; .*; residue STI is ligand:STI$"),
-    ("ligand:HEM", "^report: no residue 'HEM'; the residues are ZN, HOH, STI, GOL, ALA, SER"),
+    ("ligand:HEM", "^report: no atoms of residue HEM; the residues are ZN, HOH, STI, GOL, ALA, SER"),
     ("protein", "^report: no chain 'protein'; the chains are A"),
     ("//A/x[", "^report: invalid selection syntax"),
     ("/1/A", "^report: .*models cannot be selected here"),
@@ -318,7 +348,7 @@ def test_pockets_of_a_ligand(tmp_path):
     expected = [each["volume"] for each in empty.pockets(4.0, atoms=mask)]
     assert expected and [each["volume"] for each in empty.pockets(4.0, at="//A/118")] == expected
     assert surfaces[0].cavities(at="ligand:LIG") == []
-    with pytest.raises(ValueError, match="at: no residue 'STI'; the residues are LIG, ALA"):
+    with pytest.raises(ValueError, match="at: no atoms of residue STI; the residues are LIG, ALA"):
         surfaces[0].pockets(at="ligand:STI")
     with pytest.raises(ValueError, match="no atoms besides .ligand."):
         eses.Surface(eses.read_atoms(path, select="//B")).pockets(at="ligand")

@@ -131,4 +131,11 @@ std::string unknown_residue_text(std::span<const AtomLabel> labels, const std::s
                    first_names(names), advice_for_name(labels, residue));
 }
 
+std::vector<bool> require_atoms(const NamedPart& part, std::span<const AtomLabel> labels) {
+  std::vector<bool> is_in = part.atoms_in(labels);
+  if (!part.residue.empty() && std::ranges::find(is_in, true) == is_in.end())
+    throw Error("selection: " + unknown_residue_text(labels, part.residue));
+  return is_in;
+}
+
 }  // namespace eses::detail

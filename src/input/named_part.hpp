@@ -59,4 +59,8 @@ std::string first_names(const std::vector<std::string>& names);
 std::string unknown_residue_text(std::span<const AtomLabel> labels, const std::string& residue,
                                  std::string_view origin = {});
 
+/// Returns whether each atom is in a part of chains or of a residue. Throws Error if a residue has
+/// no atoms.
+std::vector<bool> require_atoms(const NamedPart& part, std::span<const AtomLabel> labels);
+
 }  // namespace eses::detail

@@ -2,18 +2,21 @@
 
 #include "eses/error.hpp"
 #include "eses/select_atoms.hpp"
+#include "input/named_part.hpp"
 #include "input/read_structure.hpp"
 #include "system/formatted.hpp"
 
 namespace eses {
 
-std::vector<bool> select_atoms(std::span<const AtomLabel> /*atoms*/,
-                               const std::string& /*selection*/) {
+std::vector<bool> select_atoms(std::span<const AtomLabel> atoms, const std::string& selection) {
+  const std::vector<std::string> chains = detail::different_names(atoms, &AtomLabel::chain);
+  const detail::NamedPart part = detail::named_part(selection, {chains.begin(), chains.end()});
+  if (!part.all_ligands && part.selection.empty()) return detail::require_atoms(part, atoms);
   throw Error("this build has no selections; install gemmi-dev and build eses-blocks again");
 }
 
 std::vector<bool> find_ligand_atoms(std::span<const AtomLabel> atoms) {
-  return select_atoms(atoms, {});
+  return select_atoms(atoms, std::string(detail::all_ligands_text));
 }
 
 namespace detail {

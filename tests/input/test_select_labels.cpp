@@ -65,7 +65,8 @@ TEST_CASE("select_atoms: selections have gemmi's syntax", "[structure][select]")
 TEST_CASE("select_atoms: several chains, all of which exist", "[structure][select]") {
   CHECK(chosen(select_atoms(labels, "B + A")).size() == labels.size());
   CHECK(selection_error("A+C") == "selection: no atoms of chain C; its chains are A, B");
-  CHECK(select_atoms(labels, "ligand:HEM") == std::vector<bool>(labels.size()));
+  CHECK(selection_error("ligand:HEM") ==
+        "selection: no atoms of residue HEM; the residues are STI, ZN, TIP3, NH4, GOL, ALA, SER");
 }
 
 TEST_CASE("select_atoms: messages say what is wrong", "[structure][select]") {
@@ -82,6 +83,31 @@ TEST_CASE("select_atoms: messages say what is wrong", "[structure][select]") {
 
 TEST_CASE("find_ligand_atoms: polymers, waters and ions are none", "[structure][select]") {
   CHECK(chosen(find_ligand_atoms(labels)) == std::vector<std::size_t>{3, 4, 5, 11, 12});
+}
+
+TEST_CASE("find_ligand_atoms: modified residues of a chain are none, with many waters and ligands",
+          "[structure][select]") {
+  std::vector<AtomLabel> atoms;
+  for (const char* residue : {"ALA", "CSO", "XYZ", "GLY", "XYZ"})
+    for (const char* name : {"N", "CA", "C"})
+      atoms.push_back({"A", residue, std::to_string(atoms.size() / 3 + 1), name, {name, 1}});
+  const std::size_t polymer = atoms.size();
+  const auto append = [&](const char* residue, int number, std::vector<const char*> names) {
+    for (const char* name : names)
+      atoms.push_back({"A", residue, std::to_string(number), name, {name, 1}});
+  };
+  for (int i = 0; i < 30; ++i) append("STI", 100 + i, {"C1", "O1"});
+  for (int i = 0; i < 30; ++i) append("HOH", 200 + i, {"O"});
+  append("GLU", 300, {"N", "CA", "C"});  // free
+  for (const bool in_parts : {false, true}) {
+    if (in_parts)  // another chain is between the polymer and the rest
+      atoms.insert(atoms.begin() + static_cast<std::ptrdiff_t>(polymer),
+                   {"B", "ALA", "1", "CA", "C"});
+    std::vector<std::size_t> expected;
+    for (std::size_t i = 0; i < atoms.size(); ++i)
+      if (atoms[i].residue == "STI") expected.push_back(i);
+    CHECK(chosen(find_ligand_atoms(atoms)) == expected);
+  }
 }
 
 TEST_CASE("closest_name: the name that was probably meant", "[select]") {

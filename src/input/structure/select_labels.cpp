@@ -1,7 +1,9 @@
 #include <algorithm>
 #include <cstddef>
 #include <gemmi/model.hpp>
+#include <gemmi/resinfo.hpp>
 #include <gemmi/select.hpp>
+#include <iterator>
 #include <span>
 #include <string>
 #include <string_view>
@@ -63,6 +65,37 @@ gemmi::Model model_of(std::span<const AtomLabel> atoms) {
   return model;
 }
 
+/// Returns whether a residue may be one of a polymer, as gemmi decides.
+bool may_be_of_polymer(const gemmi::Residue& residue) {
+  const gemmi::ResidueInfo info = gemmi::find_tabulated_residue(residue.name);
+  return is_polymer_residue(residue.name) || info.is_amino_acid() || info.is_nucleic_acid() ||
+         residue.get_ca() != nullptr || residue.get_p() != nullptr;
+}
+
+/// Sets the entity types of the residues of a model. A chain is a polymer if most of its first
+/// residues are. Waters and ligands do not count, because some files have many of them in the chain
+/// of the polymer. The order of residues becomes another one.
+void set_entity_types(gemmi::Model& model) {
+  model.merge_chain_parts();  // ligands and waters often follow the last chain
+  std::vector<std::vector<gemmi::Residue>> others;
+  for (gemmi::Chain& chain : model.chains) {
+    std::vector<gemmi::Residue>& residues = chain.residues;
+    const auto waters =
+        std::stable_partition(residues.begin(), residues.end(),
+                              [](const gemmi::Residue& residue) { return !is_water(residue); });
+    const auto end = std::find_if_not(residues.begin(), waters, may_be_of_polymer);
+    for (auto residue = end; residue != residues.end(); ++residue)
+      residue->entity_type = residue >= waters                   ? gemmi::EntityType::Water
+                             : is_polymer_residue(residue->name) ? gemmi::EntityType::Polymer
+                                                                 : gemmi::EntityType::NonPolymer;
+    others.emplace_back(std::make_move_iterator(end), std::make_move_iterator(residues.end()));
+    residues.erase(end, residues.end());
+  }
+  complete_entity_types(model, gemmi::CoorFormat::Mmcif);
+  for (std::size_t i = 0; i < others.size(); ++i)
+    std::move(others[i].begin(), others[i].end(), std::back_inserter(model.chains[i].residues));
+}
+
 /// Returns whether each of so many atoms is in a residue of the model that `is_chosen` accepts.
 std::vector<bool> atoms_of(const gemmi::Model& model, std::size_t count, const auto& is_chosen) {
   std::vector<bool> found(count);
@@ -82,18 +115,18 @@ std::vector<bool> select_atoms(std::span<const AtomLabel> atoms, const std::stri
   const std::set<std::string> chains = detail::chain_names(model);
   const detail::NamedPart part = detail::named_part(selection, chains);
   if (part.all_ligands) return find_ligand_atoms(atoms);
-  if (part.selection.empty()) return part.atoms_in(atoms);
+  if (part.selection.empty()) return detail::require_atoms(part, atoms);
   const gemmi::Selection parsed = detail::parse_selection(part.selection, "selection");
   detail::require_labels(parsed, part.selection);
   detail::refuse_words(parsed, part.selection, chains, "selection");
-  if (!parsed.entity_types.all) detail::complete_entity_types(model, gemmi::CoorFormat::Mmcif);
+  if (!parsed.entity_types.all) detail::set_entity_types(model);
   parsed.remove_not_selected(model);
   return detail::atoms_of(model, atoms.size(), [](const gemmi::Residue&) { return true; });
 }
 
 std::vector<bool> find_ligand_atoms(std::span<const AtomLabel> atoms) {
   gemmi::Model model = detail::model_of(atoms);
-  detail::complete_entity_types(model, gemmi::CoorFormat::Mmcif);
+  detail::set_entity_types(model);
   return detail::atoms_of(model, atoms.size(), [](const gemmi::Residue& residue) {
     std::set<std::string_view> heavy_atoms;  // names, because an atom may have alternate locations
     for (const gemmi::Atom& atom : residue.atoms)
