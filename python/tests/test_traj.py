@@ -221,6 +221,14 @@ def test_molecules_that_the_box_divides_are_reported(tmp_path):
     assert "warning: the periodic box divides a molecule at" in done.stderr
 
 
+def test_a_report_of_all_that_blocks_is_a_warning(folder, tmp_path):
+    warning = "warning: --report index 0:99 has all atoms of --select index 0:99, so that nothing else blocks; the residues of other atoms are "
+    for options, warns in ((("--select", "index 0:99", "--report", "index 0:99"), True), (("--select", "index 0:99"), False),
+                           (("--report", "all", "--waters"), False), (("--report", "index 0:99"), False)):
+        done = run(folder, "run.xtc", "top.pdb", "--stop", 1, *options, "-o", tmp_path / "areas.csv")
+        assert (warning in done.stderr) == warns, done.stderr
+
+
 @pytest.mark.parametrize("arguments, message", [
     (("run.xtc", "top.pdb", "--select", "resname NONE", "-o", "x.csv"), "--select resname NONE: no atoms"),
     (("run.xtc", "top.pdb", "--select", "what is this", "-o", "x.csv"), "--select what is this: "),

@@ -123,6 +123,18 @@ def warn_if_divided(numpy, universe, atoms, measured):
             "for example with gmx trjconv -pbc mol")
 
 
+def warn_if_nothing_else_blocks(universe, group, measured, options):
+    """Warns if --select leaves out all atoms other than those of --report."""
+    others = universe.atoms - group
+    if options.report is None or not len(others) or not len(others.residues):
+        return
+    table = measured.atoms
+    if (table["sas"] == table["sas"])[measured.molecule.kept].all():
+        listed = importlib.import_module("eses_blocks._select").listed
+        say(f"warning: --report {printable(options.report)} has all atoms of --select {printable(options.select)}, so that "
+            f"nothing else blocks; the residues of other atoms are {printable(listed(others.residues.resnames))}")
+
+
 # ------------------------------------------------------------------------------------------- plan
 
 
@@ -151,6 +163,7 @@ def make_plan(eses, universe, frames, options):
     except (OSError, ValueError) as error:
         raise Failed(printable(error)) from None
     warn_if_divided(numpy, universe, group, measured)
+    warn_if_nothing_else_blocks(universe, group, measured, options)
     table, kept = measured.atoms, measured.molecule.kept
     names, labels, row = rows_of(numpy, table, options.level)
     starts = numpy.unique(row, return_index=True)[1]
