@@ -77,7 +77,7 @@ else:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
 
 
-add_methods(Mesh, Result, Surface)
+add_methods(Atoms, Mesh, Result, Surface)
 del add_methods
 for _each in (Interface, Interfaces, Measurement, Molecule, Radii, Table, interface, interfaces, measure, read_molecule):
     _each.__module__ = __name__  # where users find it

@@ -11,10 +11,11 @@ import numpy as np
 from . import _arguments, _core, _molecule
 from ._files import output_path, write_structure
 from ._measurement import _Path, Table, _polar_atoms, _starts_of
+from ._read_only import ReadOnly
 from ._select import Selector
 
 
-class Interface:
+class Interface(ReadOnly):
     """The interface between two parts of a complex: the areas that each loses by the other, in square
     angstrom. The interface area is half of what both lose. SES areas can be negative by atom, because
     saddle and concave patches between the parts belong to both."""
@@ -23,8 +24,17 @@ class Interface:
                  atoms: Any, sas_lost: Any, ses_lost: Any, residue_cutoff: float = 0.0) -> None:
         self._molecule, self._polar, self._residue_cutoff = molecule, polar, residue_cutoff
         self._side, self._atoms, self._sas, self._ses = side, atoms, sas_lost, ses_lost
-        #: The names of the two parts.
-        self.first, self.second = first, second
+        self._first, self._second = first, second
+
+    @property
+    def first(self) -> str:
+        """The name of the first part."""
+        return self._first
+
+    @property
+    def second(self) -> str:
+        """The name of the second part."""
+        return self._second
 
     def _lost(self, areas: Any) -> tuple[float, float]:
         return float(areas[self._side == 0].sum()), float(areas[self._side == 1].sum())
@@ -124,7 +134,7 @@ def _save(interfaces: Sequence[Interface], molecule: Optional[_molecule.Molecule
     write_structure(name, molecule, values)
 
 
-class Interfaces(Sequence[Interface]):
+class Interfaces(ReadOnly, Sequence[Interface]):
     """Interfaces, the largest first. ``table`` has a row for each."""
 
     def __init__(self, interfaces: Sequence[Interface], molecule: Optional[_molecule.Molecule] = None) -> None:

@@ -14,6 +14,7 @@ import numpy.typing as npt
 
 from . import _arguments, _core, _molecule
 from ._files import output_path, write_structure
+from ._read_only import Counts, ReadOnly
 from ._references import CLASSES, MAIN_CHAIN, REFERENCE_PROBE_RADIUS, REFERENCES, is_amino_acid
 from ._paths import remember_files
 from ._select import remember_molecule
@@ -23,7 +24,7 @@ _Bools = npt.NDArray[np.bool_]
 _Path = Union[str, bytes, os.PathLike[str], os.PathLike[bytes]]
 
 
-class Table:
+class Table(ReadOnly):
     """Read-only numpy columns of one length, by name: ``table["sas"]``. ``len(table)`` is the number of
     rows, ``dict(table)`` has all columns."""
 
@@ -111,7 +112,7 @@ def _polar_atoms(molecule: _molecule.Molecule, starts: npt.NDArray[np.int64]) ->
                                       molecule.classes.tolist()), bool)
 
 
-class Measurement:
+class Measurement(ReadOnly):
     """Areas and volumes of a molecule in closed form, in angstrom.
 
     ``atoms``, ``residues`` and ``chains`` are tables of numpy columns in the order of the molecule.
@@ -208,9 +209,9 @@ class Measurement:
         return self._molecule.set
 
     @property
-    def left_out(self) -> dict[str, int]:
+    def left_out(self) -> Counts:
         """Numbers of the atoms of the object that are not part of the surface, by their kind."""
-        return dict(self._molecule.left_out)
+        return self._molecule.left_out
 
     @property
     def notes(self) -> tuple[str, ...]:

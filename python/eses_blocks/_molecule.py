@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import difflib
 import inspect
 import io
 import os
@@ -18,6 +19,7 @@ from ._files import RowsOfFile, model_numbers, notes_of, values_in_lines
 from ._paths import files_of, format_of, is_file, is_path, name_of, read_content, read_opened, remember_files
 from ._radii import (SOURCES, atoms_named, correct_elements, find_dummies, find_radii, radii_by_bonds, refuse_unknown,
                      warn_about_residues)
+from ._read_only import Counts
 from ._references import is_polymer
 from ._select import Selector, molecule_of
 
@@ -30,7 +32,7 @@ class Radii:
     """The set of radii of a molecule, and the atoms whose radius or element was guessed."""
 
     name: str
-    """``protor``, ``bondi``, ``msms``, ``naccess``, ``oons``, the name in a configuration file, ``file`` or ``given``."""
+    """``protor``, ``bondi``, ``msms``, ``naccess``, ``oons``, also with ``+shannon``, ``protor+ccd``, the name in a configuration file, ``file`` or ``given``."""
     source: str
     """The publication with its DOI, or where the radii come from."""
     guessed: npt.NDArray[np.int64]
@@ -59,7 +61,7 @@ class Molecule:
     """(M,) van der Waals radii of the kept atoms, in angstrom."""
     kept: npt.NDArray[np.int64]
     """(M,) indices of the kept atoms in the object."""
-    left_out: dict[str, int]
+    left_out: Counts
     """Numbers of the atoms that are not kept, by their kind: ``selection``, ``water``, ``hydrogen``, ``altloc``,
     ``virtual``; for files those of ``Atoms.left_out``, which are no rows of the columns."""
     positions: npt.NDArray[np.float64]
@@ -267,8 +269,8 @@ def _object_source(found: Any, radii: Any, frame: int) -> _Source:
         return _Source(adaptors.Columns(centers=found[0], radii=found[1]), are_read=True, set_name="given")
     if radii is not None and not isinstance(radii, (str, os.PathLike)):
         return _Source(adaptors.Columns(centers=found, radii=radii), are_read=True, set_name="given")
-    if isinstance(found, (list, tuple)) and found and is_file(found[0]):
-        raise TypeError("several files: measure each by itself")
+    if isinstance(found, (list, tuple)) and found and is_molecule(found[0]):
+        raise TypeError(f"several {'files' if is_file(found[0]) else 'molecules'}: measure each by itself")
     if isinstance(found, (np.ndarray, list, tuple)):
         raise TypeError("an array of centres needs radii: give (centers, radii)")
     return _Source(adaptors.columns_of(found, frame))  # an error that names the known libraries
@@ -339,7 +341,7 @@ def read_molecule(molecule: Any, radii: Any = None, *, waters: bool = False, hyd
         A path (``str``, ``bytes`` or ``os.PathLike``), also of BinaryCIF files, which Biotite reads, and of SDF, MOL
         and MOL2 files, which RDKit reads; an open file, the bytes or the text of a file,
         ``(centers, radii)``, ``Atoms``, ``Surface``, a ``Molecule`` that was read before, or an object of one of the libraries in
-        ``adaptors.ADAPTORS``: gemmi Structure, Model, Chain; MDAnalysis Universe, AtomGroup; MDTraj
+        ``adaptors.ADAPTORS``: gemmi Structure, Model, Chain, ResidueSpan, Residue; MDAnalysis Universe, AtomGroup; MDTraj
         Trajectory; Biopython Structure, Model, Chain, Residue; Biotite AtomArray, AtomArrayStack; RDKit
         Mol; ASE Atoms; ParmEd Structure; ProDy AtomGroup, Selection; an object of OpenMM with topology
         and positions, or the pair.
@@ -347,7 +349,8 @@ def read_molecule(molecule: Any, radii: Any = None, *, waters: bool = False, hyd
         ``protor``, ``bondi``, ``msms``, ``naccess``, ``oons``, the path of a file in FreeSASA's
         configuration format, or N radii in angstrom; ``occupancy`` for a PDB or mmCIF file that has radii as its occupancies.
         ``protor+ccd`` is ``protor`` with radii of ligands that follow from their bonds in the Chemical
-        Component Dictionary, which needs Biotite. By default ``protor`` for molecules with names of
+        Component Dictionary, which needs Biotite. ``+shannon`` after the name of a set, such as ``protor+shannon``, is
+        the set with Shannon's radii of ions. By default ``protor`` for molecules with names of
         residues, whose hydrogens then belong to the united atoms, and ``bondi`` for others. PQR and
         xyzr files have radii of their own.
     waters : bool, optional
@@ -499,7 +502,7 @@ def _read(found: Any, radii: Any, waters: bool, hydrogens: str, unknown: Optiona
         raise ValueError(f"hydrogens must be 'auto', 'keep' or 'drop', not {hydrogens!r}")
     _arguments.check(read_molecule, waters=waters, unknown_radius=unknown, frame=frame)
     by_bonds = isinstance(radii, str) and radii.lower() == "protor+ccd"
-    if isinstance(radii, str) and radii.lower().startswith("protor+") and not by_bonds:
+    if isinstance(radii, str) and radii.lower() not in SOURCES and difflib.get_close_matches(radii.lower(), ["protor+ccd"], 1, 0.85):
         raise ValueError(f"radii: unknown set {radii!r}; did you mean protor+ccd?")
     radii = "protor" if by_bonds else radii
     source = _source_of(found, radii, unknown, waters, hydrogens, frame, options)
@@ -554,7 +557,7 @@ def _select_again(molecule: Molecule, options: dict[str, Any]) -> tuple[Molecule
     columns = {name: getattr(molecule, name)[is_chosen] for name in ("centers", "radii", "kept")}
     for column in columns.values():
         column.flags.writeable = False
-    return dataclasses.replace(molecule, left_out=left_out, **columns), selector
+    return dataclasses.replace(molecule, left_out=Counts(left_out), **columns), selector
 
 
 def is_molecule(found: Any) -> bool:
@@ -588,7 +591,7 @@ def _molecule_of(named: _Named, choice: _Choice, which: str, are_named: bool, fi
     source_text = SOURCES.get(choice.set_name if is_named else which.lower(), f"the configuration file {which}")
     columns = {field.name: getattr(named, field.name) for field in dataclasses.fields(named)}
     molecule = Molecule(
-        centers=named.positions[kept], radii=choice.radii[kept], kept=kept, left_out=choice.left_out,
+        centers=named.positions[kept], radii=choice.radii[kept], kept=kept, left_out=Counts(choice.left_out),
         set=Radii(choice.set_name, source_text, choice.guessed, choice.unknown), are_named=are_named, files=files,
         classes=choice.classes, **columns)
     for column in (molecule.centers, molecule.radii, kept, choice.guessed, choice.unknown, choice.classes, *columns.values()):

@@ -1,4 +1,4 @@
-"""Methods of Mesh, Result and Surface that need other Python packages, and pages for notebooks."""
+"""Methods of Atoms, Mesh, Result and Surface that need other Python packages, and pages for notebooks."""
 
 import html
 import importlib
@@ -165,11 +165,11 @@ def surface_show(self, spacing=0.4, atoms=None, *, color=None, style="none", bac
     """
     _check_choices(color, style, backend)
     _arguments.check(surface_show, spacing=spacing)
-    if not isinstance(atoms, (_core.Atoms, type(None))):
-        raise TypeError(f"atoms must be Atoms, not {atoms!r:.80}")
+    if atoms is not None:
+        _require_atoms(atoms)
     result = self.compute(self.grid(spacing, 2 * spacing))  # does not cut the surface
     if atoms is not None:
-        _core._require_order(result, atoms)
+        _require_order(result, atoms)
     shown = _page_atoms(self.centers, self.radii, result.atom_areas, atoms)
     return _show(result.mesh(component=True), shown, color, style, backend, title, height)
 
@@ -252,6 +252,83 @@ def result_to_xarray(self):
                            "spacing": self.grid.spacing})
 
 
+def _require_atoms(atoms):
+    if not isinstance(atoms, _core.Atoms):
+        raise TypeError(f"atoms must be Atoms, not {atoms!r:.80}")
+
+
+def _require_order(result, atoms):
+    """Raises ValueError if the atoms differ from those of the surface in their number, or have the same centres in
+    another order. Atoms with other centres, such as those of another frame, are accepted."""
+    centers, given = _core._spheres_of(result)[0], atoms.centers
+    if len(given) != len(centers):
+        raise ValueError(f"the surface has {len(centers)} atoms, but {len(given)} are given")
+    if not np.array_equal(given, centers) and np.array_equal(*(each[np.lexsort(each.T)] for each in (given, centers))):
+        raise ValueError("the atoms are those of the surface in another order")
+
+
+def _name_columns(count, atoms):
+    """Returns the columns of the names of atoms, which are empty if they are unknown."""
+    labels = None if atoms is None else atoms.labels
+    names = {"name": "atom_name", "residue": "residue", "residue_number": "residue_number", "chain": "chain"}
+    return {"serial": np.arange(1, count + 1),
+            **{column: np.zeros(count, "U1") if labels is None else getattr(labels, name) for column, name in names.items()},
+            "element": np.zeros(count, "U1") if atoms is None else atoms.element}
+
+
+def atoms_to_dataframe(self):
+    """Make a table of the atoms. Needs pandas.
+
+    Returns
+    -------
+    pandas.DataFrame
+        A row for each atom, by index from 0. The columns are ``serial`` (from 1), the texts ``name``,
+        ``residue``, ``residue_number``, ``chain`` and ``element``, which are empty if they are unknown,
+        the centre ``x``, ``y``, ``z`` and the ``radius`` in angstrom, and, for PQR files, the ``charge``
+        in elementary charges.
+
+    Raises
+    ------
+    ImportError
+        If pandas is not installed.
+    """
+    pandas = _require("pandas", "to_dataframe")
+    columns = {**_name_columns(len(self), self), **dict(zip("xyz", self.centers.T)), "radius": self.radii}
+    if self.charge is not None:
+        columns["charge"] = self.charge
+    return pandas.DataFrame(columns)
+
+
+def result_atom_table(self, atoms=None):
+    """Make a table of the atoms with their areas. Needs pandas.
+
+    Parameters
+    ----------
+    atoms : Atoms, optional
+        The atoms of the surface, in the same order, for their names. Without it the names are empty.
+
+    Returns
+    -------
+    pandas.DataFrame
+        A row for each atom, by index from 0. The columns are those of ``atoms.csv``: ``serial`` (from
+        1), the texts ``name``, ``residue``, ``residue_number``, ``chain`` and ``element``, which are empty
+        if they are unknown, the ``radius`` in angstrom and the ``area`` in square angstrom.
+
+    Raises
+    ------
+    ImportError
+        If pandas is not installed.
+    ValueError
+        If the number of atoms or their order is not that of the surface.
+    """
+    if atoms is not None:
+        _require_atoms(atoms)
+        _require_order(self, atoms)
+    pandas = _require("pandas", "atom_table")
+    radii = _core._spheres_of(self)[1]
+    return pandas.DataFrame({**_name_columns(len(radii), atoms), "radius": radii, "area": self.atom_areas})
+
+
 def result_residue_table(self, atoms):
     """Make a table of the residues with their areas. Needs pandas.
 
@@ -274,10 +351,9 @@ def result_residue_table(self, atoms):
     ValueError
         If the number of atoms or their order is not that of the surface, or the atoms have no names.
     """
-    if not isinstance(atoms, _core.Atoms):
-        raise TypeError(f"atoms must be eses_blocks.Atoms, not {type(atoms).__name__}")
+    _require_atoms(atoms)
     areas = self.atom_areas
-    _core._require_order(self, atoms)
+    _require_order(self, atoms)
     labels = atoms.labels
     if labels is None:
         raise ValueError("the atoms have no names of residues")
@@ -291,10 +367,11 @@ def result_residue_table(self, atoms):
         "atoms": np.diff(np.append(starts, len(areas))), "area": np.add.reduceat(areas, starts)})
 
 
-def add_methods(mesh, result, surface):
+def add_methods(atoms, mesh, result, surface):
     """Gives the classes of the extension module the methods of this file."""
-    for owner, methods in ((mesh, (mesh_show, mesh_to_trimesh, mesh_to_pyvista)),
-                           (result, (result_to_xarray, result_residue_table)),
+    for owner, methods in ((atoms, (atoms_to_dataframe,)),
+                           (mesh, (mesh_show, mesh_to_trimesh, mesh_to_pyvista)),
+                           (result, (result_to_xarray, result_atom_table, result_residue_table)),
                            (surface, (surface_show,))):
         for method in methods:
             name = method.__name__.partition("_")[2]

@@ -87,10 +87,10 @@ def _from_gemmi(found: Any, frame: int) -> Columns:
         chains = list(found)
     elif kind == "Chain":
         chains = [found]
-    elif kind != "Residue":
-        raise TypeError(f"gemmi.{kind} is not a molecule; give a Structure, Model, Chain or Residue")
-    rows = ([("", found, atom) for atom in found] if kind == "Residue" else
-            [(chain.name, residue, atom) for chain in chains for residue in chain for atom in residue])
+    elif kind not in ("Residue", "ResidueSpan", "ResidueGroup"):
+        raise TypeError(f"gemmi.{kind} is not a molecule; give a Structure, Model, Chain, ResidueSpan or Residue")
+    parts = [("", [found] if kind == "Residue" else found)] if kind.startswith("Residue") else [(chain.name, chain) for chain in chains]
+    rows = [(name, residue, atom) for name, residues in parts for residue in residues for atom in residue]
     return Columns(
         centers=[atom.pos.tolist() for _, _, atom in rows],
         elements=["" if atom.element.name == "X" else atom.element.name for _, _, atom in rows],
@@ -321,4 +321,4 @@ def columns_of(found: Any, frame: int = 0) -> Columns:
     try:
         return adaptor(found, frame)
     except AttributeError as error:  # such as a single atom, or a topology without coordinates
-        raise TypeError(f"{name} is not a molecule with coordinates: {error}") from error
+        raise TypeError(f"{name} is not a molecule with coordinates: {str(error).rstrip('. ')}") from error

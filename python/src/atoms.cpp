@@ -16,7 +16,6 @@
 #include <vector>
 
 #include "arrays.hpp"
-#include "atom_frames.hpp"
 #include "background.hpp"
 #include "instances.hpp"
 #include "measure_records.hpp"
@@ -224,9 +223,11 @@ std::vector<AtomLabel> labels_of(const std::vector<std::int64_t>& residue_indice
   return labels;
 }
 
+using NamePairs = std::vector<std::pair<std::string, std::string>>;
+
 // Returns the names of residues and atoms of a PDB or mmCIF file whose elements follow from them.
-std::vector<std::pair<std::string, std::string>> guessed_names(const AtomFile& file) {
-  std::vector<std::pair<std::string, std::string>> names;
+NamePairs guessed_names(const AtomFile& file) {
+  NamePairs names;
   if (file.structure)
     for (const RadiusSource& source : file.structure->guessed_elements)
       names.emplace_back(source.residue, source.atom_name);
@@ -264,16 +265,14 @@ void warn_about_residues(const std::vector<std::int64_t>& residue_indices,
   warn_about(found);
 }
 
-// Returns whether each atom is in a selection in gemmi's syntax; without one, whether it belongs to
-// a ligand.
+// Returns whether each atom is in a selection.
 std::vector<bool> selected(const std::vector<std::array<std::string, 5>>& atoms,
-                           const std::optional<std::string>& selection) {
+                           const std::string& selection) {
   std::vector<AtomLabel> labels;
   labels.reserve(atoms.size());
   for (const auto& [chain, residue, number, name, element] : atoms)
     labels.push_back({chain, residue, number, name, element});
-  return read_file_as_value(
-      [&] { return selection ? select_atoms(labels, *selection) : find_ligand_atoms(labels); });
+  return read_file_as_value([&] { return select_atoms(labels, selection); });
 }
 
 AreaReference reference_of(const std::string& name) {
@@ -366,6 +365,10 @@ LeftOut left_out_of(const AtomFile& file) {
   return counts;
 }
 
+py::object read_only_counts(const AtomFile& file) {
+  return py::module_::import("eses_blocks._read_only").attr("Counts")(left_out_of(file));
+}
+
 /// Returns what notes on the atoms of a PDB or mmCIF file tell: the model and the number of models,
 /// chains that are segments, the number of atoms, and the assemblies with several operators or
 /// without some of the atoms. None for other files.
@@ -392,25 +395,29 @@ py::array_t<std::uint8_t> classes_of(const AtomFile& file) {
 }
 
 py::tuple atoms_state(const py::object& atoms) {
+  const auto& file = atoms.cast<const AtomFile&>();
   const py::object labels = atoms.attr("labels");
   return py::make_tuple(atoms.attr("centers"), atoms.attr("radii"), atoms.attr("lines"),
                         labels.is_none() ? labels : label_state(labels.cast<const Labels&>()),
-                        atoms.attr("charge"), atoms.attr("diagnostics"), atoms.attr("left_out"),
-                        files_of(atoms), classes_of(atoms.cast<const AtomFile&>()));
+                        atoms.attr("charge"), atoms.attr("diagnostics"), left_out_of(file),
+                        files_of(atoms), classes_of(file), set_of(file), guessed_names(file));
 }
 
 void set_atoms_state(py::detail::value_and_holder& self, const py::tuple& state) {
-  const auto [centers, radii, lines, labels, charges, diagnostics, left_out, files, classes] =
+  const auto [centers, radii, lines, labels, charges, diagnostics, left_out, files, classes, set,
+              guessed] =
       unpack_state<
           std::tuple<py::object, py::object, StateArray<std::uint64_t>, std::optional<py::tuple>,
                      std::optional<StateArray<double>>, std::vector<Diagnostic>, LeftOut, py::tuple,
-                     StateArray<std::uint8_t>>>(state);
+                     StateArray<std::uint8_t>, std::string, NamePairs>>(state);
   AtomFile file;
   file.atoms = make_atoms(centers, radii);
   file.diagnostics = diagnostics;
-  if (!left_out.empty()) file.structure.emplace();
+  if (!set.empty()) file.structure.emplace().radii = set;
+  for (const auto& [residue, name] : guessed)
+    if (file.structure) file.structure->guessed_elements.push_back({residue, name, {}, 0});
   for (const auto& [name, member] : left_out_counts)
-    if (const auto count = left_out.find(name); count != left_out.end())
+    if (const auto count = left_out.find(name); file.structure && count != left_out.end())
       (*file.structure).*member = count->second;
   require_shape(lines, file.atoms.size());
   file.lines.assign(lines.data(), lines.data() + lines.size());
@@ -489,7 +496,7 @@ void bind_atoms_class(py::module_& module) {
           "diagnostics", &AtomFile::diagnostics,
           "list of Diagnostic: suspicious names, such as those of a file of C-alpha atoms. "
           "``Surface.diagnostics`` has those of centres and radii.")
-      .def_property_readonly("left_out", &left_out_of,
+      .def_property_readonly("left_out", &read_only_counts,
                              "dict of str to int: numbers of the atoms of a PDB or mmCIF file that "
                              "are left out: ``chain``, "
                              "``selection``, ``water``, ``hetatm``, ``hydrogen``, ``altloc``, "
@@ -513,7 +520,6 @@ void bind_atoms_class(py::module_& module) {
           "elementary charges; nan where the mmCIF file has none; None for other files.")
       .def("__getstate__", &atoms_state)
       .def("__setstate__", &set_atoms_state, py::detail::is_new_style_constructor());
-  bind_atoms_frame(atoms);
   protect_instances(atoms);
 }
 

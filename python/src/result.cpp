@@ -12,7 +12,6 @@
 #include <vector>
 
 #include "arrays.hpp"
-#include "atom_frames.hpp"
 #include "computed_result.hpp"
 #include "crossings.hpp"
 #include "instances.hpp"
@@ -318,7 +317,10 @@ void bind_result(py::module_& module) {
       .def(py::pickle(&result_state, &result_of_state));
   protect_instances(type);
   bind_solver_maps(type);
-  bind_atom_table(module, type);
+  module.def("_spheres_of", [](const py::object& result) {
+    const auto atoms = result.cast<const ComputedResult&>().surface.atoms();
+    return py::make_tuple(centers_view(atoms, result), radii_view(atoms, result));
+  });
 }
 
 }  // namespace eses::python

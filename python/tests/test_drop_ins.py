@@ -208,6 +208,28 @@ def test_mdanalysis_in_parallel(pdb, backend):
         np.testing.assert_array_equal(parallel.results[name], serial.results[name])
 
 
+def test_a_membrane_blocks():
+    """A transporter in its membrane: residues lose area where lipids are near, and only there."""
+    mda = pytest.importorskip("MDAnalysis")
+    files = pytest.importorskip("MDAnalysisTests.datafiles")
+    from eses_blocks.mdanalysis import SASAAnalysis  # pylint: disable=import-outside-toplevel
+    universe = mda.Universe(files.GRO_MEMPROT, files.XTC_MEMPROT)  # YiiP_lipids
+    protein = universe.select_atoms("protein")
+    inside, alone = (SASAAnalysis(universe, "protein", **how).run(stop=2).results
+                     for how in ({"block": "protein or resname POPE POPG ZNM"}, {}))
+    assert inside.residue_area.shape == alone.residue_area.shape == (2, len(protein.residues))
+    reach = 2 * (2.75 + 1.4)  # twice the radius of the largest atom and the probe
+    for frame, _ in enumerate(universe.trajectory[:2]):
+        assert inside.total_area[frame] == pytest.approx(eses.measure(universe, report="protein").sas_area)
+        assert alone.total_area[frame] == pytest.approx(eses.measure(protein).sas_area)
+        near = universe.select_atoms(f"same residue as (protein and around {reach} not protein)").residues
+        is_near = np.isin(protein.residues.ix, near.ix)
+        lost = alone.residue_area[frame] - inside.residue_area[frame]
+        np.testing.assert_allclose(lost[~is_near], 0, atol=1e-9)
+        assert (lost > -1e-9).all() and 0.5 * alone.total_area[frame] > lost[is_near].sum() > 0.2 * alone.total_area[frame]
+        assert 0 < is_near.sum() < len(is_near)
+
+
 def mdtraj_case(path, traj=None, **arguments):
     mdtraj = pytest.importorskip("mdtraj")
     return eses.mdtraj.shrake_rupley(mdtraj.load(str(path)) if traj is None else traj, **arguments)

@@ -1,6 +1,7 @@
 """Molecules of files, texts, arrays and other libraries: the same atoms give the same areas, in the
 order of the object. Libraries that are missing are skipped."""
 
+import copy
 import csv
 import gzip
 import io
@@ -118,6 +119,15 @@ def test_gemmi(pdb, expected):
     result = eses.measure(structure[0]["A"])
     assert result.left_out == {"altloc": 2} and result.chains["chain"].tolist() == ["A"]
     assert eses.measure(structure).left_out == {"altloc": 2, "water": 1}
+    for part in (structure[0]["A"].whole(), structure[0]["A"]["10"]):  # a ResidueSpan and a ResidueGroup
+        assert eses.measure(part).sas_area == eses.measure(list(part)[0] if len(part) == 1 else structure[0]["A"]).sas_area
+        expected_part = eses.measure(structure, report="//A" if len(part) > 1 else "//A/10").sas_area
+        assert eses.measure(structure, report=part).sas_area == expected_part
+    for molecule in (structure, pdb):
+        assert (eses.measure(molecule, report=gemmi.Selection("//A/10")).sas_area
+                == eses.measure(molecule, report="//A/10").sas_area)
+    with pytest.raises(TypeError, match="^several molecules: measure each by itself$"):
+        eses.measure([structure, structure])
     with pytest.raises(TypeError, match="gemmi.Atom is not a molecule"):
         eses.measure(structure[0]["A"][0][0])
 
@@ -343,6 +353,36 @@ def test_radii_by_name(pdb, tmp_path):
     path = tmp_path / "my.config"
     path.write_text("name: NACCESS\ntypes:\nT 2.0 apolar\natoms:\nANY CA T\n")
     assert eses.measure(pdb, path).radii.source == f"the configuration file {path}"
+
+
+def test_radii_of_ions(pdb):
+    for name in ("protor", "bondi", "msms", "naccess", "oons"):
+        for found in (pdb, pytest.importorskip("gemmi").read_structure(str(pdb))):
+            plain, result = eses.measure(found, radii=name), eses.measure(found, radii=f"{name.upper()}+Shannon")
+            is_zinc = result.atoms["residue"] == "ZN"
+            assert result.radii.name == f"{name}+shannon" and result.radii.source == (
+                plain.radii.source + "; ions: Shannon 1976, doi:10.1107/S0567739476001551, for six neighbours")
+            assert result.atoms["radius"][is_zinc].tolist() == [0.74]
+            np.testing.assert_array_equal(result.atoms["radius"][~is_zinc], plain.atoms["radius"][~is_zinc])
+            assert not set(np.flatnonzero(is_zinc)) & set(result.radii.guessed)
+            assert eses.measure(eses.read_atoms(pdb, radii=f"{name}+shannon")).radii.name == f"{name}+shannon"
+
+
+def test_results_are_read_only(pdb):
+    result, parts = eses.measure(pdb), eses.interfaces(pdb)
+    for owner, names in ((result, ("sas_area", "atoms", "residues", "chains", "left_out", "radii", "new")),
+                         (result.atoms, ("new",)), (parts, ("table", "new")),
+                         (eses.interface(pdb, "A"), ("first", "second", "atoms", "residues", "sas_area"))):
+        for name in names:
+            with pytest.raises(AttributeError):
+                setattr(owner, name, 1)
+    for counts in (result.left_out, result.molecule.left_out, eses.read_atoms(pdb).left_out):
+        assert counts == {"water": 1, "altloc": 2} and copy.deepcopy(counts) == counts
+        for change in (lambda: counts.update(water=2), lambda: counts.pop("water"), lambda: counts.__setitem__("water", 2),
+                       counts.clear, lambda: counts.setdefault("x", 1), counts.popitem):
+            with pytest.raises(TypeError, match="the numbers of atoms are read-only"):
+                change()
+        assert counts == {"water": 1, "altloc": 2}
 
 
 def test_radii_from_a_file(pdb, tmp_path):

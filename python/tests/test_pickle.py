@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import eses_blocks as eses
-from conftest import DATA
+from conftest import DATA, PDB
 
 REBUILDS = {f"pickle {protocol}": lambda value, protocol=protocol: pickle.loads(
     pickle.dumps(value, protocol)) for protocol in range(6)}
@@ -53,6 +53,19 @@ def test_surface(surface, rebuild):
     assert again.probe_radius == 1.1
     grid = surface.grid(0.5)
     assert again.compute(grid).area == surface.compute(grid).area
+
+
+@pytest.mark.usefixtures("needs_gemmi")
+def test_atoms_keep_their_set_of_radii(rebuild, tmp_path):
+    path = tmp_path / "two.pdb"
+    path.write_text(PDB)
+    for radii, waters in (("bondi", True), ("protor+shannon", False)):
+        atoms = eses.read_atoms(path, radii=radii, waters=waters)
+        before, after = eses.measure(atoms), eses.measure(rebuild(atoms))
+        assert after.radii.name == before.radii.name == radii and after.radii.source == before.radii.source
+        assert after.radii.guessed.tolist() == before.radii.guessed.tolist()
+        assert after.left_out == before.left_out and rebuild(before).left_out == before.left_out
+        assert rebuild(before).radii.name == radii
 
 
 def test_diagnostics(rebuild, tmp_path):

@@ -427,7 +427,7 @@ def test_tables_notice_another_order_of_the_atoms(tmp_path):
     assert len(result.atom_table(eses.read_atoms(moved))) == 3  # of another frame
     with pytest.raises(ValueError, match="in another order"):
         result.atom_table(eses.read_atoms(backward))
-    with pytest.raises(TypeError, match="atoms must be eses_blocks.Atoms"):
+    with pytest.raises(TypeError, match="atoms must be Atoms, not array"):
         result.residue_table(np.zeros(3))
 
 

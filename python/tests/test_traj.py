@@ -232,7 +232,7 @@ def test_a_report_of_all_that_blocks_is_a_warning(folder, tmp_path):
 @pytest.mark.parametrize("arguments, message", [
     (("run.xtc", "top.pdb", "--select", "resname NONE", "-o", "x.csv"), "--select resname NONE: no atoms"),
     (("run.xtc", "top.pdb", "--select", "what is this", "-o", "x.csv"), "--select what is this: "),
-    (("run.xtc", "top.pdb", "--pockets", "--at", "ligand:LIG", "-o", "x.csv"), "--at: no residue 'LIG'"),
+    (("run.xtc", "top.pdb", "--pockets", "--at", "ligand:LIG", "-o", "x.csv"), "--at: no atoms of residue LIG"),
     (("run.xtc", "top.pdb", "--start", "99", "-o", "x.csv"), "no frames are chosen; there are 12"),
     (("gone.xtc", "top.pdb", "-o", "x.csv"), "gone.xtc: No such file"),
     (("run.xtc", "run.xtc", "-o", "x.csv"), "its suffix is that of no topology"),
