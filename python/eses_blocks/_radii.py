@@ -107,6 +107,6 @@ def refuse_unknown(bad: _Bools, residue: _Texts, name: _Texts, element: _Texts, 
     kinds = list(dict.fromkeys(f"{r} {n} ({e or 'element unknown'})".strip() for r, n, e in
                                zip(residue[bad], name[bad], element[bad])))
     more = f" and {len(kinds) - 10} more names" if len(kinds) > 10 else ""
-    other = "" if set_name == "bondi" else "radii='bondi', "
+    other = "" if set_name.startswith("bondi") else "radii='bondi', "
     raise ValueError(f"{int(bad.sum())} atoms without a radius in the set {set_name}: {', '.join(kinds[:10])}{more}; "
                      f"use unknown_radius=, {other}or an array of radii")
