@@ -91,7 +91,7 @@ int perform_measure(const Arguments& arguments) {
       options,
       {.heading = has_lines ? measure_heading(options) : "",
        .csv_heading = measure_csv_heading(options),
-       .is_table = [](std::string_view name) { return is_one_of(tables, name); },
+       .is_table = [](std::string_view name) { return is_one_of(measure_tables, name); },
        .names_of_tables = [&](std::size_t input) { return names_of_tables(options, input); },
        .measure = [&](const InputRun& run) { return measured_outcome(options, run); },
        .failure_row =

@@ -197,7 +197,7 @@ void add_measure_options(CLI::App& app, MeasureCommandOptions& options) {
   begin_group(app, "Input and output");
   add_input_lists(app, options.choice);
   add_format(app, options.format);
-  add_tables(app, tables,
+  add_tables(app, measure_tables,
              "tables to write: atoms,residues,chains,derivatives,cavities,\n"
              "pieces,pockets,rsa,seq,res; areas as B-factors: pdb,cif",
              options.written_tables, options.printed_table);

@@ -41,7 +41,7 @@ struct Table {
 
   bool has(TableTraits trait) const { return (traits & trait) != 0; }
 };
-inline constexpr std::array tables{
+inline constexpr std::array measure_tables{
     Table{"atoms", ".atoms.csv", append_measured_atoms, has_areas},
     Table{"residues", ".residues.csv", append_measured_residues, needs_names | has_areas},
     Table{"chains", ".chains.csv", append_measured_chains, needs_names | has_areas},
@@ -56,7 +56,7 @@ inline constexpr std::array tables{
     Table{"cif", ".areas.cif", append_cif, needs_names | has_areas},
 };
 
-/// A list of tables, in the order of `tables`.
+/// A list of tables, in the order of `measure_tables`.
 using TableList = std::vector<const Table*>;
 
 /// The surfaces to measure.
