@@ -7,7 +7,6 @@
 #include <gemmi/mmcif.hpp>
 #include <set>
 #include <string>
-#include <type_traits>
 #include <unordered_map>
 #include <utility>
 #include <vector>
@@ -192,15 +191,6 @@ std::vector<std::uint64_t> lines_of_atoms(Block& block, const StructureDocument&
   if (std::count_if(block.items.begin(), block.items.end(), is_atom_table) > 1)
     throw MmcifError{line_of(*loop), "the _atom_site table is in several parts; join them"};
   return document.atom_lines;
-}
-
-/// Returns an empty model. Old versions of gemmi name models, new ones number them.
-template <class Model = gemmi::Model>
-Model make_model() {
-  if constexpr (std::is_constructible_v<Model, std::string>)
-    return Model("1");
-  else
-    return Model(1);
 }
 
 /// Gives residues the types of their entities, by their subchains or, if the file does not list

@@ -9,6 +9,7 @@
 #include <gemmi/resinfo.hpp>
 #include <string>
 #include <string_view>
+#include <type_traits>
 #include <vector>
 
 #include "eses/check.hpp"
@@ -36,8 +37,18 @@ inline std::string too_many_operators() {
 /// name of Amber, CHARMM or GROMACS, and in small letters.
 inline bool is_polymer_residue(std::string_view residue) {
   const std::string name = upper_case(std::string(residue));
-  const auto& info = gemmi::find_tabulated_residue(std::string(without_end_letter(name)));
+  const std::string known(without_end_letter(name));
+  const auto& info = gemmi::find_tabulated_residue(known);
   return info.is_amino_acid() || info.is_nucleic_acid() || is_named_polymer(name);
+}
+
+/// Returns an empty model. Old versions of gemmi name models, new ones number them.
+template <class Model = gemmi::Model>
+Model make_model() {
+  if constexpr (std::is_constructible_v<Model, std::string>)
+    return Model("1");
+  else
+    return Model(1);
 }
 
 /// The models of a file by their names, one of which is read.

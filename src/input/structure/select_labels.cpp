@@ -14,6 +14,7 @@
 #include "input/named_part.hpp"
 #include "input/pdb_elements.hpp"
 #include "input/residue_runs.hpp"
+#include "input/structure/parse_structure.hpp"
 #include "input/structure/select_atoms.hpp"
 #include "input/structure/selection.hpp"
 #include "input/structure/structure_atoms.hpp"
@@ -47,7 +48,7 @@ gemmi::SeqId sequence_id(const std::string& text) {
 gemmi::Model model_of(std::span<const AtomLabel> atoms) {
   std::vector<AtomLabel> labels(atoms.begin(), atoms.end());
   complete_elements(labels);
-  gemmi::Model model("1");
+  gemmi::Model model = make_model();
   for (std::size_t i = 0; i < labels.size(); ++i) {
     const AtomLabel& label = labels[i];
     const bool is_new_chain = i == 0 || labels[i - 1].chain != label.chain;
