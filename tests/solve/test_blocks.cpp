@@ -243,7 +243,6 @@ PointBits classified(Classify classify, const SolvedBlock& block) {
   PointBits inside;
   inside.reset(block.grid.block.points);
   scratch.undecided.reset(block.grid.block.points);
-  scratch.batch.make_room();
   classify(block.grid, block.features, scratch, inside);
   return inside;
 }
@@ -478,7 +477,6 @@ EdgeCounts require_plain_edges(const SolvedBlock& block) {
   }
   for_each_version(ESES_VERSIONS(intersect), [&](Intersect intersect) {
     IntersectScratch scratch;
-    scratch.batch.make_room();
     std::vector<BlockCrossing> crossings;
     std::vector<std::uint32_t> row_begin;
     intersect(block.grid, block.features, block.inside, scratch, crossings, row_begin);
@@ -553,7 +551,6 @@ TEST_CASE("an atom of radius 0 on a grid point has crossings outward along each 
     INFO("radius " << radius);
     for_each_version(ESES_VERSIONS(intersect), [&](Intersect intersect) {
       IntersectScratch scratch;
-      scratch.batch.make_room();
       std::vector<BlockCrossing> crossings;
       std::vector<std::uint32_t> row_begin;
       intersect(block.grid, block.features, block.inside, scratch, crossings, row_begin);
