@@ -1,5 +1,5 @@
 #pragma once
-/// What several functions of the library share: access to a surface, and checks of arguments.
+/// Access to a surface, and checks of arguments, for several functions of the library.
 
 #include "eses/measure.hpp"
 #include "eses/surface.hpp"

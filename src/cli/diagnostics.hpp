@@ -63,8 +63,8 @@ std::string waters_text(std::span<const DiagnosticText> diagnostics, std::size_t
 /// Returns the messages of the warnings that the user has not been told yet.
 std::vector<std::string> warnings_of(std::span<const DiagnosticText> diagnostics);
 
-/// Returns the same, or nothing if `is_quiet`. With `is_strict`, throws StrictError if there are
-/// some.
+/// Returns these messages, or nothing if `is_quiet`. With `is_strict`, throws StrictError if there
+/// are some.
 std::vector<std::string> warnings_to_print(std::span<const DiagnosticText> diagnostics,
                                            bool is_strict, bool is_quiet);
 

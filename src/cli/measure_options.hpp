@@ -21,7 +21,7 @@
 
 namespace eses::detail::cli {
 
-/// What tables need, and what they have.
+/// Requirements and contents of tables, as bits.
 enum TableTraits : unsigned {
   needs_names = 1,   ///< the atoms must have names
   has_areas = 2,     ///< areas of atoms, of which --report chooses some

@@ -22,6 +22,7 @@ struct MsmsAreas {
   double sas = 0;
 };
 
+/// A vertex with its outward unit normal. Lengths are in angstrom.
 struct MsmsVertex {
   Vec3 position, normal;
   std::uint8_t patch = 1;            ///< 1 convex, 2 saddle, 3 concave

@@ -135,10 +135,10 @@ SpherePart triangle_part(Vec3 a, Vec3 b, Vec3 c) {
   return part;
 }
 
-// The same as meet() for small caps almost in the same place, or their complements. With the unit
-// vectors u and v, s = u + v and q = v - u are at right angles, so that n . s = c + d and n . q =
-// d - c give the line n . u = c, n . v = d. Differences of 1 and a cosine keep the digits of small
-// caps. If v is almost -u, the plane of the second rim is given by -v and -d instead.
+// Does what meet() does, for small caps almost in the same place, or their complements. With the
+// unit vectors u and v, s = u + v and q = v - u are at right angles. So n . s = c + d and
+// n . q = d - c give the line n . u = c, n . v = d. Differences of 1 and a cosine keep the digits
+// of small caps. If v is almost -u, the plane of the second rim is given by -v and -d instead.
 SpherePartFinder::Meeting SpherePartFinder::meet_almost_parallel(const SphericalCap& first,
                                                                  const SphericalCap& second) {
   const Vec3 u = first.axis;

@@ -30,7 +30,7 @@ constexpr std::string_view of_amino_acids =
     "OT OT1 OT2 OTX OXT NT CAT CAY CY OY O1 O2 O' O'' OC1 OC2 CD AD1 AD2 AE1 AE2 LP1 LP2 SE P O1P "
     "O2P O3P OP1 OP2 "
     "OP3";
-// The same for nucleotides, with the methyl group of thymine and the oxygen of ribose.
+// Further names of nucleotides, with the methyl group of thymine and the oxygen of ribose.
 constexpr std::string_view of_nucleotides = "O1P O2P O3P O5T O3T O2' C5M C7 CM5";
 
 }  // namespace

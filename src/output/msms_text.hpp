@@ -19,7 +19,7 @@ namespace eses::detail::mesh {
 /// of the surface with unit normal n has (|n_x| + |n_y| + |n_z|) / spacing^2 crossings per area,
 /// and the mean of the sum over all directions is 3/2.
 inline constexpr double plain_vertices_per_area = 1.5;
-/// The same for a mesh of quality, as measured; see doc/msms.md.
+/// Measured number of vertices of a mesh of quality in this area; see doc/msms.md.
 inline constexpr double quality_vertices_per_area = 0.86;
 
 /// Appends the three header lines of NAME.vert or NAME.face with this number of vertices or

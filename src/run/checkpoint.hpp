@@ -22,7 +22,7 @@ namespace eses::detail {
 /// The data of a chunk besides its pieces and the sums of its atoms.
 struct ChunkInfo {
   PlaneRange planes;
-  std::uint64_t bytes = 0;    ///< length of all pieces, see piece_bytes.hpp
+  std::uint64_t bytes = 0;    ///< length of all pieces, see chunks.hpp
   std::uint64_t padding = 0;  ///< explicit padding, as the struct is written to disk
   RangeSums sums;
 };

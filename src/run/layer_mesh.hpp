@@ -23,8 +23,9 @@ struct VertexMaker {
   Grid grid;
   double clearance = mesh::clearance;  ///< see mesh::make_vertex
   FileIndices file_indices = {};
-  std::span<const Atom> atoms = {};                 ///< by slab index
-  bool names_closest_atom = false;                  ///< or the first adjacent atom
+  std::span<const Atom> atoms = {};  ///< by slab index
+  /// Whether the label names the closest adjacent atom, and not the first one.
+  bool names_closest_atom = false;
   std::span<const mesh::GroupNumbers> groups = {};  ///< by slab index; empty if they are not known
   const PotentialMap* potential = nullptr;          ///< null without a potential
   double potential_offset = 0;                      ///< see MeshPotential

@@ -35,7 +35,7 @@ struct AtomSum {
   std::array<std::uint32_t, 3> padding{};  ///< explicit padding, as the struct is written to disk
 };
 
-/// The sums of a sweep. They do not depend on the division of its region into blocks. SlabSweep
+/// The sums of a sweep. They do not depend on the division of its region into blocks. The engine
 /// adds those of the verification.
 struct SweepSums : RangeSums {
   std::vector<AreaShare> atom_shares;  ///< by atom of the surface

@@ -256,8 +256,8 @@ void make_room(BurialCaps& caps, std::size_t count) {
 // time than they save.
 constexpr int burial_frequency = 5;
 
-// The same without a probe, which gives 92 of them. Then few atoms are buried, and each one has few
-// caps.
+// Frequency without a probe, which gives 92 directions. Then few atoms are buried, and each one has
+// few caps.
 constexpr int bare_burial_frequency = 3;
 
 std::int16_t to_component(double value) {

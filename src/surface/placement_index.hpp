@@ -30,7 +30,7 @@ constexpr PlacementNumber& operator++(PlacementNumber& number) { return number =
 /// Placements that coincide, directly or through others, are a node.
 class PlacementIndex {
  public:
-  /// What the index is for.
+  /// The purposes of an index.
   struct Use {
     double same_placement = 0;  ///< placements within this distance coincide (angstrom)
     bool has_tree = true;       ///< whether the tree is needed

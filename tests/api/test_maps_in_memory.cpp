@@ -35,7 +35,7 @@ std::size_t place_of(const GridIndex& size, std::int64_t x, std::int64_t y, std:
   return static_cast<std::size_t>((z * size[1] + y) * size[0] + x);
 }
 
-/// The same words for values with x fastest; `format` is for printf.
+/// Returns these words for values with x fastest. `format` is for printf.
 template <class Value>
 std::vector<std::string> dx_words(const GridIndex& size, const std::vector<Value>& values,
                                   const char* format) {

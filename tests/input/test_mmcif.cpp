@@ -366,7 +366,7 @@ TEST_CASE("molecules with the same name and number are not alternatives", "[stru
     waters += line_of(
         {.name = " OW ", .residue = "SOL", .x = static_cast<double>(20 + 5 * i), .element = " O"});
   CHECK(read_pdb(first + waters).atoms.size() == 1);
-  // The same in mmCIF.
+  // Numbers begin again in an mmCIF file, too.
   const std::vector<std::string> columns{"type_symbol", "label_atom_id", "label_comp_id",
                                          "auth_seq_id", "label_alt_id",  "Cartn_x",
                                          "Cartn_y",     "Cartn_z"};

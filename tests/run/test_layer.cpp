@@ -31,7 +31,7 @@ EdgePlace place_of(const test::Crossing& crossing) {
 
 }  // namespace
 
-TEST_CASE("solved blocks have the points and crossings of the files", "[solved_block]") {
+TEST_CASE("solved blocks have the points and crossings of the files", "[layer]") {
   const std::vector<Atom> atoms = make_atom_set(Kind::chain, 3);
   for (const std::int64_t block_size : {5, 12, 64}) {
     Parameters parameters;
@@ -83,7 +83,7 @@ TEST_CASE("solved blocks have the points and crossings of the files", "[solved_b
   }
 }
 
-TEST_CASE("an exception of the callback for blocks ends the run", "[solved_block]") {
+TEST_CASE("an exception of the callback for blocks ends the run", "[layer]") {
   const std::vector<Atom> atoms = make_atom_set(Kind::gas, 1);
   Parameters parameters;
   parameters.block_size = 8;

@@ -85,7 +85,7 @@ struct ParsedStructure {
   }
 };
 
-/// What to read of a text.
+/// The choice of what is read of a text.
 struct ParseOptions {
   int model = 0;                   ///< number of the model; 0 for the first one
   const std::string& assembly;     ///< id of the assembly; empty if there is none

@@ -75,7 +75,7 @@ bool may_be_of_polymer(const gemmi::Residue& residue) {
 
 /// Sets the entity types of the residues of a model. A chain is a polymer if most of its first
 /// residues are. Waters and ligands do not count, because some files have many of them in the chain
-/// of the polymer. The order of residues becomes another one.
+/// of the polymer. Changes the order of the residues.
 void set_entity_types(gemmi::Model& model) {
   model.merge_chain_parts();  // ligands and waters often follow the last chain
   std::vector<std::vector<gemmi::Residue>> others;
