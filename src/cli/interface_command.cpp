@@ -51,8 +51,9 @@ void add_interfaces(const InterfaceOptions& options, const Surface& surface,
   }
 }
 
-/// Returns the interfaces of a file.
-InterfaceFile read_interfaces(const InterfaceOptions& options, const InputRun& run) {
+/// Returns the interfaces of a file. Sets the warnings, also if it throws an exception after them.
+InterfaceFile read_interfaces(const InterfaceOptions& options, const InputRun& run,
+                              std::vector<std::string>& warnings) {
   ReadOptions reading{.format = options.format, .structure = options.structure, .check = run.check};
   reading.structure.model = options.model_of(run.input);
   const std::filesystem::path& path = options.inputs[run.input];
@@ -64,6 +65,7 @@ InterfaceFile read_interfaces(const InterfaceOptions& options, const InputRun& r
                      .interfaces = {}};
   const Surface surface(file.file, {.threads = run.threads, .check = run.check});
   file.diagnostics = describe(file.file, surface, path);
+  warnings = warnings_to_print(file.diagnostics, options.strict, options.quiet);
   for (const ComplexParts& division : divisions_of(options, reading, file))
     add_interfaces(options, surface, division, run, file);
   std::ranges::stable_sort(file.interfaces, std::ranges::greater(),
@@ -111,10 +113,8 @@ std::string failure_row(const InterfaceOptions& options, std::size_t input,
 }
 
 /// Measures an input and writes its tables.
-Outcome interface_outcome(const InterfaceOptions& options, const InputRun& run) {
-  const InterfaceFile file = read_interfaces(options, run);
-  Outcome outcome;
-  outcome.warnings = warnings_to_print(file.diagnostics, options.strict, options.quiet);
+void measure_input(const InterfaceOptions& options, const InputRun& run, Outcome& outcome) {
+  const InterfaceFile file = read_interfaces(options, run, outcome.warnings);
   write_tables(options, run.input, file, run.files);
   const bool has_report = options.printed_table == nullptr && !options.prints_csv;
   if (!has_report && !options.quiet)
@@ -126,7 +126,6 @@ Outcome interface_outcome(const InterfaceOptions& options, const InputRun& run) 
   outcome.text = printed_text(options, run.input, file);
   outcome.rows = interface_rows(options, InterfaceTable::interfaces, file,
                                 csv_field(file.path.string()) + ",", formatted(",{},", model));
-  return outcome;
 }
 
 /// Returns the heading of a table of several files or models; empty for reports.
@@ -150,7 +149,8 @@ int perform_interface(const Arguments& arguments) {
            formatted("file,{},model,error\n", interface_heading(InterfaceTable::interfaces)),
        .is_table = [](std::string_view name) { return is_one_of(interface_tables, name); },
        .names_of_tables = [&](std::size_t input) { return names_of_tables(options, input); },
-       .measure = [&](const InputRun& run) { return interface_outcome(options, run); },
+       .measure = [&](const InputRun& run,
+                      Outcome& outcome) { measure_input(options, run, outcome); },
        .failure_row =
            [&](std::size_t input, const std::string& error) {
              return failure_row(options, input, error);

@@ -67,16 +67,14 @@ std::string measured_text(const MeasureCommandOptions& options, const MeasuredFi
                        : text + written_text(options.output_directory, names_of_tables(options, 0));
 }
 
-Outcome measured_outcome(const MeasureCommandOptions& options, const InputRun& run) {
+void measure_input(const MeasureCommandOptions& options, const InputRun& run, Outcome& outcome) {
   const MeasuredFile file = measure_file(options, run.input, run.threads, run.check);
-  Outcome outcome;
   outcome.warnings = warnings_to_print(file.diagnostics, options.strict, options.quiet);
   run.check();
   write_tables(options, run.input, file, run.files);
   outcome.text = measured_text(options, file);
   outcome.rows = measure_csv_line(options, file);
   if (!options.quiet) outcome.notes = empty_table_notes(options, file);
-  return outcome;
 }
 
 }  // namespace
@@ -93,7 +91,8 @@ int perform_measure(const Arguments& arguments) {
        .csv_heading = measure_csv_heading(options),
        .is_table = [](std::string_view name) { return is_one_of(measure_tables, name); },
        .names_of_tables = [&](std::size_t input) { return names_of_tables(options, input); },
-       .measure = [&](const InputRun& run) { return measured_outcome(options, run); },
+       .measure = [&](const InputRun& run,
+                      Outcome& outcome) { measure_input(options, run, outcome); },
        .failure_row =
            [&](std::size_t input, const std::string& error) {
              return failure_csv_line(options, input, error);

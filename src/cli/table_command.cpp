@@ -80,27 +80,29 @@ class Reporter {
   bool has_errors_ = false;
 };
 
-/// Returns what is printed and written about an input that cannot be measured.
-Outcome failure(const TableOptions& options, const TableCommand& command, std::size_t input,
-                std::vector<std::string> errors) {
+/// Replaces the text and the rows of an input that cannot be measured, with its first error.
+void set_failure(const TableOptions& options, const TableCommand& command, std::size_t input,
+                 Outcome& outcome) {
+  const std::string& error = outcome.errors.front();
   const bool has_object = options.json && options.inputs.size() > 1;
-  return {.text = has_object
-                      ? failure_json(options.inputs[input], errors.front(), options.model_of(input))
-                      : "",
-          .rows = command.failure_row(input, errors.front()),
-          .errors = std::move(errors)};
+  outcome.text =
+      has_object ? failure_json(options.inputs[input], error, options.model_of(input)) : "";
+  outcome.rows = command.failure_row(input, error);
 }
 
 Outcome measured(const TableOptions& options, const TableCommand& command, const InputRun& run) {
+  Outcome outcome;
   try {
-    return command.measure(run);
+    command.measure(run, outcome);
   } catch (const StrictError& error) {
-    return failure(options, command, run.input, error.lines);
+    outcome.errors = error.lines;
   } catch (const Error& error) {
-    return failure(options, command, run.input, {options.message_of_input(error, run.input)});
+    outcome.errors.push_back(options.message_of_input(error, run.input));
   } catch (const std::invalid_argument& error) {
-    return failure(options, command, run.input, {options.message_of_input(error, run.input)});
+    outcome.errors.push_back(options.message_of_input(error, run.input));
   }
+  if (!outcome.errors.empty()) set_failure(options, command, run.input, outcome);
+  return outcome;
 }
 
 /// Returns the outcome that an earlier run has kept, or measures the input.

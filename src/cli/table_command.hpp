@@ -37,8 +37,9 @@ struct TableCommand {
   std::string csv_heading;  ///< first line of the table of --csv
   std::function<bool(std::string_view name)> is_table;  ///< whether a file may be a table
   std::function<std::vector<std::string>(std::size_t input)> names_of_tables;
-  /// Writes the tables of an input, and returns its result. Several threads call it.
-  std::function<Outcome(const InputRun& run)> measure;
+  /// Writes the tables of an input, and sets its result. Warnings that it has set before an
+  /// exception are printed, too. Several threads call it.
+  std::function<void(const InputRun& run, Outcome& outcome)> measure;
   /// Returns the row of the table of --csv of an input that cannot be measured.
   std::function<std::string(std::size_t input, const std::string& error)> failure_row;
 };

@@ -508,6 +508,14 @@ class Interfaces(Case):
         folder = self.call("interface", self.folder, "--table", "residues").stdout
         self.assertTrue(folder.startswith("file,side,"))
 
+    def test_files_with_errors_have_their_warnings(self):
+        path = self.file("ca.pdb", "".join(atom_line(i, "CA", "ALA", "A", i, (3.8 * i, 0, 0)) for i in range(1, 6)))
+        warning, error = self.call("interface", path, "--groups", "A", "Z", code=1).stderr.splitlines()
+        self.assertIn(f"warning: {path}: 5 residues have a single atom", warning)
+        self.assertIn(f"error: {path}: no atoms of chain Z", error)
+        strict, = self.call("interface", path, "--groups", "A", "Z", "--strict", code=1).stderr.splitlines()
+        self.assertEqual(strict, warning.replace("warning", "error"))
+
     def test_files_in_parallel_have_the_results_of_one_thread(self):
         paths = [self.file(f"{i}.pdb", peptide(0.05 * i)) for i in range(8)]
         paths.insert(3, str(self.folder / "missing.pdb"))
