@@ -1,7 +1,7 @@
 #include "cli/interface_options.hpp"
 
 #include <CLI/CLI.hpp>
-#include <algorithm>
+#include <filesystem>
 #include <limits>
 #include <system_error>
 

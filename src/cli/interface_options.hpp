@@ -2,9 +2,7 @@
 /// The command line of `eses-blocks interface` as plain data.
 
 #include <array>
-#include <filesystem>
 #include <optional>
-#include <string>
 #include <string_view>
 #include <vector>
 

@@ -1,9 +1,6 @@
 #include "cli/measure_options.hpp"
 
-#include <fmt/ranges.h>
-
 #include <CLI/CLI.hpp>
-#include <set>
 #include <stdexcept>
 
 #include "cli/arguments.hpp"

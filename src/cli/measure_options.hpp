@@ -3,8 +3,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cstddef>
-#include <filesystem>
 #include <optional>
 #include <string>
 #include <string_view>

@@ -2,8 +2,10 @@
 
 #include <fmt/ranges.h>
 
+#include <memory>
 #include <set>
 #include <system_error>
+#include <vector>
 
 #include "cli/messages.hpp"
 #include "eses/error.hpp"

@@ -1,7 +1,6 @@
 #pragma once
 /// Parts of a mesh as numbers.
 
-#include <cstddef>
 #include <cstdint>
 #include <vector>
 
