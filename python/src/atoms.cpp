@@ -41,8 +41,9 @@ format : {'auto', 'xyzr', 'pqr', 'pdb', 'mmcif'}, optional
     whose name has no such suffix, the first lines decide. Everything else is xyzr, which has one atom a line as ``x y z radius``. The arguments below are for PDB and mmCIF
     files.
 radii : str or os.PathLike, optional
-    Set of radii: ``protor``, ``bondi``, ``msms``, ``naccess``, ``oons``; ``occupancy`` if the file has
-    radii as its occupancies; or the path of a file in FreeSASA's configuration format.
+    Set of radii: ``protor``, ``bondi``, ``msms``, ``naccess``, ``oons``, also with ``+shannon`` for ions;
+    ``occupancy`` if the file has radii as its occupancies; or the path of a file in FreeSASA's
+    configuration format.
 unknown_radius : float, optional
     Radius of atoms for which the set has none, in angstrom. Without it such atoms are an error.
 model : int, optional

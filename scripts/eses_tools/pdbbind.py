@@ -206,7 +206,7 @@ def parse_options():
                              "the report contains")
     parser.add_argument("--radii", metavar="NAME",
                         help="read PDB and mmCIF files directly, with these radii of eses-blocks: "
-                             "protor, bondi, msms, naccess, oons or a file (default: prepared by PDB2PQR with "
+                             "protor, bondi, msms, naccess, oons, also with +shannon, or a file (default: prepared by PDB2PQR with "
                              "CHARMM radii)")
     parser.add_program()
     options, arguments = parser.parse_before_dashes()

@@ -427,7 +427,7 @@ def parse_options():
     parser.add_argument("--start", type=int, metavar="N", help="first frame, from 0; -10 is the tenth from the end")
     parser.add_argument("--stop", type=int, metavar="N", help="frame before which to stop (default: the end)")
     parser.add_argument("--stride", type=positive, default=1, metavar="N", help="take every N-th frame (default: 1)")
-    parser.add_argument("--radii", metavar="SET", help="protor, bondi, msms, naccess, oons, or a file in FreeSASA's format "
+    parser.add_argument("--radii", metavar="SET", help="protor, bondi, msms, naccess, oons, also with +shannon, or a file in FreeSASA's format "
                         "(default: protor, or bondi without names of residues)")
     parser.add_argument("--unknown-radius", type=at_least(0), metavar="A",
                         help="radius of atoms without one in the set")

@@ -300,7 +300,7 @@ TEST_CASE("a file of radii in FreeSASA's format is read", "[structure][radii]") 
 }
 
 TEST_CASE("radii: ions have Shannon's radii of six neighbours", "[radii]") {
-  const std::array<std::tuple<const char*, const char*, const char*, double>, 14> ions{
+  const std::array<std::tuple<const char*, const char*, const char*, double>, 19> ions{
       {{"NA", "NA", "Na", 1.02},
        {"K", "K", "K", 1.38},
        {"MG", "MG", "Mg", 0.72},
@@ -310,6 +310,11 @@ TEST_CASE("radii: ions have Shannon's radii of six neighbours", "[radii]") {
        {"FE2", "FE", "Fe", 0.78},
        {"CU1", "CU", "Cu", 0.77},
        {"CU", "CU", "Cu", 0.73},
+       {"CU3", "CU", "Cu", 0.54},
+       {"PT", "PT", "Pt", 0.80},
+       {"PT4", "PT", "Pt", 0.625},
+       {"IR", "IR", "Ir", 0.625},
+       {"6MO", "MO", "Mo", 0.59},
        {"3CO", "CO", "Co", 0.545},
        {"CL", "CL", "Cl", 1.81},
        {"IOD", "I", "I", 2.20},
