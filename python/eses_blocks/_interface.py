@@ -12,7 +12,7 @@ from . import _arguments, _core, _molecule
 from ._files import output_path, write_structure
 from ._measurement import _Path, Table, _polar_atoms, _starts_of
 from ._read_only import ReadOnly
-from ._select import Selector
+from ._select import Selector, is_gemmi_selection
 
 
 class Interface(ReadOnly):
@@ -302,7 +302,7 @@ def interface(molecule: Any, first: Any, second: Any = None, radii: Any = None, 
             raise ValueError(f"{name}: the part has no atoms")
     parts = np.full(len(found), -1, np.int64)
     parts[masks[0]], parts[masks[1]] = 0, 1
-    names = [part if isinstance(part, str) else "all other atoms" if part is None else f"{int(mask[found.kept].sum())} atoms"
+    names = [part if isinstance(part, str) else part.str() if is_gemmi_selection(part) else "all other atoms" if part is None else f"{int(mask[found.kept].sum())} atoms"
              for part, mask in zip((first, second), masks)]
     measured = _measure(found, parts, names, probe_radius, threads, residue_cutoff)
     return measured[0] if measured else _without_contact(found, names[0], names[1])

@@ -9,7 +9,7 @@ import numpy as np
 
 from . import _core, _molecule, adaptors
 from ._references import is_polymer
-from ._select import find_points, molecule_of
+from ._select import find_points, is_gemmi_selection, molecule_of
 
 
 def names_atoms(at: Any) -> bool:
@@ -65,7 +65,7 @@ def _find_at_atoms(surface: _core.Surface, method: str, chosen: Any, is_ligand: 
 
 def find_at(surface: _core.Surface, method: str, at: Any, options: dict[str, Any]) -> list[dict[str, Any]]:
     """Returns the cavities or pockets at a selection or a part of a molecule."""
-    if adaptors.find_adaptor(at):
+    if adaptors.find_adaptor(at) and not is_gemmi_selection(at):
         return _find_at_part(surface, method, at, options)
     chosen, is_ligand = atoms_of_selection(surface, at)
     return _find_at_atoms(surface, method, chosen, is_ligand, at, options)

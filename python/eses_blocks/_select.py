@@ -50,6 +50,12 @@ def find_points(positions: npt.NDArray[np.float64], points: npt.NDArray[np.float
     return found
 
 
+def is_gemmi_selection(chosen: Any) -> bool:
+    """Whether a selection is a gemmi.Selection, which is a text and no part of a molecule."""
+    kind = type(chosen)
+    return kind.__module__.partition(".")[0] == "gemmi" and kind.__name__ == "Selection"
+
+
 def _may_be_left_out(columns: adaptors.Columns) -> _Bools:
     """Marks the atoms of an object that are left out when a file is read: hydrogens, waters and alternate locations."""
     centers = np.array(columns.centers, float)
@@ -78,10 +84,11 @@ class Selector:
     def mask(self, chosen: Any, what: str) -> _Bools:
         """Returns the mask of a selection, a part of a molecule as an object of a library, a mask or indices.
         Raises ValueError, which begins with `what`, if the selection is not valid or has no atoms."""
-        if type(chosen).__module__.partition(".")[0] == "gemmi" and type(chosen).__name__ == "Selection":
-            chosen = chosen.str()
+        selector = self
+        if is_gemmi_selection(chosen):  # of gemmi's syntax also if the library of the molecule has another one
+            selector, chosen = Selector(self.names) if self._syntax else self, chosen.str()
         if isinstance(chosen, str):
-            mask = self._of_text(chosen, what)
+            mask = selector._of_text(chosen, what)
         elif self._syntax.startswith("MDAnalysis") and hasattr(chosen, "universe"):  # such as an AtomGroup
             mask = self._of_own(chosen, what)
         elif adaptors.find_adaptor(chosen):
@@ -160,7 +167,8 @@ class Selector:
         except Exception as error:  # those of other libraries
             if text.isdigit():
                 raise ValueError(f"{what}: no chain or residue {text!r}; {self._contents()}") from error
-            message = re.sub("^selection: |(?<=: )selection: ", "", str(error)).rstrip(". \n")
+            one_line = " ".join(str(error).replace("^", " ").split())
+            message = re.sub("^selection: |(?<=: )selection: ", "", one_line).rstrip(". ")
             raise ValueError(f"{what}: {message}{self._hint(text)}") from error
         missing = next(name for name in chains if name not in known)
         where = np.flatnonzero(names.residue == missing)

@@ -1,6 +1,7 @@
 """Selections of atoms: the same texts choose the same atoms of files and of objects of other libraries."""
 
 import pickle
+import re
 import warnings
 
 import numpy as np
@@ -229,6 +230,18 @@ def test_other_libraries_keep_their_syntax(path, library):
         eses.measure(molecule, report="//A/10")
 
 
+@pytest.mark.parametrize("library", ["path", "Atoms", "gemmi", "Bio", "MDAnalysis", "prody"])
+def test_selections_of_gemmi_are_those_of_their_text(path, library):
+    gemmi, molecule = pytest.importorskip("gemmi"), opened(library, path)
+    assert reported(eses.measure(molecule, report=gemmi.Selection("(STI)"))) == ["STI"]
+    assert reported(eses.measure(molecule, select=gemmi.Selection("(STI)"))) == ["STI"]
+    first, second, missing = (gemmi.Selection(text) for text in ("(ALA,SER)", "(ZN)", "(HEM)"))
+    found = eses.interface(molecule, first, second)
+    assert (found.first, found.second) == (first.str(), second.str()) and found.sas_area > 0
+    with pytest.raises(ValueError, match=f"^report: .*no atoms .*{re.escape(missing.str())}'?; (the|its) chains are A"):
+        eses.measure(molecule, report=missing)
+
+
 def test_a_whole_structure_gives_the_areas_of_the_file(path):
     whole = eses.measure(path)
     for library in SYNTAX_OF_GEMMI[1:]:
@@ -346,7 +359,9 @@ def test_pockets_of_a_ligand(tmp_path):
     mask = np.flatnonzero(atoms.labels.residue_number == "118")
     empty = eses.measure(path, select="//A").surface
     expected = [each["volume"] for each in empty.pockets(4.0, atoms=mask)]
-    assert expected and [each["volume"] for each in empty.pockets(4.0, at="//A/118")] == expected
+    for at in ("//A/118", pytest.importorskip("gemmi").Selection("//A/118")):
+        assert expected and [each["volume"] for each in empty.pockets(4.0, at=at)] == expected
+        assert surfaces[0].cavities(at=at) == []
     assert surfaces[0].cavities(at="ligand:LIG") == []
     with pytest.raises(ValueError, match="at: no atoms of residue STI; the residues are LIG, ALA"):
         surfaces[0].pockets(at="ligand:STI")
