@@ -327,7 +327,7 @@ def _column(values: Any, count: int, what: str) -> _Texts:
         return np.zeros(count, "U1")
     texts = np.array(["" if value is None else str(value) for value in values], str)
     if len(texts) != count:
-        raise ValueError(f"{count} centres, but {len(texts)} {what}")
+        raise ValueError(f"{count} atoms have centres, but {len(texts)} have {what}")
     return texts.astype("U1") if texts.dtype.itemsize == 0 else texts
 
 

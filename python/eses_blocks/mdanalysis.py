@@ -44,6 +44,8 @@ class SASAAnalysis(AnalysisBase):  # type: ignore[misc]
         atom, a warning names the residues.
     surface : {'sas', 'ses'}, optional
         The surface.
+    verbose : bool, optional
+        Whether ``run()`` shows its progress.
     **options
         ``radii``, ``probe_radius``, ``waters``, ``hydrogens``, ``unknown_radius``, ``fill_cavities`` and ``threads`` of
         ``eses_blocks.measure``.
@@ -59,15 +61,15 @@ class SASAAnalysis(AnalysisBase):  # type: ignore[misc]
     _analysis_algorithm_is_parallelizable = True
 
     def __init__(self, universe_or_atomgroup: Any, select: str = "all", block: Optional[str] = None,
-                 surface: str = "sas", **options: Any) -> None:
+                 surface: str = "sas", verbose: bool = False, **options: Any) -> None:
         _arguments.require_object("universe_or_atomgroup", universe_or_atomgroup, ("atoms", "universe"),
                                   "a Universe or AtomGroup of MDAnalysis")
         group = universe_or_atomgroup.atoms
-        super().__init__(group.universe.trajectory)
+        super().__init__(group.universe.trajectory, verbose=verbose)
         _arguments.require_choice("surface", surface, "sas", "ses")
         for name in options:
             if name not in _OPTIONS:
-                _arguments.refuse_unknown(name, ["select", "block", "surface", *_OPTIONS])
+                _arguments.refuse_unknown(name, ["select", "block", "surface", "verbose", *_OPTIONS])
         _arguments.check(measure, **options)
         self.atomgroup = _selected(group, select, "select")
         self._block = self.atomgroup if block is None else _selected(group, block, "block") | self.atomgroup

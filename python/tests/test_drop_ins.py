@@ -168,7 +168,7 @@ def test_residue_depth(pdb, program, tmp_path):
 
 
 @pytest.mark.parametrize("pdb", STRUCTURES[:1], indirect=True)
-def test_mdanalysis(pdb):
+def test_mdanalysis(pdb, capfd):
     mda = pytest.importorskip("MDAnalysis")
     from eses_blocks.mdanalysis import SASAAnalysis  # pylint: disable=import-outside-toplevel
     universe = mda.Universe(str(pdb))
@@ -186,7 +186,8 @@ def test_mdanalysis(pdb):
     with pytest.warns(UserWarning, match="block='name ZZ' adds no atoms to select='index 0:9', .* other atoms are \\w+, ") as found:
         SASAAnalysis(universe, select="index 0:9", block="name ZZ")
     assert found[-1].filename == __file__
-    alone = SASAAnalysis(universe.atoms, select=half, surface="ses").run(step=2)
+    alone = SASAAnalysis(universe.atoms, select=half, surface="ses", verbose=True).run(step=2)
+    assert "100%" in capfd.readouterr().err
     assert alone.results.total_area.shape == (2,)
     universe.trajectory[0]
     assert alone.results.total_area[0] == pytest.approx(eses.measure(universe.select_atoms(half)).ses_area)
