@@ -236,6 +236,7 @@ def test_a_report_of_all_that_blocks_is_a_warning(folder, tmp_path):
     (("run.xtc", "top.pdb", "--start", "99", "-o", "x.csv"), "no frames are chosen; there are 12"),
     (("gone.xtc", "top.pdb", "-o", "x.csv"), "gone.xtc: No such file"),
     (("run.xtc", "run.xtc", "-o", "x.csv"), "its suffix is that of no topology"),
+    (("run.xtc", "-o", "x.csv"), "run.xtc: its suffix is that of no topology; give trajectories and then a topology"),
     (("run.xtc", "top.pdb", "-o", "top.pdb"), "top.pdb is an input file, and would be overwritten"),
     (("run.xtc", "top.pdb", "-o", "no/x.csv"), "no/x.csv: No such file or directory"),
 ])
@@ -243,6 +244,12 @@ def test_errors_are_one_line(folder, arguments, message):
     done = run(folder, *arguments, code=1)
     assert done.stderr.startswith("eses-traj: ") and message in done.stderr, done.stderr
     assert not (folder / "x.csv").exists()
+
+
+def test_errors_of_pockets_name_the_frame(folder):
+    done = subprocess.run([*COMMAND, "run.xtc", "top.pdb", "--pockets", "--start", "3", "--spacing", "9", "-o", "x.csv"], cwd=folder,
+                          capture_output=True, text=True, check=False)
+    assert done.returncode == 1 and "\neses-traj: frame 3: the spacing must be between" in done.stderr
 
 
 def test_wrong_options_end_with_2(folder):

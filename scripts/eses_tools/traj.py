@@ -64,8 +64,6 @@ def imported(name, advice):
 
 def divide(files, parsers, guess_format):
     """Returns the topology and the trajectories. `parsers` has the formats of topologies."""
-    if len(files) == 1:
-        return files[0], []
     for at in (-1, 0):
         try:
             is_topology = guess_format(files[at]) in parsers
@@ -260,7 +258,8 @@ def measure(eses, plan, numbers, times, centers, options):
                                        by_atom=True, threads=options.threads)
         pockets = [plan.find_pockets(each) for each in centers] if plan.find_pockets else []
     except ValueError as error:
-        raise Failed(f"frames {numbers[0]} to {numbers[-1]}: {printable(error)}") from None
+        which = f"frame {numbers[0]}" if len(numbers) == 1 else f"frames {numbers[0]} to {numbers[-1]}"
+        raise Failed(f"{which}: {printable(error)}") from None
     text = io.StringIO()
     target = csv.writer(text, lineterminator="\n")
     for i, (number, when) in enumerate(zip(numbers, times)):
