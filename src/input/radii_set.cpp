@@ -290,7 +290,9 @@ RadiiSet find_radii_set(const std::string& name_or_file) {
     const auto all_but_last = std::span(names).first(names.size() - 1);
     std::vector<std::string> known = names;
     for (const std::string& each : all_but_last) known.push_back(each + std::string(with_ions));
-    const std::string_view meant = closest_name(lower_case(name_or_file), known);
+    const std::string word = lower_case(name_or_file);
+    const std::string_view meant =
+        word == with_ions.substr(1) ? known.at(names.size()) : closest_name(word, known);
     throw Error(
         formatted("radii: expected {} or {}, or a file in FreeSASA's configuration format: {}{}",
                   fmt::join(all_but_last, ", "), names.back(), error.what(),

@@ -342,6 +342,8 @@ TEST_CASE("radii: ions have Shannon's radii of six neighbours", "[radii]") {
   StructureOptions options;
   options.radii = "Bondi+Shanon";
   CHECK(pdb_error(line_of({}), options).ends_with("; did you mean bondi+shannon?"));
+  options.radii = "shannon";
+  CHECK(pdb_error(line_of({}), options).ends_with("; did you mean protor+shannon?"));
 }
 
 TEST_CASE("radii: a name or a file is accepted, and other text refused", "[structure][radii]") {
