@@ -327,6 +327,13 @@ def require_writable(folder):
         raise Failed(f"{folder}: {error.strerror}") from None
 
 
+def require_file(path):
+    """Fails if there is no regular file of this name."""
+    if not path.is_file():
+        kind = "a directory, not a file" if path.is_dir() else "not a regular file" if path.exists() else "no such file"
+        raise Failed(f"{path}: {kind}")
+
+
 def require_output(path, inputs=()):
     """Fails now if complete_file() could not write this file later, or if it is one of the inputs
     under any name. Its folder must exist; `-` is standard output or input."""

@@ -11,7 +11,7 @@ try:
 except ImportError:
     numpy = None  # the names of the formats need none
 
-from eses_tools.common import Failed
+from eses_tools.common import Failed, require_file
 
 PLY_TYPES = {"char": "i1", "uchar": "u1", "short": "i2", "ushort": "u2", "int": "i4", "uint": "u4",
              "float": "f4", "double": "f8"}
@@ -219,8 +219,7 @@ def is_mesh(path):
 
 def read_mesh(path):
     """Returns the mesh of a file. Throws Failed if it is none of eses-blocks, or empty."""
-    if not path.is_file():
-        raise Failed(f"{path}: no such file")
+    require_file(path)
     try:
         mesh = READERS[path.suffix.lower()](path)
         if len(mesh.triangles) and not 0 <= mesh.triangles.min() <= mesh.triangles.max() < len(

@@ -26,7 +26,7 @@ import tempfile
 import traceback
 
 from eses_tools.common import (NAME, Failed, Parser, at_least, between, complete_file,
-                               end_with, require_kind, require_output)
+                               end_with, require_file, require_kind, require_output)
 from eses_tools import measuring
 
 BACKGROUND = (1, 1, 1)
@@ -510,8 +510,7 @@ def main():
     options = parse()
     from eses_tools import meshes
     for path in options.meshes:
-        if not path.exists():
-            raise Failed(f"{path}: no such file")
+        require_file(path)
         if not meshes.is_mesh(path):
             raise Failed(f"{path}: not a {', '.join(meshes.SUFFIXES[:-1])} or {meshes.SUFFIXES[-1]} file")
     require_output(options.output, [*options.meshes, *filter(None, [options.potential])])

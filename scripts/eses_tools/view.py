@@ -25,8 +25,8 @@ import subprocess
 import tempfile
 
 from eses_tools.common import (NAME, PROGRAM, Failed, Parser, at_least, command_of,
-                               complete_file, describe_build, end_with, files_among, require_kind,
-                               require_output, say, show)
+                               complete_file, describe_build, end_with, files_among, require_file,
+                               require_kind, require_output, say, show)
 from eses_tools import SCHEMES, STYLES, measuring, mmcif, pdb_to_pqr
 from eses_tools.structures import KINDS, split_name
 
@@ -406,8 +406,7 @@ def complete_options(parser, options):
     is_mesh = [meshes.is_mesh(path) for path in options.files]
     for path, known in zip(options.files, is_mesh):
         if not known and split_name(path.name) is None:
-            if not path.exists():
-                raise Failed(f"{path}: no such file")
+            require_file(path)
             parser.error(f"{path}: neither a structure nor a mesh; the suffixes are {KINDS}, and "
                          f"{', '.join(meshes.SUFFIXES)}")
     parser.refuse_own(options.arguments)
@@ -450,8 +449,7 @@ def main():
     options = parse()
     read = [*options.files, *(options.potential or ()), *([options.table] if options.table else [])]
     for path in read:
-        if not path.is_file():
-            raise Failed(f"{path}: no such file")
+        require_file(path)
     require_output(options.output, [*read, *files_among(options.arguments)])
     if options.needs_program:
         describe_build(options.program)

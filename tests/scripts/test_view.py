@@ -101,6 +101,7 @@ class WithoutPackages(TestCase):
                 ("render", [__file__], 1, "not a .ply"),
                 ("render", ["nothing"], 1, "nothing: no such file"),
                 ("view", ["nothing"], 1, "nothing: no such file"),
+                *((script, [self.folder], 1, ": a directory, not a file") for script in ("render", "view")),
                 ("render", ["a.ply", "b.ply", "--cavities"], 2, "--cavities needs a single mesh")):
             with self.subTest(script=script, arguments=arguments):
                 done = run(script, *arguments, "-o", self.folder / "c", env=environment)
