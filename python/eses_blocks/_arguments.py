@@ -95,6 +95,13 @@ def check(function: Callable[..., Any], **arguments: Any) -> None:
     require_types({name: each.default for name, each in parameters.items()}, arguments)
 
 
+def require_not_negative(**arguments: Any) -> None:
+    """Raises ValueError for the first number that is negative or not finite."""
+    for name, value in arguments.items():
+        if not 0 <= value < np.inf:
+            raise ValueError(f"{name} must be finite and not negative, not {value}")
+
+
 def require_choice(name: str, value: Any, *known: str) -> None:
     """Raises ValueError for an argument that is none of the known texts."""
     if not isinstance(value, str) or value not in known:
@@ -142,8 +149,7 @@ def require_radii(name: str, given: Any) -> dict[str, float]:
     for element, radius in radii.items():
         if not _is_number(radius):
             raise TypeError(f"{name}: the radius of {element!r} must be a number, not {radius!r:.80}")
-        if not 0 <= radius < np.inf:
-            raise ValueError(f"{name}: the radius of {element!r} must be finite and not negative, not {radius}")
+        require_not_negative(**{f"{name}: the radius of {element!r}": radius})
     return radii
 
 

@@ -289,6 +289,7 @@ def interface(molecule: Any, first: Any, second: Any = None, radii: Any = None, 
                   "residue_cutoff": residue_cutoff, "threads": threads}
         return _molecule.each_model(interface, molecule, models, {**shared, **options})
     _arguments.check(interface, probe_radius=probe_radius, threads=threads, residue_cutoff=residue_cutoff)
+    _arguments.require_not_negative(residue_cutoff=residue_cutoff)
     found, select = _molecule._read(molecule, radii, waters, hydrogens, unknown_radius, frame, options)
     masks = [select.mask(first, "first")]
     masks.append(~masks[0] if second is None else select.mask(second, "second"))
@@ -348,6 +349,7 @@ def interfaces(molecule: Any, radii: Any = None, *, probe_radius: float = 1.4, w
         return _molecule.each_model(interfaces, molecule, models, {**shared, **options})
     _arguments.check(interfaces, probe_radius=probe_radius, threads=threads, area_cutoff=area_cutoff,
                      residue_cutoff=residue_cutoff)
+    _arguments.require_not_negative(area_cutoff=area_cutoff, residue_cutoff=residue_cutoff)
     found, _ = _molecule._read(molecule, radii, waters, hydrogens, unknown_radius, frame, options)
     names = list(dict.fromkeys(found.chain.tolist()))
     numbers = {name: k for k, name in enumerate(names)}

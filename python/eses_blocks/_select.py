@@ -9,7 +9,7 @@ from typing import Any, Callable, Iterable, NamedTuple, Optional
 import numpy as np
 import numpy.typing as npt
 
-from . import _core, adaptors
+from . import _arguments, _core, adaptors
 
 _Bools = npt.NDArray[np.bool_]
 _LIGAND = "ligand:"
@@ -134,9 +134,7 @@ class Selector:
         count = len(self.names.name)
         given = np.asarray(chosen)
         if given.dtype == bool:
-            if given.shape != (count,):
-                raise ValueError(f"{what}: a mask must have shape ({count},), one value for each atom, not {given.shape}")
-            return given.copy()
+            return _arguments.require_mask(what, given, count)
         if given.size and given.dtype.kind not in "iu":
             raise TypeError(f"{what} must be a selection, a mask or indices of atoms, not {chosen!r:.80}")
         mask = np.zeros(count, bool)

@@ -103,6 +103,11 @@ def test_cutoffs_and_tables_of_all_interfaces(path, tmp_path):
     assert len(eses.interfaces(path, area_cutoff=smallest + 1e-6)) == 2
     assert len(eses.interfaces(path, residue_cutoff=smallest + 1e-6).residues) == 4
     assert len(eses.interface(path, "A", "B", residue_cutoff=LOST + 1).residues) == 0
+    for call, name in ((eses.interfaces, "area_cutoff"), (eses.interfaces, "residue_cutoff"),
+                       (lambda molecule, **cutoff: eses.interface(molecule, "A", **cutoff), "residue_cutoff")):
+        for value in (-1, np.nan, np.inf):
+            with pytest.raises(ValueError, match=f"^{name} must be finite and not negative, not {value}$"):
+                call(path, **{name: value})
     found.save(tmp_path / "buried.pdb")
     lines = [line for line in (tmp_path / "buried.pdb").read_text().splitlines() if line.startswith(("ATOM", "HETATM"))]
     sums = np.zeros(4)
