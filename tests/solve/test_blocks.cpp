@@ -243,6 +243,7 @@ PointBits classified(Classify classify, const SolvedBlock& block) {
   PointBits inside;
   inside.reset(block.grid.block.points);
   scratch.undecided.reset(block.grid.block.points);
+  scratch.batch.make_room();
   classify(block.grid, block.features, scratch, inside);
   return inside;
 }
