@@ -293,9 +293,11 @@ def _runs(*columns: Any) -> npt.NDArray[np.int64]:
     return np.flatnonzero(first)
 
 
-def _other_locations(columns: adaptors.Columns, chain: _Texts, number: Any, icode: _Texts, name: _Texts) -> _Bools:
+def _other_locations(columns: adaptors.Columns, chain: _Texts, number: Any, icode: _Texts, residue: _Texts,
+                     name: _Texts) -> _Bools:
     """Marks the atoms of alternate locations other than that of the highest mean occupancy in the
-    residue. An atom that lacks this location keeps its own of the highest occupancy."""
+    residue. An atom that lacks this location keeps its own of the highest occupancy. Of residues with one
+    number and several names, those without this location are marked as a whole."""
     count = len(name)
     dropped = np.zeros(count, bool)
     locations = np.array(["" if one is None else str(one).strip() for one in columns.altlocs or ()], str)
@@ -309,13 +311,15 @@ def _other_locations(columns: adaptors.Columns, chain: _Texts, number: Any, icod
         if not letters:
             continue
         chosen = max(letters, key=lambda letter: float(occupancy[begin:end][here == letter].mean()))
-        best: dict[str, int] = {}
+        # The residues that have atoms of the chosen location or of all locations.
+        shown = set(residue[begin:end][(here == chosen) | (here == "")].tolist())
+        best: dict[tuple[str, str], int] = {}
         for i in range(begin, end):
             if locations[i]:
-                j = best.setdefault(name[i], i)
-                best[name[i]] = max(i, j, key=lambda k: (locations[k] == chosen, occupancy[k], -k))
+                j = best.setdefault((residue[i], name[i]), i)
+                best[residue[i], name[i]] = max(i, j, key=lambda k: (locations[k] == chosen, occupancy[k], -k))
         for i in range(begin, end):
-            dropped[i] = bool(locations[i]) and best[name[i]] != i
+            dropped[i] = bool(locations[i]) and (residue[i] not in shown or best[residue[i], name[i]] != i)
     return dropped
 
 
@@ -465,7 +469,7 @@ def _choose_atoms(named: _Named, columns: adaptors.Columns, which: str, waters: 
     if columns.virtual is not None:
         choice.drop(columns.virtual, "virtual")
     choice.drop(find_dummies(named.positions, columns.occupancies), "dummy")
-    choice.drop(_other_locations(columns, named.chain, named.residue_number, named.icode, named.name), "altloc")
+    choice.drop(_other_locations(columns, named.chain, named.residue_number, named.icode, named.residue, named.name), "altloc")
     if not waters:
         choice.drop(are_waters, "water")
     if hydrogens == "drop" or (hydrogens == "auto" and are_united):

@@ -355,6 +355,30 @@ def test_radii_by_name(pdb, tmp_path):
     assert eses.measure(pdb, path).radii.source == f"the configuration file {path}"
 
 
+@pytest.mark.parametrize("library", ["gemmi", "MDAnalysis", "prody"])
+@pytest.mark.parametrize("occupancies", [(0.6, 0.4), (0.4, 0.6), (0.5, 0.5)])
+def test_of_two_residues_with_one_number_one_is_kept(tmp_path, library, occupancies):
+    module = pytest.importorskip(library)
+    path = tmp_path / "mutant.pdb"
+    atoms = [(name, letter, residue, occupancy, x) for letter, residue, names, occupancy in zip(
+        "AB", ("SER", "VAL"), (("N", "CA", "CB", "OG"), ("N", "CA", "CB", "CG1")), occupancies)
+             for x, name in zip((0.0, 1.5, 3.0, 4.5 if residue == "SER" else 4.6), names)]
+    atoms.append(("CA", " ", "ALA", 1.0, 8.0))
+    path.write_text("".join(f"ATOM  {i:5d}  {name:<3}{letter}{residue} A{1 + (residue == 'ALA'):4d}    {x:8.3f}{0:8.3f}{0:8.3f}"
+                            f"{occupancy:6.2f}  0.00          {name[0]:>2}\n"
+                            for i, (name, letter, residue, occupancy, x) in enumerate(atoms, 1)) + "END\n")
+    if library == "prody":
+        module.confProDy(verbosity="none")
+    read = {"gemmi": lambda: module.read_structure(str(path)), "MDAnalysis": lambda: module.Universe(str(path)),
+            "prody": lambda: module.parsePDB(str(path), altloc="all")}[library]
+    expected, found = eses.measure(path), eses.measure(read())
+    kept = found.molecule.kept
+    for column in ("residue", "name"):
+        assert found.atoms[column][kept].tolist() == expected.atoms[column].tolist()
+    assert found.left_out == expected.left_out == {"altloc": 4}
+    assert found.sas_area == pytest.approx(expected.sas_area, rel=1e-6)
+
+
 def test_radii_of_ions(pdb):
     for name in ("protor", "bondi", "msms", "naccess", "oons"):
         for found in (pdb, pytest.importorskip("gemmi").read_structure(str(pdb))):
