@@ -1,11 +1,15 @@
 // Compares the counting of points by words of bits with a test of each point and its six
 // neighbours.
 
+#include <cstddef>
+#include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "catch.hpp"
 #include "run/layer.hpp"
 #include "support/atom_sets.hpp"
+#include "system/parallel.hpp"
 
 namespace eses::detail::test {
 namespace {
@@ -39,16 +43,18 @@ GridPoints random_points(const GridIndex& size, double density, Random& random) 
   return points;
 }
 
-PointCounts count_plainly(const GridPoints& points) {
+// Neighbours before the region are not known.
+PointCounts count_plainly(const GridPoints& points, const GridRegion& region) {
   PointCounts counts;
-  for_each_index(points.size, [&](const GridIndex& p) {
+  for_each_index(region.size(), [&](GridIndex p) {
+    for (std::size_t axis = 0; axis < 3; ++axis) p[axis] += region.begin[axis];
     const bool is_inside = points.at(p);
     bool is_irregular = false;
     for (std::size_t axis = 0; axis < 3; ++axis)
       for (const int side : {-1, 1}) {
         GridIndex next = p;
         next[axis] += side;
-        if (next[axis] < 0 || next[axis] >= points.size[axis]) continue;
+        if (next[axis] < region.begin[axis] || next[axis] >= points.size[axis]) continue;
         is_irregular = is_irregular || points.at(next) != is_inside;
       }
     counts.inside += is_inside;
@@ -77,20 +83,17 @@ BlockResult make_block(const GridPoints& points, const BlockBounds& block, bool 
   return result;
 }
 
-BlockTiling tile(const GridIndex& size, std::int64_t block_size) {
-  Grid grid;
-  grid.size = size;
-  return make_tiling(grid, block_size);
-}
-
 struct CutGrid {
   BlockTiling tiling;
   std::vector<Layer> layers;
   std::size_t blocks_without_words = 0;
 };
 
-CutGrid cut(const GridPoints& points, std::int64_t block_size, Random& random) {
-  CutGrid result{tile(points.size, block_size), {}, 0};
+CutGrid cut(const GridPoints& points, const GridRegion& region, std::int64_t block_size,
+            Random& random) {
+  Grid grid;
+  grid.size = points.size;
+  CutGrid result{make_tiling(grid, block_size, region), {}, 0};
   const GridIndex blocks = result.tiling.blocks;
   for (std::int64_t bz = 0; bz < blocks[2]; ++bz) {
     Layer layer;
@@ -101,8 +104,10 @@ CutGrid cut(const GridPoints& points, std::int64_t block_size, Random& random) {
         result.blocks_without_words += layer.blocks.back().inside.words.empty();
       }
     layer.inside.reset(result.tiling, layer.blocks.front().block.points[2]);
-    for (const BlockResult& block : layer.blocks)
+    parallel_for(blocks[0] * blocks[1], 3, [&](std::int64_t index, int) {
+      const BlockResult& block = layer.blocks[static_cast<std::size_t>(index)];
       layer.inside.add(result.tiling, block.block, block.inside);
+    });
     result.layers.push_back(std::move(layer));
   }
   return result;
@@ -124,6 +129,18 @@ PointCounts count_all(const CutGrid& grid, Random& random) {
   return counts;
 }
 
+// Returns the number of blocks without words.
+std::size_t compare_counts(const GridPoints& points, const GridRegion& region,
+                           std::int64_t block_size, Random& random) {
+  const CutGrid grid = cut(points, region, block_size, random);
+  const PointCounts expected = count_plainly(points, region), counts = count_all(grid, random);
+  CAPTURE(block_size, points.size, region.begin, region.end);
+  CHECK(counts.inside == expected.inside);
+  CHECK(counts.inside_regular == expected.inside_regular);
+  CHECK(counts.irregular == expected.irregular);
+  return grid.blocks_without_words;
+}
+
 }  // namespace
 
 TEST_CASE("points are counted correctly however the grid is cut") {
@@ -143,15 +160,7 @@ TEST_CASE("points are counted correctly however the grid is cut") {
       }
       const double density = repetition % 3 == 0 ? 0.5 : repetition % 3 == 1 ? 0.03 : 0.97;
       const GridPoints points = random_points(size, density, random);
-      const CutGrid grid = cut(points, block_size, random);
-      blocks_without_words += grid.blocks_without_words;
-      const PointCounts expected = count_plainly(points);
-      INFO("block size " << block_size << ", grid " << size[0] << " x " << size[1] << " x "
-                         << size[2]);
-      const PointCounts counts = count_all(grid, random);
-      CHECK(counts.inside == expected.inside);
-      CHECK(counts.inside_regular == expected.inside_regular);
-      CHECK(counts.irregular == expected.irregular);
+      blocks_without_words += compare_counts(points, {{}, size}, block_size, random);
     }
   CHECK(blocks_without_words > 20);
 }
@@ -159,16 +168,26 @@ TEST_CASE("points are counted correctly however the grid is cut") {
 TEST_CASE("points of a grid that is one point thick are counted, too") {
   Random random(32);
   for (const GridIndex size : {GridIndex{1, 1, 1}, {1, 5, 70}, {70, 1, 5}, {5, 70, 1}, {64, 1, 1}})
-    for (const std::int64_t block_size : {2, 64}) {
-      const GridPoints points = random_points(size, 0.5, random);
-      const CutGrid grid = cut(points, block_size, random);
-      const PointCounts expected = count_plainly(points);
-      INFO("block size " << block_size << ", grid " << size[0] << " x " << size[1] << " x "
-                         << size[2]);
-      const PointCounts counts = count_all(grid, random);
-      CHECK(counts.inside == expected.inside);
-      CHECK(counts.inside_regular == expected.inside_regular);
-      CHECK(counts.irregular == expected.irregular);
+    for (const std::int64_t block_size : {2, 64})
+      compare_counts(random_points(size, 0.5, random), {{}, size}, block_size, random);
+}
+
+TEST_CASE("points of a region are counted with their neighbours in its halo") {
+  Random random(33);
+  for (const std::int64_t block_size : {2, 5, 17, 64, 65})
+    for (int repetition = 0; repetition < 40; ++repetition) {
+      GridRegion region;
+      GridIndex size{};
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        const std::size_t longest = axis == 0 ? 150 : 12;
+        region.begin[axis] = static_cast<std::int64_t>(random.integer(0, 3));
+        // Rows of whole words are frequent.
+        const std::size_t count = axis == 0 && random.chance(0.3) ? 64 * random.integer(1, 2)
+                                                                  : random.integer(1, longest);
+        region.end[axis] = region.begin[axis] + static_cast<std::int64_t>(count);
+        size[axis] = region.end[axis] + static_cast<std::int64_t>(random.integer(0, 2));
+      }
+      compare_counts(random_points(size, 0.5, random), region, block_size, random);
     }
 }
 
