@@ -10,6 +10,7 @@ import numpy as np
 
 from . import _arguments, _core, _molecule
 from ._files import output_path, write_structure
+from ._locations import first_of_runs
 from ._measurement import _Path, Table, _polar_atoms, _starts_of
 from ._read_only import ReadOnly
 from ._select import Selector, is_gemmi_selection
@@ -87,7 +88,7 @@ class Interface(ReadOnly):
         that lose 15 square angstrom."""
         atoms = self.atoms
         keys = ("side", "chain", "residue_number", "icode", "residue")
-        starts = _molecule._runs(*(atoms[key] for key in keys)) if len(atoms) else np.zeros(0, np.int64)
+        starts = first_of_runs(*(atoms[key] for key in keys)) if len(atoms) else np.zeros(0, np.int64)
         columns = {key: atoms[key][starts] for key in keys}
         for column in ("sas_lost", "ses_lost"):
             columns[column] = np.add.reduceat(atoms[column], starts) if len(starts) else atoms[column]

@@ -14,6 +14,7 @@ import numpy.typing as npt
 
 from . import _arguments, _core, _molecule
 from ._files import output_path, write_structure
+from ._locations import first_of_runs
 from ._read_only import Counts, ReadOnly
 from ._references import CLASSES, MAIN_CHAIN, REFERENCE_PROBE_RADIUS, REFERENCES, is_amino_acid
 from ._paths import remember_files
@@ -101,7 +102,7 @@ def _is_parquet(path: str) -> bool:
 
 def _starts_of(molecule: _molecule.Molecule) -> npt.NDArray[np.int64]:
     """Returns the first atom of each residue."""
-    return _molecule._runs(molecule.chain, molecule.residue_number, molecule.icode, molecule.residue)
+    return first_of_runs(molecule.chain, molecule.residue_number, molecule.icode, molecule.residue)
 
 
 def _polar_atoms(molecule: _molecule.Molecule, starts: npt.NDArray[np.int64]) -> _Bools:

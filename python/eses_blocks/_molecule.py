@@ -16,6 +16,7 @@ import numpy.typing as npt
 
 from . import _arguments, _core, _foreign, adaptors
 from ._files import RowsOfFile, model_numbers, notes_of, values_in_lines
+from ._locations import other_locations
 from ._paths import files_of, format_of, is_file, is_path, name_of, read_content, read_opened, remember_files
 from ._radii import (SOURCES, atoms_named, correct_elements, find_dummies, find_radii, radii_by_bonds, refuse_unknown,
                      warn_about_residues)
@@ -283,46 +284,6 @@ def _radii_are_assigned(source: _Source, found: Any) -> bool:
     return names is not None and not name.removesuffix(".gz").endswith(".pqr")
 
 
-# ------------------------------------------------------------------------------------ kept atoms
-
-
-def _runs(*columns: Any) -> npt.NDArray[np.int64]:
-    """Returns the first atom of each run of atoms with equal values."""
-    first = np.ones(len(columns[0]), bool)
-    first[1:] = np.any([column[1:] != column[:-1] for column in columns], axis=0)
-    return np.flatnonzero(first)
-
-
-def _other_locations(columns: adaptors.Columns, chain: _Texts, number: Any, icode: _Texts, residue: _Texts,
-                     name: _Texts) -> _Bools:
-    """Marks the atoms of alternate locations other than that of the highest mean occupancy in the
-    residue. An atom that lacks this location keeps its own of the highest occupancy. Of residues with one
-    number and several names, those without this location are marked as a whole."""
-    count = len(name)
-    dropped = np.zeros(count, bool)
-    locations = np.array(["" if one is None else str(one).strip() for one in columns.altlocs or ()], str)
-    if not (locations != "").any():
-        return dropped
-    occupancy = np.array([1.0] * count if columns.occupancies is None else columns.occupancies, float)
-    starts = _runs(chain, number, icode)
-    for begin, end in zip(starts, np.append(starts[1:], count)):
-        here = locations[begin:end]
-        letters = sorted(set(here) - {""})
-        if not letters:
-            continue
-        chosen = max(letters, key=lambda letter: float(occupancy[begin:end][here == letter].mean()))
-        # The residues that have atoms of the chosen location or of all locations.
-        shown = set(residue[begin:end][(here == chosen) | (here == "")].tolist())
-        best: dict[tuple[str, str], int] = {}
-        for i in range(begin, end):
-            if locations[i]:
-                j = best.setdefault((residue[i], name[i]), i)
-                best[residue[i], name[i]] = max(i, j, key=lambda k: (locations[k] == chosen, occupancy[k], -k))
-        for i in range(begin, end):
-            dropped[i] = bool(locations[i]) and (residue[i] not in shown or best[residue[i], name[i]] != i)
-    return dropped
-
-
 # ------------------------------------------------------------------------------------------ radii
 
 
@@ -469,7 +430,7 @@ def _choose_atoms(named: _Named, columns: adaptors.Columns, which: str, waters: 
     if columns.virtual is not None:
         choice.drop(columns.virtual, "virtual")
     choice.drop(find_dummies(named.positions, columns.occupancies), "dummy")
-    choice.drop(_other_locations(columns, named.chain, named.residue_number, named.icode, named.residue, named.name), "altloc")
+    choice.drop(other_locations(columns, named.chain, named.residue_number, named.icode, named.residue, named.name), "altloc")
     if not waters:
         choice.drop(are_waters, "water")
     if hydrogens == "drop" or (hydrogens == "auto" and are_united):

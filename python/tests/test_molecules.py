@@ -379,6 +379,20 @@ def test_of_two_residues_with_one_number_one_is_kept(tmp_path, library, occupanc
     assert found.sas_area == pytest.approx(expected.sas_area, rel=1e-6)
 
 
+@pytest.mark.parametrize("occupancies", [(0.6, 0.4), (0.4, 0.6), (1.0, 1.0)])
+def test_locations_without_a_letter_are_alternatives(tmp_path, occupancies):
+    path = tmp_path / "blank.pdb"
+    path.write_text("".join(f"ATOM  {i:5d}  {name:<3}{letter}SER A   1    {x:8.3f}{0:8.3f}{0:8.3f}{occupancy:6.2f}  0.00"
+                            f"          {name[0]:>2}\n" for i, (name, letter, x, occupancy) in enumerate((
+                                ("CA", " ", 0.0, 1.0), ("CB", " ", 1.5, 1.0), ("OG", " ", 2.9, occupancies[0]),
+                                ("OG", "B", 1.5, occupancies[1])), 1)) + "END\n")
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # atoms with the same place and name
+        expected, found = eses.measure(path), eses.measure(pytest.importorskip("gemmi").read_structure(str(path)))
+    np.testing.assert_array_equal(found.molecule.centers, expected.molecule.centers)
+    assert found.left_out == expected.left_out
+
+
 def test_radii_of_ions(pdb):
     for name in ("protor", "bondi", "msms", "naccess", "oons"):
         for found in (pdb, pytest.importorskip("gemmi").read_structure(str(pdb))):
