@@ -246,6 +246,14 @@ def test_errors_are_one_line(folder, arguments, message):
     assert not (folder / "x.csv").exists()
 
 
+def test_atoms_without_a_radius_are_an_error_with_options(tmp_path):
+    (tmp_path / "x.pdb").write_text("HETATM    1  UNK UNX A   1       0.000   0.000   0.000  1.00  0.00           X\n")
+    done = run(tmp_path, "x.pdb", "-o", "x.csv", code=1)
+    assert done.stderr.endswith("in the set protor: UNX UNK (element unknown); use --unknown-radius or another set (--radii)\n")
+    run(tmp_path, "x.pdb", "-o", "x.csv", "--unknown-radius", 1.7)
+    assert near(rows_of(tmp_path / "x.csv")[0]["sas"], 4 * np.pi * 3.1**2)
+
+
 def test_errors_of_pockets_name_the_frame(folder):
     done = subprocess.run([*COMMAND, "run.xtc", "top.pdb", "--pockets", "--start", "3", "--spacing", "9", "-o", "x.csv"], cwd=folder,
                           capture_output=True, text=True, check=False)

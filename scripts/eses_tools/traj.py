@@ -33,6 +33,7 @@ import io
 import json
 import math
 import pathlib
+import re
 import shutil
 import time
 import warnings
@@ -158,8 +159,8 @@ def make_plan(eses, universe, frames, options):
         measured = eses.measure(group, options.radii, report=report, waters=options.waters,
                                 hydrogens=options.hydrogens, unknown_radius=options.unknown_radius,
                                 probe_radius=options.probe_radius, threads=options.threads)
-    except (OSError, ValueError) as error:
-        raise Failed(printable(error)) from None
+    except (OSError, ValueError) as error:  # with options in place of the arguments of Python
+        raise Failed(re.sub("use unknown_radius=.*", "use --unknown-radius or another set (--radii)", printable(error))) from None
     warn_if_divided(numpy, universe, group, measured)
     warn_if_nothing_else_blocks(universe, group, measured, options)
     table, kept = measured.atoms, measured.molecule.kept
