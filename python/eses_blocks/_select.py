@@ -164,7 +164,9 @@ class Selector:
             raise
         except Exception as error:  # those of other libraries
             if text.isdigit():
-                raise ValueError(f"{what}: no chain or residue {text!r}; {self._contents()}") from error
+                kind = "chain" if self._syntax else "chain or residue"
+                advice = f"; selections have the syntax of {self._syntax}" if self._syntax else ""
+                raise ValueError(f"{what}: no {kind} {text!r}; {self._contents()}{advice}") from error
             one_line = " ".join(str(error).replace("^", " ").split())
             message = re.sub("^selection: |(?<=: )selection: ", "", one_line).rstrip(". ")
             raise ValueError(f"{what}: {message}{self._hint(text)}") from error

@@ -309,6 +309,8 @@ def test_digits_are_residues_or_an_unknown_chain(path):
     for library in ("path", "Atoms", "gemmi", "MDAnalysis"):
         with pytest.raises(ValueError, match=r"^report: no .*'99'; the chains are A \(residues 10 to 10\)"):
             eses.measure(opened(library, path), report="99")
+    with pytest.raises(ValueError, match="no chain '10'; .*; selections have the syntax of MDAnalysis, such as 'resid 57 and name CA'$"):
+        eses.measure(opened("MDAnalysis", path), report="10")
     assert reported(eses.measure(path, report="10")) == ["ALA"]
 
 
