@@ -254,10 +254,11 @@ def test_atoms_without_a_radius_are_an_error_with_options(tmp_path):
     assert near(rows_of(tmp_path / "x.csv")[0]["sas"], 4 * np.pi * 3.1**2)
 
 
-def test_errors_of_pockets_name_the_frame(folder):
-    done = subprocess.run([*COMMAND, "run.xtc", "top.pdb", "--pockets", "--start", "3", "--spacing", "9", "-o", "x.csv"], cwd=folder,
+def test_wrong_options_of_pockets_leave_no_files(folder, tmp_path):
+    done = subprocess.run([*COMMAND, "run.xtc", "top.pdb", "--pockets", "--spacing", "9", "-o", tmp_path / "x.csv"], cwd=folder,
                           capture_output=True, text=True, check=False)
-    assert done.returncode == 1 and "\neses-traj: frame 3: the spacing must be between" in done.stderr
+    assert done.returncode == 1 and "eses-traj: the spacing must be between" in done.stderr
+    assert not list(tmp_path.iterdir())
 
 
 def test_wrong_options_end_with_2(folder):

@@ -208,6 +208,11 @@ def pocket_finder(numpy, eses, measured, options):
         raise Failed(f"--at {printable(options.at)}: there are no other atoms")
     if marks is not None and not is_ligand:
         place["atoms"] = numpy.flatnonzero(marks)
+    try:  # fails for wrong options, before frames are measured
+        eses.Surface([[0, 0, 0]], [1], options.probe_radius).pockets(
+            options.large_probe, spacing=options.spacing, min_volume=options.min_pocket_volume)
+    except ValueError as error:
+        raise Failed(printable(error)) from None
 
     def find(centers):
         surface = eses.Surface(centers[others], radii[others], options.probe_radius, threads=options.threads)
