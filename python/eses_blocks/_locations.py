@@ -46,9 +46,10 @@ def other_locations(columns: adaptors.Columns, chain: _Texts, number: Any, icode
         for (kind, _), atoms in by_name.items():
             lettered = [i for i in atoms if locations[i]]
             # A location without a letter is an alternative, unless the occupancies add up to more than 1.
-            others = atoms if occupancy[atoms].sum() <= 1.01 else lettered
+            occupancies = {locations[i]: occupancy[i] for i in reversed(atoms)}
+            others = atoms if sum(occupancies.values()) <= 1.01 else lettered
             have_letters = len(others) == len(lettered)
             if lettered:
                 best = max(others, key=lambda k: (have_letters and locations[k] == chosen, occupancy[k], -k))
-                dropped[others] = [kind not in shown or i != best for i in others]
+                dropped[others] = [kind not in shown or locations[i] != locations[best] for i in others]
     return dropped

@@ -379,6 +379,14 @@ def test_of_two_residues_with_one_number_one_is_kept(tmp_path, library, occupanc
     assert found.sas_area == pytest.approx(expected.sas_area, rel=1e-6)
 
 
+def test_atoms_of_one_name_and_location_are_all_kept(tmp_path):
+    path = tmp_path / "alkane.pdb"
+    path.write_text("".join(f"ATOM  {i:5d}  C  AALK A   1    {1.5 * i:8.3f}{0:8.3f}{0:8.3f}  1.00  0.00           C\n"
+                            for i in range(1, 5)) + "END\n")
+    for molecule in (path, pytest.importorskip("gemmi").read_structure(str(path))):
+        assert len(eses.measure(molecule).molecule.kept) == 4
+
+
 @pytest.mark.parametrize("occupancies", [(0.6, 0.4), (0.4, 0.6), (1.0, 1.0)])
 def test_locations_without_a_letter_are_alternatives(tmp_path, occupancies):
     path = tmp_path / "blank.pdb"
