@@ -9,7 +9,6 @@ import numpy.typing as npt
 
 from . import adaptors
 
-_Texts = npt.NDArray[np.str_]
 _Bools = npt.NDArray[np.bool_]
 
 
@@ -20,19 +19,19 @@ def first_of_runs(*columns: Any) -> npt.NDArray[np.int64]:
     return np.flatnonzero(first)
 
 
-def other_locations(columns: adaptors.Columns, chain: _Texts, number: Any, icode: _Texts, residue: _Texts,
-                    name: _Texts) -> _Bools:
-    """Marks the atoms of alternate locations other than that of the highest mean occupancy in the
-    residue. An atom that lacks this location keeps its own of the highest occupancy. Of residues with one
+def other_locations(columns: adaptors.Columns, named: Any, keep: _Bools) -> _Bools:
+    """Marks the kept atoms of alternate locations other than that of the highest mean occupancy in the
+    residue. `named` has the names of all atoms, and `keep` is the mask of the kept ones. An atom that lacks this location keeps its own of the highest occupancy. Of residues with one
     number and several names, those without this location are marked as a whole."""
-    count = len(name)
-    dropped = np.zeros(count, bool)
+    result = np.zeros(len(keep), bool)
     locations = np.array(["" if one is None else str(one).strip() for one in columns.altlocs or ()], str)
-    if not (locations != "").any():
-        return dropped
-    occupancy = np.array([1.0] * count if columns.occupancies is None else columns.occupancies, float)
-    starts = first_of_runs(chain, number, icode)
-    for begin, end in zip(starts, np.append(starts[1:], count)):
+    if not (locations != "").any() or not keep.any():
+        return result
+    occupancy = np.array([1.0] * len(keep) if columns.occupancies is None else columns.occupancies, float)[keep]
+    locations, residue, name = locations[keep], named.residue[keep], named.name[keep]
+    starts = first_of_runs(named.chain[keep], named.residue_number[keep], named.icode[keep])
+    dropped = np.zeros(len(name), bool)
+    for begin, end in zip(starts, np.append(starts[1:], len(name))):
         here = locations[begin:end]
         letters = sorted(set(here) - {""})
         if not letters:
@@ -52,4 +51,5 @@ def other_locations(columns: adaptors.Columns, chain: _Texts, number: Any, icode
             if lettered:
                 best = max(others, key=lambda k: (have_letters and locations[k] == chosen, occupancy[k], -k))
                 dropped[others] = [kind not in shown or locations[i] != locations[best] for i in others]
-    return dropped
+    result[keep] = dropped
+    return result

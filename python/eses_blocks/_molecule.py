@@ -430,11 +430,11 @@ def _choose_atoms(named: _Named, columns: adaptors.Columns, which: str, waters: 
     if columns.virtual is not None:
         choice.drop(columns.virtual, "virtual")
     choice.drop(find_dummies(named.positions, columns.occupancies), "dummy")
-    choice.drop(other_locations(columns, named.chain, named.residue_number, named.icode, named.residue, named.name), "altloc")
     if not waters:
         choice.drop(are_waters, "water")
     if hydrogens == "drop" or (hydrogens == "auto" and are_united):
         choice.drop(named.element == "H", "hydrogen")
+    choice.drop(other_locations(columns, named, choice.keep), "altloc")  # by the occupancies of the atoms that are left
     is_unknown = np.isnan(values) & choice.keep
     if is_unknown.any():
         if unknown is None:

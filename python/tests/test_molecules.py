@@ -379,6 +379,19 @@ def test_of_two_residues_with_one_number_one_is_kept(tmp_path, library, occupanc
     assert found.sas_area == pytest.approx(expected.sas_area, rel=1e-6)
 
 
+def test_hydrogens_that_are_left_out_choose_no_location(tmp_path):
+    """Hydrogens have the occupancy 1 in location A, and the heavy atoms a higher one in location B."""
+    path = tmp_path / "hydrogens.pdb"
+    path.write_text("".join(f"ATOM  {i:5d}  {name:<3}{letter}SER A   1    {x:8.3f}{0:8.3f}{0:8.3f}{occupancy:6.2f}  0.00"
+                            f"          {name[0]:>2}\n" for i, (name, letter, x, occupancy) in enumerate((
+                                ("CA", " ", 0.0, 1.0), ("OG", "A", 1.4, 0.4), ("OG", "B", 2.8, 0.6), ("HG", "A", 3.0, 1.0)), 1)) + "END\n")
+    for hydrogens, place in (("drop", 2.8), ("keep", 1.4)):
+        for molecule in (path, pytest.importorskip("gemmi").read_structure(str(path))):
+            found = eses.measure(molecule, radii="bondi", hydrogens=hydrogens)
+            assert found.molecule.centers[1, 0] == place
+            assert found.left_out == {"altloc": 1, **({"hydrogen": 1} if hydrogens == "drop" else {})}
+
+
 def test_atoms_of_one_name_and_location_are_all_kept(tmp_path):
     path = tmp_path / "alkane.pdb"
     path.write_text("".join(f"ATOM  {i:5d}  C  AALK A   1    {1.5 * i:8.3f}{0:8.3f}{0:8.3f}  1.00  0.00           C\n"
