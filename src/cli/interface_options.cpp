@@ -112,12 +112,12 @@ InterfaceOptions parse_interface_arguments(const Arguments& arguments) {
                          options);
   if (prints_atoms(options) && options.has_many())
     throw UsageError("--table pdb and cif print the atoms of a single file or model; use --write");
-  for (const std::filesystem::path& path : options.inputs) {
+  check_inputs(options, [&](const std::filesystem::path& path) {
     std::error_code ignored;
-    if (path != "-" && !std::filesystem::is_regular_file(path, ignored)) continue;
+    if (path != "-" && !std::filesystem::is_regular_file(path, ignored)) return;
     refuse_other_input(app, options, path);
     refuse_xyzr({path, options.format}, "interface", "chains");
-  }
+  });
   refuse_repeated_chains(options.groups, "--groups");
   if (!options.groups.by_chain && options.groups.parts.size() != 2)
     throw UsageError("--groups needs two sides, such as --groups A+B C");

@@ -230,13 +230,13 @@ void check_surfaces(const MeasureCommandOptions& options) {
 }
 
 /// Throws UsageError if an option cannot be used with these files.
-void check(const CLI::App& app, const MeasureCommandOptions& options) {
+void check(const CLI::App& app, MeasureCommandOptions& options) {
   refuse_repeated_chains(options.parts, "--parts");
   if (options.printed_table != nullptr && options.has_many())
     throw UsageError(formatted("--table prints the table of a single file or model; use --write {}",
                                options.printed_table->name));
   const bool has_place_of_atoms = options.at && !options.at->point && !options.at->box;
-  for (const std::filesystem::path& path : options.inputs) {
+  check_inputs(options, [&](const std::filesystem::path& path) {
     refuse_other_input(app, options, path);
     const InputFile input{path, options.format};
     for (const Table* const table : options.needed_tables())
@@ -244,7 +244,7 @@ void check(const CLI::App& app, const MeasureCommandOptions& options) {
     if (options.parts.is_chosen()) refuse_xyzr(input, "--parts", "chains");
     if (!options.reports.empty()) refuse_xyzr(input, "--report", "names");
     if (has_place_of_atoms) refuse_xyzr(input, "--at", "names");
-  }
+  });
 }
 
 }  // namespace

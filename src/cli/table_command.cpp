@@ -92,8 +92,12 @@ void set_failure(const TableOptions& options, const TableCommand& command, std::
 
 Outcome measured(const TableOptions& options, const TableCommand& command, const InputRun& run) {
   Outcome outcome;
+  const auto refusal = options.refusals.find(options.inputs[run.input]);
   try {
-    command.measure(run, outcome);
+    if (refusal == options.refusals.end())
+      command.measure(run, outcome);
+    else
+      outcome.errors.push_back(refusal->second);
   } catch (const StrictError& error) {
     outcome.errors = error.lines;
   } catch (const Error& error) {

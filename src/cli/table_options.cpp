@@ -2,6 +2,7 @@
 
 #include <sys/stat.h>
 
+#include <algorithm>
 #include <utility>
 
 #include "cli/command.hpp"
@@ -108,6 +109,18 @@ void refuse_other_input(const CLI::App& app, const TableOptions& options,
   const InputFile input{path, options.format};
   refuse_structure_options(app, input);
   if (options.all_models) require_models(input);
+}
+
+void check_inputs(TableOptions& options,
+                  const std::function<void(const std::filesystem::path&)>& check) {
+  for (const std::filesystem::path& path : options.inputs) {
+    try {
+      check(path);
+    } catch (const UsageError& error) {
+      if (std::ranges::find(options.choice.paths, path) != options.choice.paths.end()) throw;
+      options.refusals.emplace(path, error.what());
+    }
+  }
 }
 
 void expand_models(TableOptions& options) {

@@ -7,6 +7,8 @@
 #include <cstddef>
 #include <exception>
 #include <filesystem>
+#include <functional>
+#include <map>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -22,6 +24,8 @@ namespace eses::detail::cli {
 struct TableOptions {
   InputChoice choice;                         ///< as it was given
   std::vector<std::filesystem::path> inputs;  ///< without folders; `-` is standard input
+  /// Why files of folders and lists cannot be measured with these options.
+  std::map<std::filesystem::path, std::string> refusals = {};
   AtomFormat format = AtomFormat::automatic;
   StructureOptions structure;  ///< for PDB and mmCIF files
   bool all_models = false;     ///< whether each model of a file is measured
@@ -93,6 +97,11 @@ void complete_table_options(const CLI::App& app, bool writes_tables, bool has_ta
 /// Throws UsageError if the options of PDB and mmCIF files are given with another file.
 void refuse_other_input(const CLI::App& app, const TableOptions& options,
                         const std::filesystem::path& path);
+
+/// Calls `check` with each input. A UsageError goes on to the caller if the command line names the
+/// file. Otherwise its message is kept in `refusals`, so that the other files are measured.
+void check_inputs(TableOptions& options,
+                  const std::function<void(const std::filesystem::path&)>& check);
 
 /// With `--model all`, replaces each input by its models. Files that cannot be read stay, so that
 /// they are reported with the others.

@@ -409,7 +409,8 @@ class Ligands(Case):
         path = self.file("a.pdb", peptide())
         for text in ("57", "57-60"):
             done = self.call("measure", path, "--report", text, code=1)
-            self.assertIn(f"no atoms of chain or residue {text}, which --report names; the chains are ", done.stderr)
+            self.assertIn(f"no atoms of chain or residue {text}, which --report names; the chains are A (residues 1 to 3), "
+                          "B (residues 4 to 6)\n", done.stderr)
 
     def test_chains_with_numbers_are_places(self):
         path = self.file("numbers.pdb", cup(3).replace("GLY A", "GLY 1").replace("LIG A", "LIG 2"))
@@ -456,6 +457,24 @@ class Interfaces(Case):
                               "401)")):
             done = self.call("interface", path, "--ligand", text, code=1)
             self.assertTrue(done.stderr.endswith(f"{advice}\n"), done.stderr)
+
+    def test_files_of_folders_that_an_option_does_not_apply_to(self):
+        folder, table = self.folder / "mixed", self.folder / "all.csv"
+        folder.mkdir()
+        (folder / "a.pdb").write_text(peptide(), encoding="ascii")
+        (folder / "a.xyzr").write_text("0 0 0 1.5\n", encoding="ascii")
+        names = self.file("names.txt", f"{folder}/a.pdb\n{folder}/a.xyzr\n")
+        for command, *options in (("interface",), ("measure", "--radii", "bondi"), ("measure", "--report", "A"),
+                                  ("measure", "--model", "all"), ("measure", "--write", "residues", "-o", self.folder / "out")):
+            for files in ([folder], ["--files-from", names]):
+                done = self.call(command, *files, *options, "--csv", table, code=1)
+                good, bad = self.rows(table)
+                self.assertEqual(good["error"], "")
+                self.assertIn("a.xyzr is read as xyzr", bad["error"])
+                self.assertEqual(done.stderr.count(f"error: {bad['error']}\n"), 1)
+            table.unlink()
+            self.call(command, folder, folder / "a.xyzr", *options, "--csv", table, code=2)
+            self.assertFalse(table.exists())
 
     def test_empty_tables_have_a_reason(self):
         path = self.file("far.pdb", peptide() + atom_line(31, "C1", "LIG", "C", 401, (90, 0, 0), "HETATM"))
