@@ -124,24 +124,6 @@ bool names_residue(const NamedPart& part, std::span<const AtomLabel> labels) {
          std::ranges::find(labels, name, &AtomLabel::chain) == labels.end();
 }
 
-/// Returns whether each atom of the file is in chains, or in residues whose numbers no chain has as
-/// its name. Throws Error if the file lacks one of them.
-std::vector<bool> atoms_of_chains(const NamedPart& part, const DividedFile& file,
-                                  std::string_view option) {
-  const bool is_residue = names_residue(part, file.labels);
-  std::vector<bool> is_in =
-      is_residue ? select_atoms(file.labels, part.chains.front()) : part.atoms_in(file.labels);
-  if (is_residue && std::ranges::find(is_in, true) != is_in.end()) return is_in;
-  const std::vector<std::string> known = different_names(file.labels, &AtomLabel::chain);
-  for (const std::string& chain : part.chains)
-    if (std::ranges::find(known, chain) == known.end())
-      throw Error(formatted("{}: no atoms of chain {}{}, which {} names; the chains are {}{}",
-                            input_name(file.path), is_residue ? "or residue " : "",
-                            printable(chain), option, first_names(known),
-                            advice_for_chain(file, chain)));
-  return is_in;
-}
-
 /// Returns the first chains of a file, each with the range of its residues.
 std::string chains_with_residues(std::span<const AtomLabel> labels) {
   std::map<std::string_view, std::pair<std::string_view, std::string_view>> ranges;
@@ -155,6 +137,25 @@ std::string chains_with_residues(std::span<const AtomLabel> labels) {
     return formatted("{} (residues {} to {})", name.empty() ? "(blank)" : printable(name),
                      printable(range.first), printable(range.second));
   });
+}
+
+/// Returns whether each atom of the file is in chains, or in residues whose numbers no chain has as
+/// its name. Throws Error if the file lacks one of them.
+std::vector<bool> atoms_of_chains(const NamedPart& part, const DividedFile& file,
+                                  std::string_view option) {
+  const bool is_residue = names_residue(part, file.labels);
+  std::vector<bool> is_in =
+      is_residue ? select_atoms(file.labels, part.chains.front()) : part.atoms_in(file.labels);
+  if (is_residue && std::ranges::find(is_in, true) != is_in.end()) return is_in;
+  const std::vector<std::string> known = different_names(file.labels, &AtomLabel::chain);
+  for (const std::string& chain : part.chains)
+    if (std::ranges::find(known, chain) == known.end())
+      throw Error(formatted("{}: no atoms of chain {}{}, which {} names; the chains are {}{}",
+                            input_name(file.path), is_residue ? "or residue " : "",
+                            printable(chain), option,
+                            is_residue ? chains_with_residues(file.labels) : first_names(known),
+                            advice_for_chain(file, chain)));
+  return is_in;
 }
 
 /// Returns whether a part of chains leaves atoms to another part, as its ligands.

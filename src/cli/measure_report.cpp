@@ -105,7 +105,7 @@ std::string parts_text(const SurfaceChoice& surfaces, const MeasuredFile& file) 
   if (file.parts.empty()) return "";
   std::string text;
   for (const MeasuredPart& part : file.parts) {
-    text += formatted("part {} alone: {}", one_line(part.name), counted(part.atoms, "atom"));
+    text += formatted("part {} alone: {}", shown_name(part.name), counted(part.atoms, "atom"));
     if (surfaces.has_ses()) text += formatted(", SES area {:.4f}", part.measures.ses_area);
     if (surfaces.has_sas()) text += formatted(", SAS area {:.4f}", part.measures.sas_area);
     text += "\n";

@@ -149,7 +149,8 @@ TEST_CASE("measure: bad requests are refused") {
   fails({"measure", "dimer.pqr", "--parts", "A|X"},
         "dimer.pqr: no atoms of chain X, which --parts names; the chains are A, B, C");
   fails({"measure", "dimer.pqr", "--report", "99"},
-        "dimer.pqr: no atoms of chain or residue 99, which --report names; the chains are A, B, C");
+        "dimer.pqr: no atoms of chain or residue 99, which --report names; the chains are A "
+        "(residues 1 to 1), B (residues 2 to 2), C (residues 3 to 3)");
   CHECK(contains(box.run({"measure", "dimer.pqr", "--report", "2"}).out, "report 2: 1 atom, "));
   fails({"measure", "dimer.pqr", "--report", "GLY"},
         "dimer.pqr: no atoms of chain GLY, which --report names; the chains are A, B, C; residue "
