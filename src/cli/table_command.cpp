@@ -134,9 +134,11 @@ int run_table_command(const TableOptions& options, const TableCommand& command) 
     reporter.show_time();
   };
   const int threads = chosen_threads(options.threads);
-  // Parallel loops are not nested: either inputs or the atoms of an input are measured in parallel.
+  // Parallel loops are not nested: either inputs or, if these would leave most threads idle, the
+  // atoms of an input are measured in parallel.
   const auto count = static_cast<std::int64_t>(options.inputs.size());
-  const int input_threads = static_cast<int>(std::min<std::int64_t>(threads, count));
+  const int input_threads =
+      2 * count < threads ? 1 : static_cast<int>(std::min<std::int64_t>(threads, count));
   const int atom_threads = input_threads > 1 ? 1 : threads;
   parallel_for(count, input_threads, [&](std::int64_t index, int /*thread*/) {
     const auto input = static_cast<std::size_t>(index);
