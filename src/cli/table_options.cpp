@@ -11,6 +11,7 @@
 #include "eses/error.hpp"
 #include "eses/version.hpp"
 #include "input/other_formats.hpp"
+#include "input/radii_set.hpp"
 #include "input/read_input.hpp"
 #include "output/result_log.hpp"
 #include "run/request.hpp"
@@ -91,6 +92,7 @@ void add_last_options(CLI::App& app, TableOptions& options, const std::string& c
 
 void complete_table_options(const CLI::App& app, bool writes_tables, bool has_table,
                             TableOptions& options) {
+  if (app.count("--radii") > 0) find_radii_set(options.structure.radii);  // reports errors once
   options.inputs = options.choice.files(options.quiet);
   if (options.resume) options.identity = identity_of(app, options.structure.radii);
   options.prints_csv = is_standard_output(options.csv);

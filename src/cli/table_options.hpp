@@ -90,7 +90,7 @@ void add_last_options(CLI::App& app, TableOptions& options, const std::string& c
 
 /// Sets the members that depend on several options, after the parsing. `has_table` is whether the
 /// table of --table is printed. Throws UsageError if outputs exclude each other, and the errors of
-/// InputChoice::files.
+/// InputChoice::files and find_radii_set.
 void complete_table_options(const CLI::App& app, bool writes_tables, bool has_table,
                             TableOptions& options);
 

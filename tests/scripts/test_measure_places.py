@@ -511,6 +511,12 @@ class Interfaces(Case):
             self.call("interface", path, *arguments, code=2)
         self.call("interface", path, "--csv", path, code=1)  # would replace its input
 
+    def test_a_missing_file_of_radii_is_reported_once(self):
+        paths = [self.file("a.pdb", peptide()), self.file("b.pdb", peptide(0.2))]
+        for command in ("interface", "measure"):
+            error, = self.call(command, *paths, "--radii", self.folder / "no.radii", code=1).stderr.splitlines()
+            self.assertIn("no.radii: No such file", error)
+
     def test_several_files(self):
         paths = [self.file("a.pdb", peptide()), self.file("b.pdb", peptide(0.2))]
         table = self.call("interface", *paths, "--table", "interfaces").stdout
