@@ -106,6 +106,9 @@ class LayerBits {
 
   /// Clears the bits of this number of planes.
   void reset(const BlockTiling& tiling, std::int64_t planes);
+  /// Removes all planes. Their memory is kept for the next layer: threads that freed and took such
+  /// large pieces in turn would each keep some.
+  void clear() { words_.clear(); }
   bool is_empty() const { return words_.empty(); }
   /// Sets the bits of a block, which owns them or has them in the halo of the region. Several
   /// threads may call it for different blocks.

@@ -251,9 +251,8 @@ void Sweep::release(std::int64_t layer) {
   Layer& finished = layer_at(layer);
   keep_last_plane(finished);
   if (mesh_ != nullptr) mesh_->release(finished);
-  const std::size_t blocks = finished.blocks.size();
-  finished = Layer();
-  finished.blocks.resize(blocks);
+  finished.blocks = std::vector<BlockResult>(finished.blocks.size());
+  for (LayerBits* const bits : {&finished.inside, &finished.covered}) bits->clear();
 }
 
 }  // namespace eses::detail
