@@ -92,7 +92,7 @@ std::string printed_text(const InterfaceOptions& options, std::size_t input,
     const std::string text = interface_text(options, file);
     return options.json || options.quiet
                ? text
-               : text + written_text(options.output_directory, names_of_tables(options, input));
+               : text + written_text(options.output_directory, options.names_of_tables(input));
   }
   const InterfaceTable table = options.printed_table->table;
   if (!options.has_many()) return interface_table(options, table, file);
@@ -148,7 +148,7 @@ int perform_interface(const Arguments& arguments) {
        .csv_heading =
            formatted("file,{},model,error\n", interface_heading(InterfaceTable::interfaces)),
        .is_table = [](std::string_view name) { return is_one_of(interface_tables, name); },
-       .names_of_tables = [&](std::size_t input) { return names_of_tables(options, input); },
+       .names_of_tables = [&](std::size_t input) { return options.names_of_tables(input); },
        .measure = [&](const InputRun& run,
                       Outcome& outcome) { measure_input(options, run, outcome); },
        .failure_row =

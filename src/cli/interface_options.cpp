@@ -86,7 +86,7 @@ void add_interface_options(CLI::App& app, InterfaceOptions& options) {
   add_format(app, options.format);
   add_tables(app, interface_tables,
              "tables to write: interfaces,residues,atoms; buried areas\nas B-factors: pdb,cif",
-             options.written_tables, options.printed_table);
+             options);
   add_last_options(
       app, options,
       "write the interfaces of all files as a table; - prints it\nin place of the report");

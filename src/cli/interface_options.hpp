@@ -28,13 +28,11 @@ inline constexpr std::array interface_tables{
     NamedInterfaceTable{"cif", ".interface.areas.cif", InterfaceTable::cif},
 };
 
-struct InterfaceOptions : TableOptions {
+struct InterfaceOptions : OptionsOfTables<NamedInterfaceTable> {
   PartChoice groups{.by_chain = true};
   std::optional<PartSelector> ligand;  ///< residues that are each compared with all other atoms
   double min_area = 0;           ///< least SAS interface area of an interface, square angstrom
   double min_residue_area = 15;  ///< least SAS area that an interface residue loses
-  std::vector<const NamedInterfaceTable*> written_tables;  ///< in the order of `interface_tables`
-  const NamedInterfaceTable* printed_table = nullptr;  ///< in place of the report; null if none is
 };
 
 /// Parses the arguments of the command. Throws UsageError and Notice.

@@ -286,9 +286,8 @@ std::string no_interface_reason(const InterfaceOptions& options, const Interface
 std::string empty_table_reason(const InterfaceOptions& options, const InterfaceFile& file) {
   if (file.interfaces.empty()) return no_interface_reason(options, file);
   constexpr InterfaceTable residues = InterfaceTable::residues;
-  std::vector<const NamedInterfaceTable*> needed = options.written_tables;
-  if (options.printed_table != nullptr) needed.push_back(options.printed_table);
-  const bool has_table = std::ranges::count(needed, residues, &NamedInterfaceTable::table) > 0;
+  const bool has_table =
+      std::ranges::count(options.needed_tables(), residues, &NamedInterfaceTable::table) > 0;
   if (!has_table || !interface_rows(options, residues, file).empty()) return "";
   return formatted("no residue loses {} A^2, the area of --residue-cutoff",
                    options.min_residue_area);

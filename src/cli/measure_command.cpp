@@ -64,7 +64,7 @@ std::string measured_text(const MeasureCommandOptions& options, const MeasuredFi
   if (options.inputs.size() > 1) return measure_line(options, file);
   const std::string text = measure_text(options, file);
   return options.quiet ? text
-                       : text + written_text(options.output_directory, names_of_tables(options, 0));
+                       : text + written_text(options.output_directory, options.names_of_tables(0));
 }
 
 void measure_input(const MeasureCommandOptions& options, const InputRun& run, Outcome& outcome) {
@@ -90,7 +90,7 @@ int perform_measure(const Arguments& arguments) {
       {.heading = has_lines ? measure_heading(options) : "",
        .csv_heading = measure_csv_heading(options),
        .is_table = [](std::string_view name) { return is_one_of(measure_tables, name); },
-       .names_of_tables = [&](std::size_t input) { return names_of_tables(options, input); },
+       .names_of_tables = [&](std::size_t input) { return options.names_of_tables(input); },
        .measure = [&](const InputRun& run,
                       Outcome& outcome) { measure_input(options, run, outcome); },
        .failure_row =

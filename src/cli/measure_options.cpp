@@ -197,7 +197,7 @@ void add_measure_options(CLI::App& app, MeasureCommandOptions& options) {
   add_tables(app, measure_tables,
              "tables to write: atoms,residues,chains,derivatives,cavities,\n"
              "pieces,pockets,rsa,seq,res; areas as B-factors: pdb,cif",
-             options.written_tables, options.printed_table);
+             options);
   add_value(app, "--reference", "NAME",
             "maximum areas of residues, for relative areas: tien\n(2013), miller (1987) or sander "
             "(1994) [tien]",

@@ -54,9 +54,6 @@ inline constexpr std::array measure_tables{
     Table{"cif", ".areas.cif", append_cif, needs_names | has_areas},
 };
 
-/// A list of tables, in the order of `measure_tables`.
-using TableList = std::vector<const Table*>;
-
 /// The surfaces to measure.
 struct SurfaceChoice {
   bool ses = false, sas = false, vdw = false, all = false;
@@ -74,7 +71,7 @@ struct PlaceChoice {
   std::optional<std::array<Vec3, 2>> box;
 };
 
-struct MeasureCommandOptions : TableOptions {
+struct MeasureCommandOptions : OptionsOfTables<Table> {
   SurfaceChoice surfaces{.all = true};
   PartChoice parts;
   std::vector<PartSelector> reports;      ///< atoms whose areas are reported
@@ -84,8 +81,6 @@ struct MeasureCommandOptions : TableOptions {
   bool allow_far_atoms = false;           ///< see Parameters::allow_far_atoms
   PocketOptions pocket_options;           ///< of the search for pockets
   std::optional<PlaceChoice> at;          ///< only pockets and cavities at this place are reported
-  TableList written_tables;
-  const Table* printed_table = nullptr;  ///< printed in place of the report; null if none is
   AreaReference reference = AreaReference::tien;  ///< of relative areas
 
   bool need_pockets() const { return pockets || needs(has_pockets); }
@@ -93,13 +88,6 @@ struct MeasureCommandOptions : TableOptions {
   /// Whether cavities are written or printed.
   bool need_cavities() const {
     return cavities || std::ranges::count(needed_tables(), "cavities", &Table::name) > 0;
-  }
-
-  /// The tables to write or to print.
-  TableList needed_tables() const {
-    TableList needed = written_tables;
-    if (printed_table != nullptr) needed.push_back(printed_table);
-    return needed;
   }
 
   /// Whether some table has a trait.

@@ -44,16 +44,6 @@ struct TableCommand {
   std::function<std::string(std::size_t input, const std::string& error)> failure_row;
 };
 
-/// Returns the names of the tables of an input; none if it cannot be measured with the options.
-template <class Options>
-std::vector<std::string> names_of_tables(const Options& options, std::size_t input) {
-  std::vector<std::string> names;
-  if (options.refusals.contains(options.inputs[input])) return names;
-  for (const auto* const table : options.written_tables)
-    names.push_back(options.name_of_table(input, table->ending));
-  return names;
-}
-
 /// Returns whether a file may be one of these tables.
 template <class Tables>
 bool is_one_of(const Tables& tables, std::string_view name) {

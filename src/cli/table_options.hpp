@@ -57,13 +57,35 @@ struct TableOptions {
   std::string message_of_input(const std::exception& error, std::size_t input) const;
 };
 
-/// Adds --write and --table, which choose some of the tables and one of them. A table has a name
-/// and an ending: that of NAME.pdb is written to NAME + ending. `written` is in the order of
-/// `tables`, which must outlive the parsing.
+/// The same options, with the tables of a command. A table has a name and an ending: that of
+/// NAME.pdb is written to NAME + ending.
+template <class Table>
+struct OptionsOfTables : TableOptions {
+  std::vector<const Table*> written_tables;  ///< in the order of the command's tables
+  const Table* printed_table = nullptr;      ///< printed in place of the report; null if none is
+
+  /// The tables to write or to print.
+  std::vector<const Table*> needed_tables() const {
+    std::vector<const Table*> needed = written_tables;
+    if (printed_table != nullptr) needed.push_back(printed_table);
+    return needed;
+  }
+
+  /// Returns the names of the tables of an input; none if it cannot be measured with the options.
+  std::vector<std::string> names_of_tables(std::size_t input) const {
+    std::vector<std::string> names;
+    if (refusals.contains(inputs[input])) return names;
+    for (const Table* const table : written_tables)
+      names.push_back(name_of_table(input, table->ending));
+    return names;
+  }
+};
+
+/// Adds --write and --table, which choose some of the tables and one of them. `tables` must outlive
+/// the parsing.
 template <class Table, std::size_t count>
 void add_tables(CLI::App& app, const std::array<Table, count>& tables,
-                const std::string& description, std::vector<const Table*>& written,
-                const Table*& printed) {
+                const std::string& description, OptionsOfTables<Table>& options) {
   std::string names;
   for (const Table& table : tables) names += (names.empty() ? "" : ",") + std::string(table.name);
   const auto table_in = [&tables](const std::string& name) -> std::optional<const Table*> {
@@ -78,10 +100,10 @@ void add_tables(CLI::App& app, const std::array<Table, count>& tables,
     const auto is_known = [&](const std::string& name) { return table_in(name).has_value(); };
     return std::ranges::all_of(chosen, is_known) ? std::optional(found) : std::nullopt;
   };
-  add_value(app, "--write", "LIST", description, written,
+  add_value(app, "--write", "LIST", description, options.written_tables,
             Format<std::vector<const Table*>>{tables_in, "some of " + names});
-  add_value(app, "--table", "NAME", "print one of these tables in place of the report", printed,
-            Format<const Table*>{table_in, "one of " + names});
+  add_value(app, "--table", "NAME", "print one of these tables in place of the report",
+            options.printed_table, Format<const Table*>{table_in, "one of " + names});
 }
 
 /// Adds the last options: --output-dir, --csv and --resume, those of structures and --threads, and
