@@ -17,6 +17,17 @@ _eses_msms() {
   esac
 }
 
+# Completes the last name of a list with commas. The names before it are not offered again.
+_eses_list() {
+  local before= left= name
+  if [[ $cur == *,* ]]; then before=${cur%,*},; fi
+  for name in $1; do
+    if [[ ,$before != *",$name,"* ]]; then left+=" $name"; fi
+  done
+  COMPREPLY=($(compgen -P "$before" -W "$left" -- "${cur##*,}"))
+  compopt -o nospace
+}
+
 _eses_blocks() {
   local cur prev words cword split
   _init_completion -s || return
@@ -33,14 +44,12 @@ _eses_blocks() {
   case $prev in
     --format) COMPREPLY=($(compgen -W 'auto xyzr pqr pdb mmcif' -- "$cur")) && return ;;
     --write)
-      if [[ $command == measure ]]; then
-        COMPREPLY=($(compgen -W "$tables atoms,residues,chains cavities,pieces" -- "$cur")) && return
-      fi
-      if [[ $command == interface ]]; then
-        COMPREPLY=($(compgen -W 'interfaces residues atoms pdb cif' -- "$cur")) && return
-      fi
-      COMPREPLY=($(compgen -W 'all none grid edges areas residues atoms grid,edges grid,areas \
-      edges,areas' -- "$cur")) && return
+      case $command in
+        measure) _eses_list "$tables" ;;
+        interface) _eses_list 'interfaces residues atoms pdb cif' ;;
+        *) _eses_list 'all none grid edges areas residues atoms' ;;
+      esac
+      return
       ;;
     --table)
       if [[ $command == interface ]]; then tables='interfaces residues atoms pdb cif'; fi
@@ -50,7 +59,14 @@ _eses_blocks() {
     --radii) _filedir && COMPREPLY+=($(compgen -W 'protor bondi msms naccess oons protor+shannon bondi+shannon occupancy' -- "$cur")) && return ;;
     --hydrogens) COMPREPLY=($(compgen -W 'keep drop' -- "$cur")) && return ;;
     --chain-names) COMPREPLY=($(compgen -W 'auth label' -- "$cur")) && return ;;
-    --surface) COMPREPLY=($(compgen -W 'ses sas vdw all' -- "$cur")) && return ;;
+    --surface)
+      if [[ $command == measure ]]; then
+        _eses_list 'ses sas vdw all'
+      else
+        COMPREPLY=($(compgen -W 'ses sas vdw' -- "$cur"))
+      fi
+      return
+      ;;
     --reference) COMPREPLY=($(compgen -W 'tien miller sander' -- "$cur")) && return ;;
     --parts) COMPREPLY=($(compgen -W chains -- "$cur")) && return ;;
     --model) if [[ $command == @(measure|interface) ]]; then COMPREPLY=($(compgen -W all -- "$cur")); fi; return ;;

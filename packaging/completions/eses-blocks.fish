@@ -30,6 +30,14 @@ function __eses_blocks_options
         END { show() }'
 end
 
+# Prints a list with commas, whose last name is one of the arguments. The names before it are not offered again.
+function __eses_blocks_list
+    set -l before (commandline -ct | string match -r '.*,')
+    for name in $argv
+        string match -q -- "*,$name,*" ",$before"; or echo "$before$name"
+    end
+end
+
 # Prints the values of the option before the cursor.
 function __eses_blocks_values
     set -l words (commandline -opc)
@@ -56,7 +64,11 @@ function __eses_blocks_values
         case --model
             echo all
         case --surface
-            printf '%s\n' ses sas vdw all
+            if contains measure $words[2]
+                __eses_blocks_list ses sas vdw all
+            else
+                printf '%s\n' ses sas vdw
+            end
         case -surface
             printf '%s\n' tses ases
         case --table
@@ -67,11 +79,11 @@ function __eses_blocks_values
             end
         case --write
             if contains measure $words[2]
-                printf '%s\n' $tables
+                __eses_blocks_list $tables
             else if contains interface $words[2]
-                printf '%s\n' interfaces residues atoms pdb cif
+                __eses_blocks_list interfaces residues atoms pdb cif
             else
-                printf '%s\n' all none grid edges areas residues atoms
+                __eses_blocks_list all none grid edges areas residues atoms
             end
         case '*'
             return 1

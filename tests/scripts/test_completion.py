@@ -132,6 +132,14 @@ class Bash(TestCase):
         self.assertEqual(self.complete("diff", ""), {"sub"})
         self.assertEqual(self.complete("--spacing", ""), set())
 
+    def test_later_names_of_a_list_are_completed(self):
+        self.assertEqual(self.complete("--write", "grid,"),
+                         {f"grid,{name}" for name in ("all", "none", "edges", "areas", "residues", "atoms")})
+        self.assertEqual(self.complete("measure", "--write", "res,atoms,r"), {"res,atoms,residues", "res,atoms,rsa"})
+        self.assertEqual(self.complete("interface", "--write", "pdb,c"), {"pdb,cif"})
+        self.assertEqual(self.complete("measure", "--surface", "sas,v"), {"sas,vdw"})
+        self.assertEqual(self.complete("--surface", ""), {"ses", "sas", "vdw"})
+
 
 class Zsh(TestCase):
     def setUp(self):
@@ -221,6 +229,9 @@ class Zsh(TestCase):
                 ("a.xyzr --format ", {"auto", "xyzr", "pqr", "pdb", "mmcif"}),
                 ("a.xyzr --write ", {"all", "none", "grid", "edges", "areas", "residues", "atoms"}),
                 ("a.xyzr --write grid,", {"all", "none", "edges", "areas", "residues", "atoms"}),
+                ("measure --write res,atoms,rs", {"rsa"}),
+                ("interface a.pdb --write pdb,c", {"cif"}),
+                ("measure --surface sas,v", {"vdw"}),
                 ("a.xyzr --threads ", set()),
                 ("a.xyzr ", set()),
                 *((f"measure {option} ", {"atoms", "residues", "chains", "derivatives", "cavities",
@@ -272,6 +283,9 @@ class Fish(TestCase):
         self.assertEqual(self.complete(f"{PROGRAM.name} --color "), {"patch", "atom", "chain", "potential", "component"})
         self.assertEqual(self.complete(f"{PROGRAM.name} interface --table "), {"interfaces", "residues", "atoms", "pdb", "cif"})
         self.assertEqual(self.complete(f"{PROGRAM.name} measure --table r"), {"residues", "rsa", "res"})
+        self.assertEqual(self.complete(f"{PROGRAM.name} measure --write res,atoms,r"), {"res,atoms,residues", "res,atoms,rsa"})
+        self.assertEqual(self.complete(f"{PROGRAM.name} --write grid,a"), {"grid,all", "grid,areas", "grid,atoms"})
+        self.assertEqual(self.complete(f"{PROGRAM.name} measure --surface sas,v"), {"sas,vdw"})
         self.assertEqual(self.complete(f"{PROGRAM.name} msms -surface "), {"tses", "ases"})
         self.assertEqual(self.complete("eses-view a.ply --atoms "), {"none", "sticks", "balls", "spheres"})
 
