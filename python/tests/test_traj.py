@@ -234,7 +234,7 @@ def test_a_report_of_all_that_blocks_is_a_warning(folder, tmp_path):
     (("run.xtc", "top.pdb", "--select", "what is this", "-o", "x.csv"), "--select what is this: "),
     (("run.xtc", "top.pdb", "--pockets", "--at", "ligand:LIG", "-o", "x.csv"), "--at: no atoms of residue LIG"),
     (("run.xtc", "top.pdb", "--start", "99", "-o", "x.csv"), "no frames are chosen; there are 12"),
-    (("gone.xtc", "top.pdb", "-o", "x.csv"), "gone.xtc: No such file"),
+    (("gone.xtc", "top.pdb", "-o", "x.csv"), "gone.xtc: no such file"),
     (("run.xtc", "run.xtc", "-o", "x.csv"), "its suffix is that of no topology"),
     (("run.xtc", "-o", "x.csv"), "run.xtc: its suffix is that of no topology; give trajectories and then a topology"),
     (("run.xtc", "top.pdb", "-o", "top.pdb"), "top.pdb is an input file, and would be overwritten"),

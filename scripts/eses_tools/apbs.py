@@ -23,7 +23,7 @@ import shutil
 import tempfile
 
 from eses_tools.common import (NAME, Failed, Parser, at_least, complete_file,
-                               describe_build, end_with, printable, require_writable,
+                               describe_build, end_with, input_file, printable, require_writable,
                                require_output, say, show)
 from eses_tools import poisson_boltzmann as pb
 
@@ -165,7 +165,7 @@ def parse_options():
                               ("1crn.pqr --write-potential 1crn.dx", "the potential, for eses-view")),
                     advanced=("--grid-center", "--coarse-padding", "--coarse-spacing", "--ion", "--ion-radius",
                               "--temperature", "--bcfl", "--chgm", "--ignore-memory", "--program"))
-    parser.add_argument("molecules", nargs="+", metavar="PQR", type=pathlib.Path,
+    parser.add_argument("molecules", nargs="+", metavar="PQR", type=input_file,
                         help="molecule, or complex followed by its parts; .pqr or .pqr.gz")
     grid = parser.add_argument_group("grid")
     grid.add_argument("--spacing", type=above_zero, default=0.5, metavar="ANGSTROM",

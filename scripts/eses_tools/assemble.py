@@ -14,7 +14,7 @@ import collections
 import math
 
 from eses_tools.atoms import read_atoms
-from eses_tools.common import NAME, Parser, at_least, complete_file, end_with, positive, require_output, say
+from eses_tools.common import NAME, Parser, at_least, complete_file, end_with, input_file, positive, require_output, say
 
 # Each coordinate is rounded to three decimals. The rounding of two points can shorten their
 # distance by 2 sqrt(3) * 0.0005 = 0.0018. The written numbers must keep the gap.
@@ -114,7 +114,7 @@ def parse_options():
                     examples=(("1crn.xyzr -o large.xyzr", "42 copies on six rings"),
                               ("1crn.xyzr --copies 7 --rings 1 -o ring.xyzr", "one ring"),
                               ("1crn.pqr --gap 5 -o large.xyzr.gz", "5 angstrom apart")))
-    parser.add_argument("structure", metavar="FILE",
+    parser.add_argument("structure", metavar="FILE", type=lambda text: str(input_file(text)),
                         help="xyzr or PQR file, also .gz; - is standard input")
     parser.add_argument("--copies", type=positive, default=42, metavar="N",
                         help="copies, the same number on every ring (default: 42)")

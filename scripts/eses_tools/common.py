@@ -334,6 +334,14 @@ def require_file(path):
         raise Failed(f"{path}: {kind}")
 
 
+def input_file(text):
+    """Returns the path of an input, for the `type` of arguments: a missing file is reported before missing options
+    and packages. `-` is standard input."""
+    if text != "-" and not os.path.exists(text):
+        raise Failed(f"{text}: no such file")
+    return pathlib.Path(text)
+
+
 def require_output(path, inputs=()):
     """Fails now if complete_file() could not write this file later, or if it is one of the inputs
     under any name. Its folder must exist; `-` is standard output or input."""

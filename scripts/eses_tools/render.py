@@ -26,7 +26,7 @@ import tempfile
 import traceback
 
 from eses_tools.common import (NAME, Failed, Parser, at_least, between, complete_file,
-                               end_with, require_file, require_kind, require_output)
+                               end_with, input_file, require_file, require_kind, require_output)
 from eses_tools import measuring
 
 BACKGROUND = (1, 1, 1)
@@ -470,7 +470,7 @@ def parse():
                     examples=(("1crn.ply -o 1crn.png", "a mesh of eses-blocks --mesh 1crn.ply"),
                               ("1crn.ply --azimuth 120 --size 2400 -o 1crn.png", "from another side"),
                               ("1crn.ply --potential 1crn.dx -o 1crn.png", "its potential")))
-    parser.add_argument("meshes", nargs="+", metavar="MESH", type=pathlib.Path,
+    parser.add_argument("meshes", nargs="+", metavar="MESH", type=input_file,
                         help=".ply, .vtp, .obj, .off, .stl, .glb, .vert or .face file")
     parser.add_argument("-o", "--output", required=True, metavar="FILE", type=pathlib.Path,
                         help="PNG file to write; - for standard output")

@@ -23,7 +23,7 @@ import pathlib
 import tempfile
 
 from eses_tools.common import (NAME, Failed, Parser, complete_file, describe_build, end_with, files_among, gzip_errors,
-                               printable, require_kind, require_output, say, show)
+                               input_file, printable, require_kind, require_output, say, show)
 from eses_tools import measuring, page, thumbnails
 
 ERROR = "eses-blocks: error: "  # begins the messages of files that measure has refused
@@ -201,7 +201,7 @@ def parse():
                               ("out/summary.csv -o all.html", "the summary of eses-pdbbind"),
                               ("all.csv --pictures '1a*' -o all.html", "with pictures")),
                     usage=f"{NAME} [OPTION...] TABLE -o PAGE.html [-- ARGUMENT...]")
-    parser.add_argument("table", metavar="TABLE", type=pathlib.Path,
+    parser.add_argument("table", metavar="TABLE", type=input_file,
                         help="table of eses-blocks measure, or summary of eses-pdbbind")
     parser.add_argument("-o", "--output", required=True, metavar="PAGE.html", type=pathlib.Path,
                         help="page to write; - for standard output")

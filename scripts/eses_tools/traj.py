@@ -39,7 +39,7 @@ import time
 import warnings
 
 from eses_tools.common import (IS_INSTALLED, NAME, PROJECT, Failed, Parser, at_least, complete_file, counted, end_with,
-                               positive, printable, require_kind, require_output, say, show)
+                               input_file, positive, printable, require_kind, require_output, say, show)
 
 LEVELS = ("frame", "chain", "residue")
 MAX_VALUES = 2_000_000  # atoms by frames that are measured at a time
@@ -409,7 +409,7 @@ def parse_options():
                     examples=(("run.xtc top.pdb -o areas.csv", "a row for each frame"),
                               ("run.xtc top.pdb --level residue --stride 10 -o r.csv.gz", "residues of every tenth frame"),
                               ("run.xtc top.pdb --pockets --at ligand:STI -o p.csv", "the pocket of a ligand")))
-    parser.add_argument("files", metavar="FILES", nargs="+", help="trajectories and topology")
+    parser.add_argument("files", metavar="FILES", nargs="+", type=lambda text: str(input_file(text)), help="trajectories and topology")
     parser.add_argument("-o", "--output", required=True, metavar="TABLE.csv",
                         help="table to write, gzipped if it ends in .gz; - for standard output")
     parser.add_argument("--level", choices=LEVELS, default="frame",

@@ -25,7 +25,7 @@ import subprocess
 import tempfile
 
 from eses_tools.common import (NAME, PROGRAM, Failed, Parser, at_least, command_of,
-                               complete_file, describe_build, end_with, files_among, require_file,
+                               complete_file, describe_build, end_with, files_among, input_file, require_file,
                                require_kind, require_output, say, show)
 from eses_tools import SCHEMES, STYLES, measuring, mmcif, pdb_to_pqr
 from eses_tools.structures import KINDS, split_name
@@ -345,7 +345,7 @@ def parse():
                               ("1crn.ply a.glb -o both.html", "two meshes side by side")),
                     advanced=("--spacing", "--potential-offset", "--potential-limit", "--ionic-strength", "--program"),
                     usage=f"{NAME} [OPTION...] FILE... -o PAGE.html [-- ARGUMENT...]")
-    parser.add_argument("files", nargs="+", metavar="FILE", type=pathlib.Path,
+    parser.add_argument("files", nargs="+", metavar="FILE", type=input_file,
                         help=f"structure ({KINDS}) or mesh (.ply, .vtp, .obj, .off, .stl, .glb, .vert or .face)")
     parser.add_argument("-o", "--output", required=True, metavar="PAGE.html", type=pathlib.Path,
                         help="page to write; - for standard output")

@@ -94,19 +94,30 @@ class WithoutPackages(TestCase):
         for name in ("numpy", "vtk"):
             (self.folder / f"{name}.py").write_text("raise ImportError\n")
         environment = {**os.environ, "PYTHONPATH": str(self.folder)}
+        mesh, other = self.folder / "a.ply", self.folder / "b.ply"
+        for path in (mesh, other):
+            path.touch()
         for script, arguments, code, message in (
                 ("view", [__file__], 2, "neither a structure nor a mesh"),
-                ("view", ["a.ply", "--color", "blue"], 2, "--color: invalid choice: 'blue'"),
-                ("view", ["a.ply"], 1, "install numpy"),
+                ("view", [mesh, "--color", "blue"], 2, "--color: invalid choice: 'blue'"),
+                ("view", [mesh], 1, "install numpy"),
                 ("render", [__file__], 1, "not a .ply"),
                 ("render", ["nothing"], 1, "nothing: no such file"),
-                ("view", ["nothing"], 1, "nothing: no such file"),
+                *(("view", [name], 1, f"{name}: no such file") for name in ("nothing", "nothing.pdb", "nothing.ply")),
                 *((script, [self.folder], 1, ": a directory, not a file") for script in ("render", "view")),
-                ("render", ["a.ply", "b.ply", "--cavities"], 2, "--cavities needs a single mesh")):
+                ("render", [mesh, other, "--cavities"], 2, "--cavities needs a single mesh")):
             with self.subTest(script=script, arguments=arguments):
                 done = run(script, *arguments, "-o", self.folder / "c", env=environment)
                 self.assertDone(done, code)
                 self.assertIn(message, done.stderr)
+
+
+    def test_missing_files_are_named_before_missing_options(self):
+        for script in ("apbs", "assemble", "render", "report", "traj", "view"):
+            with self.subTest(script=script):
+                done = run(script, self.folder / "nothing")
+                self.assertDone(done, 1)
+                self.assertIn(f"{self.folder / 'nothing'}: no such file", done.stderr)
 
 
 @unittest.skipUnless(can_import(SCRIPT, "numpy"), "needs python3-numpy")
