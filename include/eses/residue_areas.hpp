@@ -29,8 +29,9 @@ inline constexpr double reference_probe_radius = 1.4;
 std::string_view source_of(AreaReference reference);
 
 /// Returns the maximum area on the solvent accessible surface of a residue X in a peptide
-/// Gly-X-Gly, such as ALA, in square angstrom. Nothing for names other than those of the 20 amino
-/// acids and of their forms in force fields, such as HIE.
+/// Gly-X-Gly, such as ALA, in square angstrom. MSE and SEC, with selenium in the place of sulfur,
+/// have those of MET and CYS, and D-amino acids those of their mirror images. Nothing for names
+/// other than these and those of forms in force fields, such as HIE.
 std::optional<double> max_sas_area(std::string_view residue,
                                    AreaReference reference = AreaReference::tien);
 

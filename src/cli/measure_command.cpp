@@ -18,11 +18,11 @@
 namespace eses::detail::cli {
 namespace {
 
-/// Appends a table. That of areas has the reported atoms only, if there are some.
-void append_table(const Table& table, const MeasuredFile& file, const MeasuredFile* reported,
+/// Appends a table. `reported` has the atoms of the tables of areas.
+void append_table(const Table& table, const MeasuredFile& file, const MeasuredFile& reported,
                   const std::function<void(std::string_view)>& append) {
   BufferedText text(append);
-  table.append((table.has(has_areas) && reported != nullptr ? *reported : file).table(), text);
+  table.append((table.has(has_areas) ? reported : file).table(), text);
   text.flush();
 }
 
@@ -35,31 +35,27 @@ std::optional<MeasuredFile> reported_atoms_of(const MeasureCommandOptions& optio
 
 /// Writes the tables of a file, all or none.
 void write_tables(const MeasureCommandOptions& options, std::size_t input, const MeasuredFile& file,
-                  const TableFiles& files) {
+                  const MeasuredFile& reported, const TableFiles& files) {
   if (options.written_tables.empty()) return;
-  const std::optional<MeasuredFile> reported = reported_atoms_of(options, file);
   std::vector<TableContent> contents;
   for (const Table* const table : options.written_tables)
     contents.push_back(
         {options.name_of_table(input, table->ending), [&, table](OutputFile& output) {
-           append_table(*table, file, reported ? &*reported : nullptr,
+           append_table(*table, file, reported,
                         [&](std::string_view part) { output.append(part); });
          }});
   files.write(contents);
 }
 
-/// Returns the table that is printed.
-std::string table_text(const MeasureCommandOptions& options, const MeasuredFile& file) {
-  std::string all;
-  const std::optional<MeasuredFile> reported = reported_atoms_of(options, file);
-  append_table(*options.printed_table, file, reported ? &*reported : nullptr,
-               [&](std::string_view part) { all += part; });
-  return all;
-}
-
 /// Returns what is printed about a file.
-std::string measured_text(const MeasureCommandOptions& options, const MeasuredFile& file) {
-  if (options.printed_table != nullptr) return table_text(options, file);
+std::string measured_text(const MeasureCommandOptions& options, const MeasuredFile& file,
+                          const MeasuredFile& reported) {
+  if (options.printed_table != nullptr) {
+    std::string all;
+    append_table(*options.printed_table, file, reported,
+                 [&](std::string_view part) { all += part; });
+    return all;
+  }
   if (options.json) return measure_json(options, file);
   if (options.inputs.size() > 1) return measure_line(options, file);
   const std::string text = measure_text(options, file);
@@ -71,10 +67,12 @@ void measure_input(const MeasureCommandOptions& options, const InputRun& run, Ou
   const MeasuredFile file = measure_file(options, run.input, run.threads, run.check);
   outcome.warnings = warnings_to_print(file.diagnostics, options.strict, options.quiet);
   run.check();
-  write_tables(options, run.input, file, run.files);
-  outcome.text = measured_text(options, file);
+  const std::optional<MeasuredFile> chosen = reported_atoms_of(options, file);
+  const MeasuredFile& reported = chosen ? *chosen : file;
+  write_tables(options, run.input, file, reported, run.files);
+  outcome.text = measured_text(options, file, reported);
   outcome.rows = measure_csv_line(options, file);
-  if (!options.quiet) outcome.notes = empty_table_notes(options, file);
+  if (!options.quiet) outcome.notes = table_notes(options, file, reported);
 }
 
 }  // namespace

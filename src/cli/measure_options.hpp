@@ -27,6 +27,7 @@ enum TableTraits : unsigned {
   has_derivatives = 8,
   has_pockets = 16,
   needs_ses = 32,  ///< the SES must be measured
+  has_relative_areas = 64,
 };
 
 /// A table of `--write` or `--table`. The table of the file NAME.pdb has the name NAME and
@@ -41,13 +42,14 @@ struct Table {
 };
 inline constexpr std::array measure_tables{
     Table{"atoms", ".atoms.csv", append_measured_atoms, has_areas},
-    Table{"residues", ".residues.csv", append_measured_residues, needs_names | has_areas},
+    Table{"residues", ".residues.csv", append_measured_residues,
+          needs_names | has_areas | has_relative_areas},
     Table{"chains", ".chains.csv", append_measured_chains, needs_names | has_areas},
     Table{"derivatives", ".derivatives.csv", append_derivatives, needs_ses | has_derivatives},
     Table{"cavities", ".cavities.csv", append_cavities, needs_ses | has_cavities},
     Table{"pieces", ".pieces.csv", append_pieces, needs_ses | has_cavities},
     Table{"pockets", ".pockets.csv", append_pockets, needs_ses | has_pockets},
-    Table{"rsa", ".rsa", append_rsa, needs_names | has_areas},
+    Table{"rsa", ".rsa", append_rsa, needs_names | has_areas | has_relative_areas},
     Table{"seq", ".seq", append_seq, needs_names | has_areas},
     Table{"res", ".res", append_res, needs_names | has_areas},
     Table{"pdb", ".areas.pdb", append_pdb, needs_names | has_areas},

@@ -3,6 +3,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <map>
@@ -15,6 +16,7 @@
 #include "cli/messages.hpp"
 #include "cli/shared_report.hpp"
 #include "eses/radii.hpp"
+#include "input/residue_runs.hpp"
 #include "input/text_source.hpp"
 #include "output/area_table_writer.hpp"
 #include "system/formatted.hpp"
@@ -138,6 +140,32 @@ std::string no_cavity_reason(const MeasureCommandOptions& options, const Measure
   return count == 0
              ? formatted("no cavity holds a probe of {} angstrom", options.probe_radius)
              : formatted("no cavity has a probe centre at the place; all {} are elsewhere", count);
+}
+
+/// Returns whether a residue has the backbone of an amino acid.
+bool has_backbone(std::span<const AtomLabel> residue) {
+  constexpr std::array<std::string_view, 3> backbone{"N", "CA", "C"};
+  return std::ranges::all_of(backbone, [&](std::string_view name) {
+    return std::ranges::find(residue, name, &AtomLabel::atom_name) != residue.end();
+  });
+}
+
+/// Returns which amino acids have no relative area; empty if all have one, or none for another
+/// probe.
+std::string no_relative_area_reason(const MeasuredAtoms& atoms) {
+  std::map<std::string, std::size_t> residues;
+  if (atoms.reference)
+    for_each_residue(atoms.labels, [&](std::size_t begin, std::size_t end) {
+      if (has_backbone(atoms.labels.subspan(begin, end - begin)) &&
+          !max_sas_area(atoms, begin, end))
+        ++residues[atoms.labels[begin].residue];
+    });
+  if (residues.empty()) return {};
+  const auto text = [](const auto& residue) {
+    return formatted("{} ({})", printable(residue.first), counted(residue.second, "residue"));
+  };
+  return formatted("modified amino acids without a maximum area have no relative area: {}",
+                   first_texts(residues, 10, text));
 }
 
 std::string cavities_text(const MeasureCommandOptions& options, const MeasuredFile& file) {
@@ -430,13 +458,16 @@ std::string measure_text(const MeasureCommandOptions& options, const MeasuredFil
   return text + reports_text(surfaces, file) + parts_text(surfaces, file);
 }
 
-std::vector<std::string> empty_table_notes(const MeasureCommandOptions& options,
-                                           const MeasuredFile& file) {
+std::vector<std::string> table_notes(const MeasureCommandOptions& options, const MeasuredFile& file,
+                                     const MeasuredFile& reported) {
   std::vector<std::string> reasons, notes;
   const bool has_cavities =
       file.place ? !file.place->cavities.empty() : !file.measures.cavities.empty();
   const PocketOptions& search = options.pocket_options;
   const Pockets& found = file.pockets;
+  if (options.needs(has_relative_areas))
+    if (std::string reason = no_relative_area_reason(reported.table()); !reason.empty())
+      reasons.push_back(std::move(reason));
   for (const Table* const table : options.needed_tables()) {
     if (table->name == "cavities" && !has_cavities)
       reasons.push_back(no_cavity_reason(options, file));

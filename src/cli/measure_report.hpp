@@ -12,9 +12,10 @@ namespace eses::detail::cli {
 /// Returns the report on a single file.
 std::string measure_text(const MeasureCommandOptions& options, const MeasuredFile& file);
 
-/// Returns the reasons why tables of cavities and pockets have no rows.
-std::vector<std::string> empty_table_notes(const MeasureCommandOptions& options,
-                                           const MeasuredFile& file);
+/// Returns the reasons why tables of cavities and pockets have no rows, and amino acids no relative
+/// areas. `reported` has the atoms of the tables of areas.
+std::vector<std::string> table_notes(const MeasureCommandOptions& options, const MeasuredFile& file,
+                                     const MeasuredFile& reported);
 
 /// Returns the heading of the lines of several files.
 std::string measure_heading(const MeasureCommandOptions& options);

@@ -191,8 +191,13 @@ std::string usual_spelling(std::string_view text) {
 }
 
 std::string symbol_by_name(std::string_view name, std::string_view residue) {
-  const std::string symbol = element_by_name({name, residue, is_named_polymer(residue)});
-  return usual_spelling(symbol.empty() ? stem_of(name) : symbol);
+  const bool is_polymer = is_named_polymer(residue);
+  if (const std::string symbol = element_by_name({name, residue, is_polymer}); !symbol.empty())
+    return usual_spelling(symbol);
+  const std::string_view stem = stem_of(name);
+  const std::string symbol = usual_spelling(stem);
+  // In the columns of a PDB file, BB has its first letter where the element is.
+  return symbol.empty() && is_polymer ? usual_spelling(stem.substr(0, 1)) : symbol;
 }
 
 void complete_elements(std::vector<AtomLabel>& labels) {

@@ -291,6 +291,10 @@ RadiiSet find_radii_set(const std::string& name_or_file) {
     std::vector<std::string> known = names;
     for (const std::string& each : all_but_last) known.push_back(each + std::string(with_ions));
     const std::string word = lower_case(name_or_file);
+    if (word.starts_with("protor+") && word.find("+ccd") != word.npos)
+      throw Error(
+          "radii: +ccd needs the Chemical Component Dictionary of Biotite; use eses.measure or "
+          "eses.read_molecule of Python");
     const std::string_view meant =
         word == with_ions.substr(1) ? known.at(names.size()) : closest_name(word, known);
     throw Error(

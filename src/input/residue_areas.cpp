@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <utility>
 
 #include "input/residue_atoms.hpp"
 
@@ -22,8 +23,23 @@ std::string_view source_of(AreaReference reference) {
 
 namespace {
 
-/// Returns the maximum area of a standard residue.
-std::optional<double> area_of(std::string_view residue, AreaReference reference) {
+/// Returns the standard residue of the same size and shape: selenium in the place of sulfur, and
+/// the mirror images of D-amino acids. Returns other names as they are.
+std::string_view residue_of_same_area(std::string_view residue) {
+  constexpr std::array<std::pair<std::string_view, std::string_view>, 21> same{
+      {{"MSE", "MET"}, {"SEC", "CYS"}, {"DAL", "ALA"}, {"DAR", "ARG"}, {"DAS", "ASP"},
+       {"DCY", "CYS"}, {"DGL", "GLU"}, {"DGN", "GLN"}, {"DHI", "HIS"}, {"DIL", "ILE"},
+       {"DLE", "LEU"}, {"DLY", "LYS"}, {"DPN", "PHE"}, {"DPR", "PRO"}, {"DSG", "ASN"},
+       {"DSN", "SER"}, {"DTH", "THR"}, {"DTR", "TRP"}, {"DTY", "TYR"}, {"DVA", "VAL"},
+       {"MED", "MET"}}};
+  const auto* const found = std::ranges::find(same, residue, &decltype(same)::value_type::first);
+  return found == same.end() ? residue : found->second;
+}
+
+/// Returns the maximum area of a residue, whose name in force fields is replaced by the standard
+/// one.
+std::optional<double> area_of(std::string_view name, AreaReference reference) {
+  const std::string_view residue = residue_of_same_area(name);
   struct Maximum {
     std::string_view residue;
     std::array<double, 3> areas;  // by AreaReference

@@ -62,8 +62,8 @@ std::string_view standard_residue(std::span<const AtomLabel> residue) {
 
 std::string_view telling_atoms(std::string_view residue) {
   if (without_end_letter(residue) == "HSE") return "ND1 NE2";
-  constexpr std::string_view of_charmm = "ADE CYT GUA THY URA";
-  return has_word(of_charmm, residue) ? "C1' C1*" : "";
+  constexpr std::string_view nucleotides = "ADE CYT GUA THY URA DGN";
+  return has_word(nucleotides, residue) ? "C1' C1*" : "";
 }
 
 std::string standard_atom(std::string_view residue, std::string_view atom) {

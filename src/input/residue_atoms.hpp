@@ -19,8 +19,8 @@ namespace eses::detail {
 std::string_view standard_residue(std::string_view residue);
 
 /// Returns atoms, separated by blanks, at least one of which a residue with the name of a form has.
-/// Without them it is another molecule: HSE is also homoserine, and GUA is glutaric acid. Empty if
-/// the name alone decides.
+/// Without them it is another molecule: HSE is also homoserine, GUA is glutaric acid, and DGN is
+/// D-glutamine. Empty if the name alone decides.
 std::string_view telling_atoms(std::string_view residue);
 
 /// Returns whether a residue is another molecule than the form of its name. `name_of` returns the

@@ -69,6 +69,32 @@ TEST_CASE("measure: tables have the areas of atoms, residues and chains") {
   CHECK(std::stod(chains[2][3]) == Catch::Approx(free_sas()).margin(1e-6));
 }
 
+TEST_CASE("measure: amino acids without a maximum area are a note") {
+  const Molecules box;
+  std::string text;
+  for (const char* residue : {"SEP", "MSE", "SEP", "HYP"})
+    for (const char* atom : {"N", "CA", "C"}) {
+      const std::size_t serial = static_cast<std::size_t>(std::ranges::count(text, '\n')) + 1;
+      text += fmt::format("ATOM {} {} {} A {} {} 0 0 0 1.7\n", serial, atom, residue,
+                          (serial + 2) / 3, 1.5 * static_cast<double>(serial));
+    }
+  write_file(box.directory() / "modified.pqr", text);
+  constexpr std::string_view note =
+      "note: modified.pqr: modified amino acids without a maximum area have no relative area: "
+      "HYP (1 residue), SEP (2 residues)\n";
+  for (const char* table : {"residues", "rsa"})
+    CHECK(contains(box.run({"measure", "modified.pqr", "--table", table}).err, note));
+  CHECK(contains(box.run({"measure", "modified.pqr", "--write", "residues"}).err, note));
+  for (const Arguments& others :
+       {Arguments{"--table", "atoms"}, Arguments{"--table", "residues", "--quiet"},
+        Arguments{"--table", "residues", "--report", "2"},
+        Arguments{"--table", "residues", "--probe-radius", "1.2"}}) {
+    Arguments arguments{"measure", "modified.pqr"};
+    arguments.insert(arguments.end(), others.begin(), others.end());
+    CHECK(!contains(box.run(arguments).err, "relative area"));
+  }
+}
+
 TEST_CASE("measure: --table prints what --write writes, also in the formats of other programs") {
   const Molecules box;
   const auto printed = [&](const std::string& table) {

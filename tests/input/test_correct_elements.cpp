@@ -51,7 +51,9 @@ TEST_CASE("correct_elements: names tell the elements of amino acids", "[radii]")
                    {"LYS", "1", "CE", "Ce", {0, 0, 9}},
                    {"LYS", "1", "HD1", "D", {9, 0, 0}},
                    {"MSE", "2", "SE", "S", {}},
-                   {"HIS", "3", "ND1", "Nd", {}}}) == Texts{"C", "C", "D", "Se", "N"});
+                   {"HIS", "3", "ND1", "Nd", {}},
+                   {"TRP", "4", "SC1", "Sc", {}},
+                   {"TRP", "4", "ZN", "Zn", {}}}) == Texts{"C", "C", "D", "Se", "N", "S", "Zn"});
 }
 
 TEST_CASE("correct_elements: lengths of bonds decide in ligands", "[radii]") {

@@ -344,6 +344,10 @@ TEST_CASE("radii: ions have Shannon's radii of six neighbours", "[radii]") {
   CHECK(pdb_error(line_of({}), options).ends_with("; did you mean bondi+shannon?"));
   options.radii = "shannon";
   CHECK(pdb_error(line_of({}), options).ends_with("; did you mean protor+shannon?"));
+  for (const char* name : {"protor+ccd", "ProtOr+shannon+CCD"}) {
+    options.radii = name;
+    CHECK(pdb_error(line_of({}), options).find("radii: +ccd needs the Chemical Component") == 0);
+  }
 }
 
 TEST_CASE("radii: a name or a file is accepted, and other text refused", "[structure][radii]") {
@@ -463,6 +467,16 @@ TEST_CASE("names of force fields have the radii of the standard residues", "[str
   CHECK(max_sas_area(histidine) == max_sas_area("HIS"));
   CHECK(max_sas_area(homoserine) == std::nullopt);
   CHECK(max_sas_area(std::span<const AtomLabel>()) == std::nullopt);
+  for (const auto& [residue, same] : {std::pair("MSE", "MET"), std::pair("SEC", "CYS"),
+                                      std::pair("DTR", "TRP"), std::pair("MED", "MET")})
+    CHECK(max_sas_area(residue) == max_sas_area(same));
+  for (const char* modified : {"SEP", "HYP", "DA", "HEM"})
+    CHECK(max_sas_area(modified) == std::nullopt);
+  // A nucleotide of Amber has the name of D-glutamine.
+  const std::vector<AtomLabel> glutamine{{"", "DGN", "1", "CA"}, {"", "DGN", "1", "CD"}},
+      guanosine{{"", "DGN", "1", "C1'"}, {"", "DGN", "1", "N9"}};
+  CHECK(max_sas_area(glutamine) == max_sas_area("GLN"));
+  CHECK(max_sas_area(guanosine) == std::nullopt);
 }
 
 TEST_CASE("find_radii: radii of named atoms, and what was guessed", "[radii]") {
