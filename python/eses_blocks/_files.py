@@ -146,14 +146,15 @@ def model_numbers(text: bytes, layout: str) -> list[int]:
     return list(dict.fromkeys(int(number) for number in found if number.isdigit())) or [0]
 
 
-def notes_of(noted: Any) -> tuple[str, ...]:
+def notes_of(noted: Any, is_model_chosen: bool) -> tuple[str, ...]:
     """Returns the notes on a PDB or mmCIF file as texts; none for other files."""
     if noted is None:
         return ()
     model, models, segments, atoms, assemblies = noted
     notes = []
     if models > 1:
-        notes.append(f"model {model} was read, and the file has {models} models; choose another with model=, or models='all'")
+        notes.append(f"model {model}; the file has {models} models" if is_model_chosen else
+                     f"model {model} was read, and the file has {models} models; choose another with model=, or models='all'")
     if segments:
         notes.append(f"chains are named by the segments in columns 73 to 76: {', '.join(segments[:8])}")
     copies = [(name, f"{operators} copies" if operators > 1 else "", f"{count} of the {atoms} atoms" if count < atoms else "")

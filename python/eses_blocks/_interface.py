@@ -285,10 +285,7 @@ def interface(molecule: Any, first: Any, second: Any = None, radii: Any = None, 
     """
     _molecule.require_known(options, interface)
     if models is not None:
-        shared = {"first": first, "second": second, "radii": radii, "probe_radius": probe_radius, "waters": waters,
-                  "hydrogens": hydrogens, "unknown_radius": unknown_radius, "frame": frame,
-                  "residue_cutoff": residue_cutoff, "threads": threads}
-        return _molecule.each_model(interface, molecule, models, {**shared, **options})
+        return _molecule.each_model(interface, locals())
     _arguments.check(interface, probe_radius=probe_radius, threads=threads, residue_cutoff=residue_cutoff)
     _arguments.require_not_negative(residue_cutoff=residue_cutoff)
     found, select = _molecule._read(molecule, radii, waters, hydrogens, unknown_radius, frame, options)
@@ -344,10 +341,7 @@ def interfaces(molecule: Any, radii: Any = None, *, probe_radius: float = 1.4, w
     """
     _molecule.require_known(options, interfaces)
     if models is not None:
-        shared = {"radii": radii, "probe_radius": probe_radius, "waters": waters, "hydrogens": hydrogens,
-                  "unknown_radius": unknown_radius, "frame": frame, "area_cutoff": area_cutoff,
-                  "residue_cutoff": residue_cutoff, "threads": threads}
-        return _molecule.each_model(interfaces, molecule, models, {**shared, **options})
+        return _molecule.each_model(interfaces, locals())
     _arguments.check(interfaces, probe_radius=probe_radius, threads=threads, area_cutoff=area_cutoff,
                      residue_cutoff=residue_cutoff)
     _arguments.require_not_negative(area_cutoff=area_cutoff, residue_cutoff=residue_cutoff)

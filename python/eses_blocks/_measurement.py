@@ -18,7 +18,7 @@ from ._locations import first_of_runs
 from ._read_only import Counts, ReadOnly
 from ._references import CLASSES, MAIN_CHAIN, REFERENCE_PROBE_RADIUS, REFERENCES, is_amino_acid
 from ._paths import remember_files
-from ._select import remember_molecule
+from ._select import listed, remember_molecule
 
 _Doubles = npt.NDArray[np.float64]
 _Bools = npt.NDArray[np.bool_]
@@ -216,8 +216,9 @@ class Measurement(ReadOnly):
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """What the file has besides the measured atoms: other models, and assemblies with several copies."""
-        return self._molecule.notes
+        """What the file has besides the measured atoms: other models, and assemblies with several copies; and the modified
+        amino acids without a relative area."""
+        return self._molecule.notes + self._notes_on_areas
 
     @property
     def molecule(self) -> _molecule.Molecule:
@@ -247,6 +248,33 @@ class Measurement(ReadOnly):
     @functools.cached_property
     def _polar(self) -> _Bools:
         return _polar_atoms(self._molecule, self._starts)
+
+    @functools.cached_property
+    def _are_amino_acids(self) -> _Bools:
+        """Marks the residues with the name or the backbone of an amino acid."""
+        molecule, starts = self._molecule, self._starts
+        have_atoms = [np.logical_or.reduceat(molecule.name == name, starts) for name in ("N", "CA", "C")]
+        found: _Bools = np.all(have_atoms, axis=0) | [is_amino_acid(name) for name in molecule.residue[starts].tolist()]
+        return found
+
+    @functools.cached_property
+    def _maxima(self) -> _Doubles:
+        """The maximum area of each residue; not a number if it has none."""
+        molecule, starts = self._molecule, self._starts.tolist()
+        reference = REFERENCES[self._reference]
+        if self._surface.probe_radius != REFERENCE_PROBE_RADIUS:
+            return np.full(len(starts), np.nan)
+        return np.array([reference.maximum(str(molecule.residue[first]), molecule.name[first:end].tolist())
+                         for first, end in zip(starts, [*starts[1:], len(molecule)])])
+
+    @functools.cached_property
+    def _notes_on_areas(self) -> tuple[str, ...]:
+        if self._surface.probe_radius != REFERENCE_PROBE_RADIUS:
+            return ()
+        is_shown = np.logical_or.reduceat(~np.isnan(self._sas), self._starts)
+        names = self._molecule.residue[self._starts][is_shown & self._are_amino_acids & np.isnan(self._maxima)]
+        texts = [f"{name} ({count})" for name, count in zip(*np.unique(names, return_counts=True))]
+        return (f"modified amino acids without a maximum area have no relative area: {listed(texts)}",) if texts else ()
 
     def _other_chain(self, rows: Any) -> dict[str, Any]:
         """Returns the column of the other chain names of an mmCIF file, if the molecule has them."""
@@ -291,24 +319,20 @@ class Measurement(ReadOnly):
         ``sas_main_chain``, ``sas_side_chain`` and ``relative_sas``.
 
         The last three are not a number for residues other than amino acids. The relative area is
-        ``sas`` by the maximum area of the residue, whose source is `reference`. It is not a number for
-        a probe radius other than 1.4, to which the maxima belong. It may exceed 1 at the
-        ends of chains and in unusual conformations, and does if atoms of neighbours are missing.
+        ``sas`` by the maximum area of the residue, whose source is `reference`. MSE and SEC have the maxima of
+        MET and CYS, and D-amino acids those of their mirror images. It is not a number for other modified
+        residues, which `notes` names, and for a probe radius other than 1.4, to which the maxima belong. It may exceed 1
+        at the ends of chains and in unusual conformations, and does if atoms of neighbours are missing.
         """
         molecule, starts = self._molecule, self._starts
         sums, is_shown = self._sums(starts)
         names = molecule.residue[starts]
-        reference = REFERENCES[self._reference]
-        is_known = self._surface.probe_radius == REFERENCE_PROBE_RADIUS
-        ends = [*starts[1:].tolist(), len(molecule)]
-        maximum = np.array([reference.maximum(name, molecule.name[first:end].tolist()) if is_known else np.nan
-                            for name, first, end in zip(names.tolist(), starts.tolist(), ends)])
         is_main = np.isin(molecule.name, list(MAIN_CHAIN))
         main = np.add.reduceat(np.where(is_main, np.nan_to_num(self._sas), 0), starts)
-        main[[name != "MSE" and not is_amino_acid(name) for name in names.tolist()]] = np.nan
+        main[~self._are_amino_acids] = np.nan
         columns = {"chain": molecule.chain[starts], **self._other_chain(starts),
                    "residue_number": molecule.residue_number[starts], "icode": molecule.icode[starts], "residue": names, **sums, "sas_main_chain": main,
-                   "sas_side_chain": sums["sas"] - main, "relative_sas": sums["sas"] / maximum}
+                   "sas_side_chain": sums["sas"] - main, "relative_sas": sums["sas"] / self._maxima}
         return Table({name: column[is_shown] for name, column in columns.items()}, molecule.files)
 
     @functools.cached_property
@@ -353,7 +377,8 @@ class Measurement(ReadOnly):
             tables[level].save(path)
             return
         if column not in tables[level] or tables[level][column].dtype.kind == "U":
-            raise ValueError(f"column must be a number of the {level}s, not {column!r}")
+            known = [name for name in tables[level] if tables[level][name].dtype.kind == "f"]
+            raise ValueError(f"column must be one of {', '.join(known)}, not {column!r}")
         write_structure(path, self._molecule, self._values(column, level))
 
     def _values(self, column: str, level: str) -> Any:
@@ -390,7 +415,7 @@ class Measurement(ReadOnly):
 
     def __repr__(self) -> str:
         ses = f"SES area {self.ses_area:.6g}, SES volume {self.ses_volume:.6g}, " if self._has_ses else ""
-        notes = "".join(f"; {note}" for note in self.notes if note.startswith("model "))
+        notes = "".join(f"; {note}" for note in self._molecule.notes if note.startswith("model "))
         return f"<eses_blocks.Measurement: {ses}SAS area {self.sas_area:.6g}, radii {self.radii.name}{notes}>"
 
     def _repr_html_(self) -> str:
@@ -473,11 +498,7 @@ def measure(molecule: Any, radii: Any = None, *, probe_radius: float = 1.4, repo
     if reference not in REFERENCES:
         raise ValueError(f"reference must be one of {', '.join(REFERENCES)}, not {reference!r}")
     if models is not None:
-        shared = {"probe_radius": probe_radius, "report": report, "waters": waters, "hydrogens": hydrogens,
-                  "unknown_radius": unknown_radius, "frame": frame, "reference": reference, "surfaces": surfaces,
-                  "van_der_waals": van_der_waals, "derivatives": derivatives, "fill_cavities": fill_cavities,
-                  "threads": threads}
-        return _molecule.each_model(measure, molecule, models, {"radii": radii, **shared, **options})
+        return _molecule.each_model(measure, locals())
     chosen = _surfaces_in(surfaces)
     _arguments.check(measure, probe_radius=probe_radius, threads=threads, derivatives=derivatives,
                      van_der_waals=van_der_waals)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import difflib
 import inspect
 import io
 import os
@@ -19,7 +18,7 @@ from ._files import RowsOfFile, model_numbers, notes_of, values_in_lines
 from ._locations import other_locations
 from ._paths import files_of, format_of, is_file, is_path, name_of, read_content, read_opened, remember_files
 from ._radii import (SOURCES, atoms_named, correct_elements, find_dummies, find_radii, radii_by_bonds, refuse_unknown,
-                     warn_about_residues)
+                     warn_about_residues, without_ccd)
 from ._read_only import Counts
 from ._references import is_polymer
 from ._select import Selector, molecule_of
@@ -33,7 +32,8 @@ class Radii:
     """The set of radii of a molecule, and the atoms whose radius or element was guessed."""
 
     name: str
-    """``protor``, ``bondi``, ``msms``, ``naccess``, ``oons``, also with ``+shannon``, ``protor+ccd``, the name in a configuration file, ``file`` or ``given``."""
+    """``protor``, ``protor+ccd``, ``bondi``, ``msms``, ``naccess``, ``oons``, also with ``+shannon``, the name in a configuration file,
+    ``file`` or ``given``."""
     source: str
     """The publication with its DOI, or where the radii come from."""
     guessed: npt.NDArray[np.int64]
@@ -127,13 +127,15 @@ def require_known(options: dict[str, Any], caller: Callable[..., Any], known: It
     _arguments.require_types(_FILE_OPTIONS, {name: value for name, value in options.items() if name != "select"})
 
 
-def each_model(function: Callable[..., _Result], found: Any, models: Union[str, Iterable[int]],
-               options: dict[str, Any]) -> list[_Result]:
-    """Returns the results of a function for several models of a file, whose content is read once."""
+def each_model(function: Callable[..., _Result], arguments: dict[str, Any]) -> list[_Result]:
+    """Returns the results of a function for several models of a file, whose content is read once. `arguments` are all
+    those of the function by their names, with ``molecule``, ``models`` and ``options``."""
+    options = {**arguments, **arguments["options"]}
+    found, models, _ = (options.pop(name) for name in ("molecule", "models", "options"))
     if "model" in options:
         raise TypeError("give model or models, not both")
     if not is_file(found):
-        raise TypeError("models: only files have models; give frame= for one frame of a trajectory")
+        raise TypeError("models: only PDB, mmCIF and PQR files have models; use frame= for one of several models or frames")
     text, name, layout = read_content(found, options.get("format", "auto"))
     if (isinstance(models, str) and models != "all") or not hasattr(models, "__iter__"):
         raise ValueError(f"models must be 'all' or numbers, not {models!r}")
@@ -148,10 +150,12 @@ def each_model(function: Callable[..., _Result], found: Any, models: Union[str, 
     return results
 
 
-def _read_file(found: Any, radii: str, unknown: Optional[float], waters: bool, hydrogens: str,
+def _read_file(found: Any, chosen_radii: Any, unknown: Optional[float], waters: bool, hydrogens: str,
                options: dict[str, Any]) -> _Source:
-    """Reads a path, an open file, or the bytes or text of a file."""
+    """Reads a path, an open file, or the bytes or text of a file. PDB and mmCIF files have ProtOr radii unless others
+    are chosen."""
     given = _FILE_OPTIONS | options
+    radii = os.fspath(chosen_radii or "protor")
     chosen, given["select"] = given["select"], ""
     data: Any = None
     if is_path(found):
@@ -168,11 +172,11 @@ def _read_file(found: Any, radii: str, unknown: Optional[float], waters: bool, h
 
     is_structure = layout not in ("xyzr", "pqr")
     if not is_structure:
-        _refuse_structure_options(name, layout, radii, given)
+        _refuse_structure_options(name, layout, chosen_radii, given)
     is_read = is_structure and isinstance(chosen, str)  # the selection, which may name models, B-factors and others
     atoms = read(chosen if is_read else "")
     _core._warn_about(atoms, name)
-    source = _of_atoms(atoms)
+    source = _of_atoms(atoms, is_model_chosen=given["model"] > 0)
     source.chosen = None if is_read else chosen
     remember_files(atoms, name, radii)
     source.files = files_of(atoms)
@@ -194,19 +198,19 @@ def _read_file(found: Any, radii: str, unknown: Optional[float], waters: bool, h
     return source
 
 
-def _refuse_structure_options(name: str, layout: str, radii: str, given: dict[str, Any]) -> None:
+def _refuse_structure_options(name: str, layout: str, radii: Any, given: dict[str, Any]) -> None:
     """Raises ValueError for options that only PDB and mmCIF files have."""
     given = given | {"chains": tuple(given["chains"])}
     chosen = [option for option in ("altloc", "hetatm", "chains", "assembly", "chain_names")
               if given[option] != _FILE_OPTIONS[option]]
-    if radii == "occupancy":
-        chosen.append("radii='occupancy'")
+    if radii is not None:
+        chosen.append(f"radii={radii!r:.40}")
     if chosen:
         raise ValueError(f"{chosen[0]} needs a PDB or mmCIF file; {name} is read as {layout} (use format='pdb' or "
                          "format='mmcif' if it is one)")
 
 
-def _of_atoms(atoms: _core.Atoms) -> _Source:
+def _of_atoms(atoms: _core.Atoms, is_model_chosen: bool = False) -> _Source:
     columns = adaptors.Columns(centers=atoms.centers, elements=atoms.element.tolist(), radii=atoms.radii)
     labels = atoms.labels
     if labels is not None:
@@ -216,7 +220,7 @@ def _of_atoms(atoms: _core.Atoms) -> _Source:
         columns.numbers = [int(part[1] or 0) for part in parts if part]
         columns.icodes = [part[2] for part in parts if part]
     return _Source(columns, are_read=True, set_name="file", left_out=atoms.left_out,
-                   guessed_names=_core._guessed_names(atoms), notes=notes_of(_core._noted(atoms)),
+                   guessed_names=_core._guessed_names(atoms), notes=notes_of(_core._noted(atoms), is_model_chosen),
                    classes=_core._classes_of(atoms))
 
 
@@ -230,7 +234,8 @@ def _source_of(found: Any, radii: Any, unknown: Optional[float], waters: bool, h
             found, frame = _foreign.read(found, frame), 0
     if not is_file(found):
         if others := sorted(set(options) - {"select"}):
-            raise TypeError(f"{', '.join(others)}: only files have these arguments")
+            advice = "; use frame= for one of several models or frames" if "model" in others else ""
+            raise TypeError(f"{', '.join(others)}: only PDB, mmCIF and PQR files have these arguments{advice}")
         source = _object_source(found, radii, frame)
         source.files, source.chosen = source.files or files, options.get("select")
         return source
@@ -238,7 +243,7 @@ def _source_of(found: Any, radii: Any, unknown: Optional[float], waters: bool, h
         raise TypeError("frame: use model= for a file")
     if radii is not None and not isinstance(radii, (str, os.PathLike)):
         raise TypeError(f"radii: a file needs the name of a set of radii, not {type(radii).__name__}")
-    source = _read_file(found, os.fspath(radii or "protor"), unknown, waters, hydrogens, options)
+    source = _read_file(found, radii, unknown, waters, hydrogens, options)
     if _radii_are_assigned(source, found) and radii != "occupancy":
         source.set_name = os.fspath(radii or "protor")
     return source
@@ -267,6 +272,9 @@ def _object_source(found: Any, radii: Any, frame: int) -> _Source:
         columns = adaptors.columns_of(found, frame)
         return _Source(columns, select=columns.select)
     if isinstance(found, tuple) and len(found) == 2:
+        if radii is not None:
+            raise ValueError("radii: (centers, radii) has radii already; leave out "
+                             f"radii={radii!r:.40}, or give a molecule with elements or names for a set of radii")
         return _Source(adaptors.Columns(centers=found[0], radii=found[1]), are_read=True, set_name="given")
     if radii is not None and not isinstance(radii, (str, os.PathLike)):
         return _Source(adaptors.Columns(centers=found, radii=radii), are_read=True, set_name="given")
@@ -314,10 +322,10 @@ def read_molecule(molecule: Any, radii: Any = None, *, waters: bool = False, hyd
         ``protor``, ``bondi``, ``msms``, ``naccess``, ``oons``, the path of a file in FreeSASA's
         configuration format, or N radii in angstrom; ``occupancy`` for a PDB or mmCIF file that has radii as its occupancies.
         ``protor+ccd`` is ``protor`` with radii of ligands that follow from their bonds in the Chemical
-        Component Dictionary, which needs Biotite. ``+shannon`` after the name of a set, such as ``protor+shannon``, is
-        the set with Shannon's radii of ions. By default ``protor`` for molecules with names of
+        Component Dictionary, which needs Biotite. ``+shannon`` after the name of a set, such as ``protor+shannon`` or
+        ``protor+ccd+shannon``, is the set with Shannon's radii of ions. By default ``protor`` for molecules with names of
         residues, whose hydrogens then belong to the united atoms, and ``bondi`` for others. PQR and
-        xyzr files have radii of their own.
+        xyzr files and ``(centers, radii)`` have radii of their own, and take no set.
     waters : bool, optional
         Whether waters are kept.
     hydrogens : {'auto', 'keep', 'drop'}, optional
@@ -453,7 +461,8 @@ def _use_bonds(named: _Named, choice: _Choice) -> None:
     """Replaces radii by element alone by those of the bonds, where the dictionary has them."""
     of_bonds = radii_by_bonds(named.residue, named.name, named.element, choice.by_element & choice.keep)
     choice.radii = np.where(np.isnan(of_bonds), choice.radii, of_bonds)
-    choice.set_name, choice.guessed = "protor+ccd", choice.guessed[np.isnan(of_bonds[choice.guessed])]
+    choice.set_name = choice.set_name.replace("protor", "protor+ccd")
+    choice.guessed = choice.guessed[np.isnan(of_bonds[choice.guessed])]
 
 
 def _read(found: Any, radii: Any, waters: bool, hydrogens: str, unknown: Optional[float], frame: int,
@@ -466,10 +475,7 @@ def _read(found: Any, radii: Any, waters: bool, hydrogens: str, unknown: Optiona
     if hydrogens not in ("auto", "keep", "drop"):
         raise ValueError(f"hydrogens must be 'auto', 'keep' or 'drop', not {hydrogens!r}")
     _arguments.check(read_molecule, waters=waters, unknown_radius=unknown, frame=frame)
-    by_bonds = isinstance(radii, str) and radii.lower() == "protor+ccd"
-    if isinstance(radii, str) and radii.lower() not in SOURCES and difflib.get_close_matches(radii.lower(), ["protor+ccd"], 1, 0.85):
-        raise ValueError(f"radii: unknown set {radii!r}; did you mean protor+ccd?")
-    radii = "protor" if by_bonds else radii
+    radii, by_bonds = without_ccd(radii)
     source = _source_of(found, radii, unknown, waters, hydrogens, frame, options)
     named = _arrays_of(source.columns)
     marks = () if source.are_read else correct_elements(named)
@@ -496,7 +502,7 @@ def _read(found: Any, radii: Any, waters: bool, hydrogens: str, unknown: Optiona
     else:
         choice = _choose_atoms(named, source.columns, which, waters, hydrogens, unknown, selected, *marks)
         warn_about_residues(named, choice.keep)
-    if by_bonds and choice.set_name == "protor":
+    if by_bonds:
         _use_bonds(named, choice)
     if not choice.keep.any():
         raise ValueError("no atoms are left" +
@@ -552,7 +558,7 @@ def read_with_selector(found: Any, radii: Any, options: dict[str, Any]) -> tuple
 
 def _molecule_of(named: _Named, choice: _Choice, which: str, are_named: bool, files: tuple[str, ...]) -> Molecule:
     kept = np.flatnonzero(choice.keep)
-    is_named = choice.set_name in ("file", "given", "protor+ccd")
+    is_named = choice.set_name in ("file", "given") or "+ccd" in choice.set_name
     source_text = SOURCES.get(choice.set_name if is_named else which.lower(), f"the configuration file {which}")
     columns = {field.name: getattr(named, field.name) for field in dataclasses.fields(named)}
     molecule = Molecule(

@@ -8,7 +8,7 @@ import re
 import weakref
 from typing import Any, Union
 
-from . import _core
+from . import _core, adaptors
 
 _GZIP = b"\x1f\x8b"
 
@@ -30,7 +30,8 @@ def format_of(text: bytes, name: str) -> str:
 
 def is_file(found: Any) -> bool:
     """Whether an object is a path, an open file, or the bytes or text of a file."""
-    return isinstance(found, (str, bytes, bytearray, memoryview, os.PathLike)) or hasattr(found, "read")
+    return (isinstance(found, (str, bytes, bytearray, memoryview, os.PathLike))
+            or (hasattr(found, "read") and adaptors.find_adaptor(found) is None))  # Biotite's PDBFile has `read`, too
 
 
 def is_path(found: Any) -> bool:

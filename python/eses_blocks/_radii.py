@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import difflib
 import importlib
+import os
 from typing import Any, Iterable
 
 import numpy as np
@@ -25,8 +27,25 @@ SOURCES = {
     "file": "the input file",
     "given": "the caller",
 }
-for _name in ("protor", "bondi", "msms", "naccess", "oons"):
+for _name in ("protor", "bondi", "msms", "naccess", "oons", "protor+ccd"):
     SOURCES[f"{_name}+shannon"] = f"{SOURCES[_name]}; ions: Shannon 1976, doi:10.1107/S0567739476001551, for six neighbours"
+
+
+def without_ccd(radii: Any) -> tuple[Any, bool]:
+    """Returns a set of radii without `+ccd`, and whether it had that. Raises ValueError unless the set is ProtOr."""
+    if not isinstance(radii, str) or "+" not in radii or os.path.exists(radii):
+        return radii, False
+    word = radii.lower()
+    name, *parts = word.split("+")
+    if "ccd" in parts and name != "protor":
+        raise ValueError(f"radii: +ccd needs protor, as in 'protor+ccd' or 'protor+ccd+shannon', not {radii!r}")
+    if "ccd" not in parts and word not in SOURCES:
+        known = [each for each in SOURCES if "+ccd" in each]
+        if meant := difflib.get_close_matches(word, known, 1, 0.85):
+            raise ValueError(f"radii: unknown set {radii!r}; did you mean {meant[0]}?")
+    if "ccd" not in parts:
+        return radii, False
+    return "+".join([name, *(part for part in parts if part != "ccd")]), True
 
 
 def find_radii(residue: _Texts, name: _Texts, element: _Texts, which: str) -> tuple[str, bool, Any, _Texts, Any, Any, Any]:

@@ -136,7 +136,9 @@ class Selector:
         if given.dtype == bool:
             return _arguments.require_mask(what, given, count)
         if given.size and given.dtype.kind not in "iu":
-            raise TypeError(f"{what} must be a selection, a mask or indices of atoms, not {chosen!r:.80}")
+            is_list = isinstance(chosen, (list, tuple)) and all(isinstance(each, str) for each in chosen)
+            advice = f"; give chains as one text, {'+'.join(chosen)!r:.40}" if is_list else ""
+            raise TypeError(f"{what} must be a selection, a mask or indices of atoms, not {chosen!r:.80}{advice}")
         mask = np.zeros(count, bool)
         try:
             mask[given.astype(np.int64) if given.size else []] = True

@@ -75,7 +75,7 @@ def _one_frame(count: int, frame: int, what: str) -> None:
     if count == 0:
         raise ValueError(f"the {what} is empty")
     if not -count <= frame < count:
-        raise ValueError(f"the {what} has {count} frames; there is no frame {frame}")
+        raise ValueError(f"the {what} has {count} frame{'s' * (count != 1)}, counted from 0; there is no frame {frame}")
 
 
 def _from_gemmi(found: Any, frame: int) -> Columns:
@@ -315,6 +315,8 @@ def columns_of(found: Any, frame: int = 0) -> Columns:
     adaptor = find_adaptor(found)
     kind = type(found)
     name = kind.__qualname__ if kind.__module__ == "builtins" else f"{kind.__module__}.{kind.__qualname__}"
+    if found is None:
+        name = "None, which libraries return for what they cannot read or select,"
     if adaptor is None:
         raise TypeError(f"{name} is not a known molecule; give a path, (centers, radii), or an object of "
                         f"{', '.join(sorted(ADAPTORS))}")

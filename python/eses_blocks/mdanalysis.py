@@ -65,6 +65,7 @@ class SASAAnalysis(AnalysisBase):  # type: ignore[misc]
         _arguments.require_object("universe_or_atomgroup", universe_or_atomgroup, ("atoms", "universe"),
                                   "a Universe or AtomGroup of MDAnalysis")
         group = universe_or_atomgroup.atoms
+        self.universe = group.universe
         super().__init__(group.universe.trajectory, verbose=verbose)
         _arguments.require_choice("surface", surface, "sas", "ses")
         for name in options:
@@ -93,6 +94,9 @@ class SASAAnalysis(AnalysisBase):  # type: ignore[misc]
         self.results.residue_area.append(np.bincount(rows, areas, len(self.atomgroup.residues)))
 
     def _conclude(self) -> None:
+        if self.n_frames == 0:
+            count = len(self.atomgroup.universe.trajectory)
+            raise ValueError(f"no frames are analysed; the trajectory has {count} frame{'s' * (count != 1)}, counted from 0")
         self.results.total_area = np.array(self.results.total_area)
         self.results.residue_area = np.array(self.results.residue_area)
         self.results.mean_total_area = self.results.total_area.mean()

@@ -189,8 +189,34 @@ def test_mdanalysis(pdb, capfd):
     alone = SASAAnalysis(universe.atoms, select=half, surface="ses", verbose=True).run(step=2)
     assert "100%" in capfd.readouterr().err
     assert alone.results.total_area.shape == (2,)
+    with pytest.raises(ValueError, match="^no frames are analysed; the trajectory has 3 frames, counted from 0$"):
+        SASAAnalysis(universe, select=half).run(start=3)
     universe.trajectory[0]
     assert alone.results.total_area[0] == pytest.approx(eses.measure(universe.select_atoms(half)).ses_area)
+
+
+def test_mdakit_sasa(pdb):
+    mda = pytest.importorskip("MDAnalysis")
+    mdakit = pytest.importorskip("mdakit_sasa.analysis.sasaanalysis")
+    freesasa = pytest.importorskip("freesasa")
+    from eses_blocks.mdanalysis import SASAAnalysis  # pylint: disable=import-outside-toplevel
+    freesasa.setVerbosity(freesasa.nowarnings)
+    universe = mda.Universe(str(pdb))
+    universe.load_new(universe.atoms.positions * np.array([1, 1.02])[:, None, None])
+    structure = freesasa.Structure()  # as in mdakit-sasa, which gives FreeSASA the types of the atoms as their names
+    for atom in universe.atoms:
+        structure.addAtom(atom.type.rjust(2), atom.resname, atom.resnum.item(), atom.segid, *atom.position.tolist())
+    radii = [structure.radius(i) for i in range(structure.nAtoms())]
+    original = mdakit.SASAAnalysis(universe).run()
+    exact = SASAAnalysis(universe, radii=radii).run()
+    assert set(original.results) <= set(exact.results) and exact.universe is original.universe
+    for name in original.results:
+        assert np.shape(exact.results[name]) == np.shape(original.results[name])
+    # FreeSASA cuts each atom into 20 slices.
+    np.testing.assert_allclose(exact.results.total_area, original.results.total_area, rtol=0.003)
+    np.testing.assert_allclose(exact.results.mean_total_area, original.results.mean_total_area, rtol=0.003)
+    deviations = exact.results.residue_area - original.results.residue_area
+    assert np.abs(deviations).max() < 3 and np.sqrt(np.mean(deviations**2)) < 0.8
 
 
 @pytest.mark.parametrize("backend", ["multiprocessing", "dask"])

@@ -90,6 +90,15 @@ def test_elements_are_those_of_the_file(read, text):
     assert result.radii.guessed.tolist() == ([] if text == LEFT else changed)
 
 
+def test_beads_without_elements_are_those_of_the_file(read):
+    found, path = read(MARTINI.replace("           C\n", "\n"))
+    if found is None:
+        return
+    expected, result = (eses.measure(each, "bondi") for each in (str(path), found))
+    assert result.atoms["element"].tolist() == expected.atoms["element"].tolist() == ["B", "B", "S"]
+    assert result.sas_area == pytest.approx(expected.sas_area, rel=1e-5)
+
+
 def test_short_bonds_are_those_of_carbon():
     gemmi = pytest.importorskip("gemmi")
     text = pdb_of((" C1 ", "LIG", 1, (0, 0, 0), 1, "C"), (" CL1", "LIG", 1, (1.54, 0, 0), 1, "C"),

@@ -123,6 +123,7 @@ def test_models_of_a_file(tmp_path):
     assert len(set(expected)) == 3
     found = eses.measure(path, models="all", unknown_radius=1.5)
     assert [each.sas_area for each in found] == expected
+    assert [each.notes for each in found] == [(f"model {number}; the file has 3 models",) for number in (1, 2, 7)]
     assert [each.sas_area for each in eses.measure(str(path), models=[7, 1], unknown_radius=1.5)] == expected[::-2]
     assert [each.sas_area for each in eses.measure(path, models=np.array([7, 1]), unknown_radius=1.5)] == expected[::-2]
     assert [each.sas_area for each in eses.measure(models_text(), models=iter((2,)), unknown_radius=1.5)] == expected[1:2]
@@ -132,7 +133,7 @@ def test_models_of_a_file(tmp_path):
         eses.measure(path, models="first")
     with pytest.raises(TypeError, match="model or models"):
         eses.measure(path, models="all", model=1)
-    with pytest.raises(TypeError, match="only files have models"):
+    with pytest.raises(TypeError, match="only PDB, mmCIF and PQR files have models; use frame="):
         eses.measure(([[0, 0, 0]], [1]), models="all")
     with open(path, "rb") as opened, pytest.raises(ValueError, match="nmr.pdb: there is no model 3"):
         eses.measure(opened, models=[3])

@@ -77,7 +77,7 @@ def test_unknown_objects_and_arguments_are_named(pdb):
         eses.measure({})
     with pytest.raises(TypeError, match="unknown argument 'modl'; did you mean model"):
         eses.measure(pdb, modl=2)
-    with pytest.raises(TypeError, match="model: only files"):
+    with pytest.raises(TypeError, match="model: only PDB, mmCIF and PQR files"):
         eses.measure(([[0, 0, 0]], [1.5]), model=2)
     with pytest.raises(ValueError, match=r"radii must have shape \(2,\)"):
         eses.measure([[0, 0, 0], [3, 0, 0]], [1.5])
@@ -176,7 +176,7 @@ def test_mdtraj(pdb):
     atoms = eses.read_atoms(pdb, altloc="A")
     check(result, eses.Surface(atoms.centers, atoms.radii).measure(by_atom=True), range(12), 13, atol=1e-3)
     assert len(eses.measure(frames, report="protein").residues) == 2
-    with pytest.raises(ValueError, match="has 1 frames; there is no frame 1"):
+    with pytest.raises(ValueError, match="has 1 frame, counted from 0; there is no frame 1"):
         eses.measure(frames, frame=1)
 
 
@@ -427,6 +427,53 @@ def test_radii_of_ions(pdb):
             assert eses.measure(eses.read_atoms(pdb, radii=f"{name}+shannon")).radii.name == f"{name}+shannon"
 
 
+def test_radii_of_bonds_and_ions():
+    text = "".join(f"HETATM{i:5d}  {name:3} {residue:>3} A {i:3d}    {4.0 * i:8.3f}   0.000   0.000  1.00  0.00          {name[:2].strip():>2}\n"
+                   for i, (name, residue) in enumerate((("C ", "ACE"), ("O ", "ACE"), ("ZN", "ZN")), 1))
+    pytest.importorskip("biotite")
+    plain = eses.measure(text)
+    for name in ("protor+ccd+shannon", "ProtOr+Shannon+CCD"):
+        for found in (text, pytest.importorskip("gemmi").read_pdb_string(text)):
+            both = eses.measure(found, name)
+            assert both.radii.name == "protor+ccd+shannon"
+            assert "Biotite" in both.radii.source and "Shannon" in both.radii.source
+            assert both.atoms["radius"].tolist() == [*eses.measure(found, "protor+ccd").atoms["radius"][:2], 0.74]
+            assert both.atoms["radius"][2] != plain.atoms["radius"][2]
+    for wrong, message in (("bondi+ccd", r"\+ccd needs protor, as in 'protor\+ccd'"), ("protor+cdd+shannon", r"did you mean protor\+ccd\+shannon\?"),
+                           ("protor+ccd+shanon", r"did you mean protor\+shannon\?")):
+        with pytest.raises(ValueError, match=f"^radii: .*{message}"):
+            eses.measure(text, wrong)
+    with pytest.raises(ValueError, match="use eses.measure or eses.read_molecule"):
+        eses.read_atoms(io.StringIO(text), radii="protor+ccd", format="pdb")
+
+
+@pytest.mark.parametrize("radii", ["bondi", "protor", [1.0, 2.0]])
+def test_radii_beside_those_of_the_molecule_are_refused(radii):
+    spheres = [[0, 0, 0], [3, 0, 0]], [1.5, 1.5]
+    for function in (eses.measure, eses.interfaces, eses.read_molecule, *([eses.Surface] if isinstance(radii, str) else [])):
+        with pytest.raises(ValueError, match=r"^radii: \(centers, radii\) has radii already; leave out radii="):
+            function(spheres, radii)
+    if isinstance(radii, str):
+        for name in ("fas2.pqr", "1ubq.xyzr"):
+            with pytest.raises(ValueError, match=f"^radii='{radii}' needs a PDB or mmCIF file; .*{name} is read as "):
+                eses.measure(DATA / name, radii)
+
+
+def test_modified_amino_acids(pdb):
+    serine = "".join(line for line in PDB.splitlines(True) if " SER " in line)
+    for name, same in (("MSE", "MET"), ("DSN", "SER"), ("SER", "SER")):
+        result = eses.measure(serine.replace(" SER ", f" {name} "))
+        assert result.residues["relative_sas"][0] == pytest.approx(result.residues["sas"][0] / REFERENCES["tien"].areas[same])
+        assert result.notes == ()
+    text = PDB.replace("SER A", "SEP A")
+    result = eses.measure(text)
+    assert result.notes == ("modified amino acids without a maximum area have no relative area: SEP (1)",)
+    assert np.isnan(result.residues["relative_sas"]).tolist() == [False, True, True]
+    assert np.isnan(result.residues["sas_main_chain"]).tolist() == [False, False, True]
+    assert eses.measure(text, report="//A/10").notes == eses.measure(text, probe_radius=1.2).notes == ()
+    assert eses.measure(pdb).notes == ()
+
+
 def test_results_are_read_only(pdb):
     result, parts = eses.measure(pdb), eses.interfaces(pdb)
     for owner, names in ((result, ("sas_area", "atoms", "residues", "chains", "left_out", "radii", "new")),
@@ -569,9 +616,9 @@ def test_wide_numbers_are_refused(pdb, tmp_path):
     big.save(tmp_path / "good.cif", level="chain")
     for name, column, level, message in (("a.xyz", "sas", "atom", "suffix must be .pdb"),
                                          ("a.pdb", "sas", "all", "level must"),
-                                         ("a.pdb", "chain", "atom", "column must be a number of the atoms"),
-                                         ("a.pdb", "element", "atom", "column must be a number of the atoms"),
-                                         ("a.pdb", "name", "atom", "column must be a number of the atoms")):
+                                         ("a.pdb", "chain", "atom", "column must be one of radius, ses, sas, not"),
+                                         ("a.pdb", "element", "atom", "column must be one of radius, ses, sas, not"),
+                                         ("a.pdb", "name", "atom", "column must be one of radius, ses, sas, not")):
         with pytest.raises(ValueError, match=message):
             result.save(tmp_path / name, column, level)
     for name in ("a.pdb", "a.csv.gz"):

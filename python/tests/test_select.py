@@ -260,7 +260,7 @@ def test_select_leaves_other_atoms_out(path, library):
     assert eses.measure(opened(library, path), select="").left_out.get("selection") is None
     with pytest.raises(ValueError, match="^select: no atoms in "):
         eses.measure(opened(library, path), select="name XX" if library in OWN_SYNTAX else "//A//XX")
-    with pytest.raises(TypeError, match="chains: only files have these arguments"):
+    with pytest.raises(TypeError, match="chains: only PDB, mmCIF and PQR files have these arguments$"):
         eses.measure(opened(library, path), select=text, chains=["A"])
 
 

@@ -40,10 +40,23 @@ def fixture_path(tmp_path):
     ({"reference": []}, TypeError, r"^reference must be a text, not \[\]$"),
     ({"surfaces": 5}, ValueError, "^surfaces must be ses, sas, vdw or all, or several of them, not 5$"),
     ({"models": 5}, ValueError, "^models must be 'all' or numbers, not 5"),
+    ({"report": ["A", "B"]}, TypeError, r"^report must be .* not \['A', 'B'\]; give chains as one text, 'A\+B'$"),
+    ({"select": ["A"]}, TypeError, r"^select must be .* not \['A'\]; give chains as one text, 'A'$"),
 ])
 def test_arguments(path, arguments, error, message):
     with pytest.raises(error, match=message):
         eses.measure(path, **arguments)
+
+
+def test_what_is_no_molecule(path):
+    with pytest.raises(TypeError, match="^None, which libraries return for what they cannot read or select, is not a known molecule"):
+        eses.measure(None)
+    gemmi = pytest.importorskip("gemmi")
+    with pytest.raises(TypeError, match="^model: only PDB, mmCIF and PQR files have these arguments; use frame= "):
+        eses.measure(gemmi.read_structure(str(path)), model=1)
+    pdb_io = pytest.importorskip("biotite.structure.io.pdb")
+    with pytest.raises(TypeError, match="PDBFile is not a molecule with coordinates"):  # although it has `read`
+        eses.measure(pdb_io.PDBFile.read(str(path)))
 
 
 def test_arguments_of_other_functions_are_not_suggested(path):
@@ -118,7 +131,7 @@ def test_surfaces_read_as_measure(path):
                 call(path, radii=radii)
         for radii in (object(), ["x"]):
             with pytest.raises((TypeError, ValueError), match="^radii must be an array of real numbers"):
-                call(([[0, 0, 0]], radii) if call is eses.measure else [[0, 0, 0]], radii)
+                call([[0, 0, 0]], radii)
 
 
 def test_surfaces_of_objects_take_radii(path):

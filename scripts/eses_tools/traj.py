@@ -159,7 +159,7 @@ def make_plan(eses, universe, frames, options):
         measured = eses.measure(group, options.radii, report=report, waters=options.waters,
                                 hydrogens=options.hydrogens, unknown_radius=options.unknown_radius,
                                 probe_radius=options.probe_radius, threads=options.threads)
-    except (OSError, ValueError) as error:  # with options in place of the arguments of Python
+    except (ImportError, OSError, ValueError) as error:  # with options in place of the arguments of Python
         raise Failed(re.sub("use unknown_radius=.*", "use --unknown-radius or another set (--radii)", printable(error))) from None
     warn_if_divided(numpy, universe, group, measured)
     warn_if_nothing_else_blocks(universe, group, measured, options)
@@ -432,7 +432,7 @@ def parse_options():
     parser.add_argument("--start", type=int, metavar="N", help="first frame, from 0; -10 is the tenth from the end")
     parser.add_argument("--stop", type=int, metavar="N", help="frame before which to stop (default: the end)")
     parser.add_argument("--stride", type=positive, default=1, metavar="N", help="take every N-th frame (default: 1)")
-    parser.add_argument("--radii", metavar="SET", help="protor, bondi, msms, naccess, oons, also with +shannon, or a file in FreeSASA's format "
+    parser.add_argument("--radii", metavar="SET", help="protor, bondi, msms, naccess, oons, also with +shannon, protor+ccd, or a file in FreeSASA's format "
                         "(default: protor, or bondi without names of residues)")
     parser.add_argument("--unknown-radius", type=at_least(0), metavar="A",
                         help="radius of atoms without one in the set")
