@@ -13,7 +13,7 @@
 #include "eses/maps.hpp"
 #include "grid/make_grid.hpp"
 #include "grid/map_rows.hpp"
-#include "output/grid_map.hpp"
+#include "output/map_writer.hpp"
 #include "run/engine.hpp"
 #include "run/layer.hpp"
 #include "run/planned_run.hpp"
@@ -49,7 +49,7 @@ detail::Parameters parameters_of(const Surface& surface, const Grid& grid,
 }
 
 // Throws std::invalid_argument for faults that the planner does not detect.
-void check_task(const detail::Request& request) {
+void require_valid_request(const detail::Request& request) {
   detail::require_valid(std::get<Grid>(request.parameters.grid));
   for (const detail::MapChoice& map : detail::chosen_maps(request.outputs))
     if (std::filesystem::path(map.name).has_parent_path())
@@ -76,7 +76,7 @@ PlannedRun plan_run(const Surface& surface, const Grid& grid, const Outputs& out
                           .parameters = parameters_of(surface, grid, options),
                           .outputs = outputs,
                           .caller_memory = memory_of_result(parts, bytes_per_point)};
-  check_task(request);
+  require_valid_request(request);
   // The number of blocks is not known before the plan is made.
   if (options.progress) request.check = [&options] { options.progress(0, 1); };
   return detail::plan_run(std::move(request), detail::Processes());
@@ -114,16 +114,6 @@ std::unique_ptr<detail::MapSink> map_sink(detail::MapQuantity quantity, const Gr
       });
 }
 
-// Performs a run that passes the maps of `outputs` to a sink, and writes nothing.
-void solve_maps(PlannedRun& run, const Outputs& outputs, const RunOptions& options,
-                detail::Sink& sink) {
-  run.request.outputs = Outputs::none();
-  run.request.maps_in_memory = {{}, detail::extras_of(outputs), &sink};
-  for (const detail::MapChoice& map : detail::chosen_maps(outputs))
-    run.request.maps_in_memory.quantities.push_back(map.quantity);
-  solve(run, callbacks_of(options));
-}
-
 std::invalid_argument point_error(const GridIndex& point, const GridRegion& region) {
   return std::invalid_argument(detail::formatted(
       "point ({}, {}, {}) is not in the region ({}, {}, {}) to ({}, {}, {}), whose end "
@@ -154,11 +144,11 @@ std::size_t index_in(const GridRegion& region, const GridIndex& point) {
 template <class Value>
 void clear_points(const PlannedRun& run, const RunOptions& options, std::vector<Value>& values) {
   constexpr std::size_t points_between_calls = (std::size_t{1} << 26) / sizeof(Value);
-  const auto points = static_cast<std::size_t>(run.plan.tiling.region.point_count());
+  const auto points = static_cast<std::size_t>(run.plan.region.point_count());
   values.reserve(points);
   while (values.size() < points) {
     values.resize(std::min(points, values.size() + points_between_calls));
-    if (options.progress) options.progress(0, run.plan.tiling.block_count());
+    if (options.progress) options.progress(0, run.plan.schedule.tiling.block_count());
   }
 }
 
@@ -279,9 +269,9 @@ Result ResultBuilder::compute(const eses::Surface& surface, const Grid& grid,
   const bool has_inside = parts.inside || parts.mesh, has_crossings = parts.crossings || parts.mesh;
   Result result;
   result.grid_ = grid;
-  result.region_ = run.plan.tiling.region;
+  result.region_ = run.plan.region;
   result.parts_ = parts;
-  const std::int64_t blocks = run.plan.tiling.block_count();
+  const std::int64_t blocks = run.plan.schedule.tiling.block_count();
   if (has_inside) clear_points(run, options, result.inside_);
   Callbacks callbacks = callbacks_of(options);
   callbacks.block = [&](const BlockResult& solved) {
@@ -422,10 +412,10 @@ std::array<std::vector<double>, 3> compute_dielectric(const Surface& surface, co
   for (std::vector<double>& list : values) clear_points(run, options, list);
   detail::Sinks sinks;
   for (const detail::MapChoice& map : detail::chosen_maps(outputs))
-    sinks.add(map_sink(map.quantity, run.plan.tiling.region,
-                       values[detail::edge_axis(map.quantity)],
+    sinks.add(map_sink(map.quantity, run.plan.region, values[detail::edge_axis(map.quantity)],
                        [map](std::uint32_t fraction) { return dielectric_of(map, fraction); }));
-  solve_maps(run, outputs, options, sinks);
+  run.request.map_sink = &sinks;
+  solve(run, callbacks_of(options));
   return values;
 }
 
@@ -440,9 +430,9 @@ std::vector<std::uint8_t> compute_ion_access(const Surface& surface, const Grid&
   const auto has_access = [](std::uint32_t fraction) {
     return static_cast<std::uint8_t>(fraction == 0 ? 1 : 0);
   };
-  const auto sink =
-      map_sink(detail::MapQuantity::ion_access, run.plan.tiling.region, values, has_access);
-  solve_maps(run, outputs, options, *sink);
+  const auto sink = map_sink(detail::MapQuantity::ion_access, run.plan.region, values, has_access);
+  run.request.map_sink = sink.get();
+  solve(run, callbacks_of(options));
   return values;
 }
 
@@ -457,11 +447,11 @@ Summary write_files(const Surface& surface, const Grid& grid,
 Estimate estimate(const Surface& surface, const Grid& grid, const Outputs& outputs,
                   const RunOptions& options) {
   const detail::Plan plan = plan_run(surface, grid, outputs, options).plan;
-  return {.memory_bytes = plan.memory_bytes,
-          .threads = plan.threads,
-          .block_size = plan.tiling.block_size,
-          .blocks = plan.tiling.blocks,
-          .crossings = plan.crossings,
+  return {.memory_bytes = plan.schedule.memory_bytes,
+          .threads = plan.schedule.threads,
+          .block_size = plan.schedule.tiling.block_size,
+          .blocks = plan.schedule.tiling.blocks,
+          .crossings = plan.schedule.crossings,
           .cut_depth = plan.cut_depth(),
           .box_bytes = plan.files.box,
           .grid_bytes = plan.files.grid,

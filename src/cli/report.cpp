@@ -193,9 +193,9 @@ std::string files_text(const FileSizes& sizes, const Outputs& outputs) {
 /// at the same time. Its peak is then far below the bound, which --dry-run prints.
 std::string memory_text(const Plan& plan, bool is_dry_run) {
   constexpr std::uint64_t small_bytes = 128'000'000;
-  return plan.threads > 1 && plan.memory_bytes < small_bytes && !is_dry_run
+  return plan.schedule.threads > 1 && plan.schedule.memory_bytes < small_bytes && !is_dry_run
              ? formatted("less than {}", bytes_text(small_bytes))
-             : formatted("at most {}", bytes_text(plan.memory_bytes));
+             : formatted("at most {}", bytes_text(plan.schedule.memory_bytes));
 }
 
 /// Returns the notes in one line. Notes are diagnostics that also occur in valid files.
@@ -256,7 +256,7 @@ std::string verification_text(const Summary& summary) {
                    counted(faults.size(), "fault"));
 }
 
-bool is_whole(const Plan& plan) { return plan.tiling.region == plan.grid.whole(); }
+bool is_whole(const Plan& plan) { return plan.region == plan.grid.whole(); }
 
 /// Returns the line of the exact values. It must not contain `area:` or `volume:`, for which
 /// scripts search the report.
@@ -277,9 +277,9 @@ std::string exact_text(const Report& report) {
 /// Returns the line of the region, with ranges such as `10:20 x 0:5 x 0:7`.
 std::string region_text(const Plan& plan) {
   if (is_whole(plan)) return "";
-  const auto& [begin, end] = plan.tiling.region;
+  const auto& [begin, end] = plan.region;
   return formatted("region: points {}:{} x {}:{} x {}:{} = {} points\n", begin[0], end[0], begin[1],
-                   end[1], begin[2], end[2], plan.tiling.region.point_count());
+                   end[1], begin[2], end[2], plan.region.point_count());
 }
 
 /// Returns the radius of the probe, and the surface unless it is the solvent excluded one.
@@ -291,7 +291,7 @@ std::string probe_text(const Options& options) {
 }
 
 std::string workers_text(const Report& report) {
-  std::string threads = counted(report.run.plan.threads, "thread");
+  std::string threads = counted(report.run.plan.schedule.threads, "thread");
   if (report.process_count < 2) return threads;
   return formatted("{} processes of {}", report.process_count, threads);
 }
@@ -330,9 +330,9 @@ Json disk_json(const std::vector<DiskSpace>& spaces, std::size_t index) {
 
 Json plan_json(const Plan& plan, const std::vector<DiskSpace>& disk) {
   const std::uint64_t max_memory = plan.parameters.max_memory;
-  return {{"memory_bytes", plan.memory_bytes},
+  return {{"memory_bytes", plan.schedule.memory_bytes},
           {"max_memory_bytes", null_unless(max_memory > 0, max_memory)},
-          {"blocks_ahead", plan.blocks_ahead},
+          {"blocks_ahead", plan.schedule.blocks_ahead},
           {"output_bytes", plan.files.output()},
           {"box_file_bytes", plan.files.box},
           {"grid_file_bytes", plan.files.grid},
@@ -401,8 +401,8 @@ std::string plan_text(const Report& report) {
         plan.grid.origin.x, plan.grid.origin.y, plan.grid.origin.z, plan.grid.upper().x,
         plan.grid.upper().y, plan.grid.upper().z);
   text += region_text(plan);
-  text += formatted("blocks: {} of {} points; {}\n", fmt::join(plan.tiling.blocks, " x "),
-                    fmt::join(plan.tiling.block_size, " x "), workers_text(report));
+  text += formatted("blocks: {} of {} points; {}\n", fmt::join(plan.schedule.tiling.blocks, " x "),
+                    fmt::join(plan.schedule.tiling.block_size, " x "), workers_text(report));
   if (report.options.request.part) text += planes_text(report);
   text +=
       formatted("needs: {} of memory{}, about {} of files\n",
@@ -465,9 +465,9 @@ std::string json_text(const Report& report) {
                 {"parameters", parameters_json(report.options, plan)},
                 {"maps", maps_json(report.options.request.outputs)},
                 {"grid", plan.grid},
-                {"region", null_unless(!is_whole(plan), plan.tiling.region)},
-                {"blocks", plan.tiling},
-                {"threads", plan.threads},
+                {"region", null_unless(!is_whole(plan), plan.region)},
+                {"blocks", plan.schedule.tiling},
+                {"threads", plan.schedule.threads},
                 {"instruction_set", name_of(instruction_set())},
                 {"plan", plan_json(plan, report.disk)},
                 {"dry_run", report.options.request.dry_run}};

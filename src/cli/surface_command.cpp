@@ -195,7 +195,7 @@ void run_with_progress(const Processes& processes, Report& report) {
     std::vector<ProcessFigures> figures = gather_figures(run, processes);
     for (const ProcessFigures& each : figures)
       report.peak_memory_bytes = std::max(report.peak_memory_bytes, each.peak_memory_bytes);
-    if (!run.is_in_place) report.processes = std::move(figures);
+    if (run.checkpoint) report.processes = std::move(figures);
     interruptible.check();
   } catch (const SharedError&) {
     throw;
@@ -248,7 +248,7 @@ bool join_parts(Options options, const Processes& processes) try {
 
 // Returns whether all parts of a run are complete. They may be joined and removed meanwhile.
 bool are_parts_complete(const PlannedRun& run) try {
-  return remaining(region_planes(run.plan), run.checkpoint->complete()).empty();
+  return remaining(run.plan.planes(), run.checkpoint->complete()).empty();
 } catch (const Error&) {
   return false;
 }

@@ -78,7 +78,7 @@ void add_last_options(CLI::App& app, TableOptions& options, const std::string& c
       ->needs("--write");
   add_value(app, "--csv", "FILE", csv_description, options.csv, any_text("a file"));
   add_flag(app, "--resume", "keep finished results, and continue an interrupted run",
-           options.resume);
+           options.identity, std::optional(std::string()));
   add_structure_options(app, options.structure, &options.all_models);
   begin_group(app, "Computation (does not affect results)");
   add_threads(app, options.threads);
@@ -94,7 +94,7 @@ void complete_table_options(const CLI::App& app, bool writes_tables, bool has_ta
                             TableOptions& options) {
   if (app.count("--radii") > 0) find_radii_set(options.structure.radii);  // reports errors once
   options.inputs = options.choice.files(options.quiet);
-  if (options.resume) options.identity = identity_of(app, options.structure.radii);
+  if (options.identity) options.identity = identity_of(app, options.structure.radii);
   options.prints_csv = is_standard_output(options.csv);
   if (options.prints_csv || is_null_device(options.csv)) options.csv.clear();
   if (options.output_directory == "-")
@@ -102,7 +102,7 @@ void complete_table_options(const CLI::App& app, bool writes_tables, bool has_ta
   if (options.prints_csv && (options.json || has_table))
     throw UsageError(
         formatted("--csv - cannot be combined with {}", options.json ? "--json" : "--table"));
-  if (options.resume && options.csv.empty() && !writes_tables)
+  if (options.identity && options.csv.empty() && !writes_tables)
     throw UsageError("--resume needs --csv FILE or --write: results are kept beside these files");
 }
 

@@ -35,8 +35,7 @@ struct TableOptions {
   std::filesystem::path output_directory = ".";  ///< of the tables
   std::filesystem::path csv;                     ///< file of --csv; empty if there is none
   bool prints_csv = false;  ///< whether the table of --csv is printed in place of the report
-  bool resume = false;
-  /// With `resume`, identifies the results: the options of the command that affect them, and the
+  /// With --resume, identifies the results: the options of the command that affect them, and the
   /// content of the file of --radii.
   std::optional<std::string> identity = {};
   int threads = 0;  ///< 0 means all available processors

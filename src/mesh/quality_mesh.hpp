@@ -79,7 +79,6 @@ class QualityMesh {
 
   /// Returns the counts and angles of all triangles that the sink has received.
   MeshQuality quality() const;
-  std::uint64_t vertex_count() const { return next_number_; }
 
   /// Number of planes whose vertices and triangles are in the window.
   static int window_planes();

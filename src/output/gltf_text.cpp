@@ -80,13 +80,12 @@ void append_word(std::string& text, std::uint64_t word) {
 
 }  // namespace
 
-void VertexBox::add_records(std::span<const char> records, std::size_t record_bytes) {
-  for (std::size_t begin = 0; begin < records.size(); begin += record_bytes)
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      const double coordinate = get_little<float>(records.data() + begin + axis * sizeof(float));
-      low[axis] = std::min(low[axis], coordinate);
-      high[axis] = std::max(high[axis], coordinate);
-    }
+void VertexBox::include(Vec3 position) {
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const double coordinate = static_cast<float>(position[axis]);
+    low[axis] = std::min(low[axis], coordinate);
+    high[axis] = std::max(high[axis], coordinate);
+  }
 }
 
 Vec3 gltf_center(const Grid& grid) {

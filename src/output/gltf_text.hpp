@@ -9,7 +9,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
-#include <span>
 #include <string>
 
 #include "eses/grid.hpp"
@@ -20,13 +19,12 @@
 
 namespace eses::detail::mesh {
 
-/// Bounding box of positions as they are stored.
+/// Bounding box of positions as they are stored: in single precision, relative to the centre.
 struct VertexBox {
   static constexpr double infinity = std::numeric_limits<double>::infinity();
   Vec3 low{infinity, infinity, infinity}, high{-infinity, -infinity, -infinity};
 
-  /// Includes the positions of consecutive records of `record_bytes` bytes.
-  void add_records(std::span<const char> records, std::size_t record_bytes);
+  void include(Vec3 position);
 };
 
 /// Size of a vertex record: position, normal and, with colours, red, green, blue and 255.

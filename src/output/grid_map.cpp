@@ -143,7 +143,7 @@ void GridMap::write(OutputFile& file, int threads, const std::function<void()>& 
   const auto on_disk = [](std::span<const char> text, std::optional<Gzip>& gzip) {
     return gzip ? gzip->member(text) : text;
   };
-  const bool has_planes = layout_.format == MapFormat::vti;
+  const bool has_planes = map_.format == MapFormat::vti;
   const std::int64_t rows = rows_in_slice(size_), slices_of_x = (size_[1] + rows - 1) / rows;
   Monitor monitor;
   std::int64_t appended = 0;

@@ -45,7 +45,6 @@ MapLayout dx_layout(const MapChoice& map, SurfaceKind surface, const Grid& grid,
                     const GridRegion& region) {
   const MapQuantity quantity = map.quantity;
   MapLayout layout;
-  layout.format = MapFormat::dx;
   layout.value_bytes = is_of_edges(quantity) ? dielectric_text_bytes : 2;
   layout.points = static_cast<std::uint64_t>(region.point_count());
   const std::string counts = formatted("{}", fmt::join(region.size(), " "));
@@ -73,7 +72,6 @@ MapLayout dx_layout(const MapChoice& map, SurfaceKind surface, const Grid& grid,
 // Points have the indices and the origin of the whole grid.
 MapLayout vti_layout(const Grid& grid, const GridRegion& region) {
   MapLayout layout;
-  layout.format = MapFormat::vti;
   layout.value_bytes = 1;
   layout.points = static_cast<std::uint64_t>(region.point_count());
   const GridIndex &begin = region.begin, &end = region.end;

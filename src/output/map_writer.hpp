@@ -73,7 +73,6 @@ inline constexpr std::size_t dielectric_text_bytes = 13;
 
 /// The header and footer of a map file, and the size of a value.
 struct MapLayout {
-  MapFormat format = MapFormat::dx;
   std::string header, footer;
   std::uint64_t value_bytes = 0;
   std::uint64_t points = 0;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <span>
 #include <string_view>
+#include <utility>
 
 namespace eses::detail::mesh {
 namespace {
@@ -16,14 +17,14 @@ void write_word(OutputFile& file, std::uint64_t word, std::uint64_t offset) {
 
 }  // namespace
 
-MeshFile::MeshFile(const MeshText& text, OutputFile& file, OutputFile* face_file,
+MeshFile::MeshFile(MeshFormatter formatter, OutputFile& file, OutputFile* face_file,
                    const std::filesystem::path& scratch)
-    : text_(text), file_(file), face_file_(face_file) {
-  for (std::size_t i = 0; i < text.section_count(); ++i) {
+    : formatter_(std::move(formatter)), file_(file), face_file_(face_file) {
+  for (std::size_t i = 0; i < formatter_.section_count(); ++i) {
     Section& section = sections_.emplace_back();
     if (is_first_of_file(i)) {
       section.file = i == 0 ? &file : face_file;
-      section.begin = write_header_of(i) + (text.has_columns() ? size_bytes : 0);
+      section.begin = write_header_of(i) + (formatter_.has_columns() ? size_bytes : 0);
     } else {
       section.file = &section.scratch.emplace(scratch);
     }
@@ -33,14 +34,13 @@ MeshFile::MeshFile(const MeshText& text, OutputFile& file, OutputFile* face_file
 void MeshFile::format(const MeshPiece& piece, Texts& texts) const {
   texts.sections.resize(sections_.size());
   for (TextBuffer& text : texts.sections) text.clear();
-  text_.append(piece, texts.sections);
+  formatter_.append(piece, texts.sections);
 }
 
 void MeshFile::place(const MeshPiece& piece, Texts& texts) {
   counts_.vertices += piece.vertex_count;
   counts_.triangles += piece.triangles.size();
-  if (const std::size_t bytes = text_.boxed_vertex_bytes(); bytes > 0)
-    box_.add_records(texts.sections.front().text(), bytes);
+  formatter_.extend_box(piece.vertices, box_);
   texts.offsets.clear();
   for (std::size_t i = 0; i < sections_.size(); ++i) {
     texts.offsets.push_back(sections_[i].size);
@@ -68,27 +68,27 @@ std::uint64_t MeshFile::write_header_of(std::size_t section) {
     bytes += part.size();
   });
   if (section == 0)
-    text_.append_header(text, counts_, box_);
+    formatter_.append_header(text, counts_, box_);
   else
-    text_.append_face_header(text, counts_);
+    formatter_.append_face_header(text, counts_);
   text.flush();
   return bytes;
 }
 
 void MeshFile::finish(const std::function<void()>& check) {
-  text_.require_counts(counts_);
+  formatter_.require_counts(counts_);
   std::uint64_t end = 0;  // of the sections in a file
   for (std::size_t i = 0; i < sections_.size(); ++i) {
     const Section& section = sections_[i];
     if (is_first_of_file(i)) end = write_header_of(i);
-    if (text_.has_columns()) {
+    if (formatter_.has_columns()) {
       write_word(file_, section.size, end);
       end += size_bytes;
     }
     if (section.scratch) copy_file(*section.scratch, section.size, file_, end, check);
     end += section.size;
   }
-  if (text_.has_columns()) write_ends(end, check);
+  if (formatter_.has_columns()) write_ends(end, check);
 }
 
 // Writes the last column of VTP, which depends only on the number of triangles, and the footer.

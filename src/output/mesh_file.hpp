@@ -11,7 +11,7 @@
 #include "eses/summary.hpp"
 #include "mesh/piece.hpp"
 #include "output/file.hpp"
-#include "output/mesh_writer.hpp"
+#include "output/mesh_formatter.hpp"
 #include "output/text_buffer.hpp"
 
 namespace eses::detail::mesh {
@@ -28,8 +28,8 @@ class MeshFile {
   };
 
   /// `face_file` is the file of the triangles if the format has one, else null. Keeps references to
-  /// `text` and the files. Scratch files are in the directory `scratch`.
-  MeshFile(const MeshText& text, OutputFile& file, OutputFile* face_file,
+  /// the files. Scratch files are in the directory `scratch`.
+  MeshFile(MeshFormatter formatter, OutputFile& file, OutputFile* face_file,
            const std::filesystem::path& scratch);
 
   // A piece passes three steps.
@@ -63,7 +63,7 @@ class MeshFile {
   std::uint64_t write_header_of(std::size_t section);
   void write_ends(std::uint64_t begin, const std::function<void()>& check);
 
-  const MeshText& text_;
+  MeshFormatter formatter_;
   OutputFile& file_;
   OutputFile* face_file_;
   std::deque<Section> sections_;

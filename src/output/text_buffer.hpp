@@ -34,11 +34,6 @@ class TextBuffer {
     return bytes_.data() + size_;
   }
   void advance_to(const char* end) { size_ = static_cast<std::size_t>(end - bytes_.data()); }
-  /// Replaces the bytes from `begin` on by the bytes of a value.
-  template <class Value>
-  void replace(std::size_t begin, const Value& value) {
-    std::memcpy(&bytes_[begin], &value, sizeof value);
-  }
   void clear() { size_ = 0; }
   std::span<const char> text() const { return {bytes_.data(), size_}; }
 
@@ -69,17 +64,6 @@ inline char* put_little_vector(char* out, const Vec3& numbers) {
   for (std::size_t axis = 0; axis < 3; ++axis)
     out = put_little(out, static_cast<float>(numbers[axis]));
   return out;
-}
-
-/// Reads a value in little-endian order.
-template <class Value>
-Value get_little(const char* bytes) {
-  char copy[sizeof(Value)];
-  std::copy_n(bytes, sizeof(Value), copy);
-  if constexpr (std::endian::native == std::endian::big) std::reverse(copy, copy + sizeof(Value));
-  Value value;
-  std::memcpy(&value, copy, sizeof value);
-  return value;
 }
 
 /// Writes a number with the digits of intersection_info.txt, followed by a blank.

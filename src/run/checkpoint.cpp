@@ -18,10 +18,6 @@
 namespace eses::detail {
 namespace {
 
-// Both are written to disk.
-static_assert(sizeof(ChunkInfo) == 192);
-static_assert(sizeof(AtomSum) == 32);
-
 constexpr char pieces_suffix[] = ".pieces";
 constexpr char sums_suffix[] = ".sums";  // of the file that marks a chunk as complete
 
@@ -65,20 +61,23 @@ std::string with_checksum(std::string_view identity) {
   return formatted("checksum {:08x}\n{}", checksum(identity), identity);
 }
 
-// Returns whether the content of the file that identifies a run is damaged. Version 0.1.0 wrote it
-// without a checksum.
+// Returns whether the content of the file that identifies a run is damaged.
 bool is_damaged(std::string_view text) {
-  if (text.starts_with("eses-blocks ")) return false;
   const std::size_t line_end = text.find('\n');
   return line_end == std::string_view::npos || text != with_checksum(text.substr(line_end + 1));
 }
 
-// The header of the file of the sums.
+// The header of the file of the sums: the data of a chunk, and those of its list of atoms.
 struct SumsHeader {
-  ChunkInfo info;
-  std::uint64_t count = 0;
-  std::uint64_t checksum = 0;  // of the sums
+  PlaneRange planes;
+  std::uint64_t bytes = 0;
+  std::uint64_t atom_count = 0;
+  RegionTotals totals;
+  std::uint64_t checksum = 0;  // of the list
+  std::uint64_t padding = 0;   // explicit, as the struct is written to disk
 };
+static_assert(sizeof(SumsHeader) == 192);
+static_assert(sizeof(AtomSum) == 32);
 
 std::uint64_t size_of(const std::filesystem::path& path) {
   std::error_code error;
@@ -175,7 +174,7 @@ void Checkpoint::require_same_run() const {
 }
 
 bool Checkpoint::is_complete(const PlaneRange& planes) const try {
-  return read(planes).info.bytes == size_of(path_ / name_of(planes, pieces_suffix));
+  return read(planes).bytes == size_of(path_ / name_of(planes, pieces_suffix));
 } catch (const Error&) {
   return false;
 }
@@ -239,9 +238,10 @@ std::string Checkpoint::sums_path(const PlaneRange& planes) const {
 // The file of the sums is written last, so that its existence implies that the chunk is complete.
 void Checkpoint::finish(const PlaneChunk& chunk) {
   const auto sums = as_chars(std::span(chunk.atom_sums));
-  const SumsHeader header{chunk.info, chunk.atom_sums.size(), checksum(sums)};
+  const SumsHeader header{chunk.planes, chunk.bytes, chunk.atom_sums.size(), chunk.totals,
+                          checksum(sums)};
   const std::uint64_t header_checksum = checksum(bytes_of(header));
-  write_complete(name_of(chunk.info.planes, sums_suffix),
+  write_complete(name_of(chunk.planes, sums_suffix),
                  {bytes_of(header_checksum), bytes_of(header), sums});
 }
 
@@ -256,12 +256,11 @@ PlaneChunk Checkpoint::read(const PlaneRange& planes) const {
   if (is_sound) {
     file.read_at(bytes_of(header_checksum), 0);
     file.read_at(bytes_of(header), sizeof header_checksum);
-    is_sound = header_checksum == checksum(bytes_of(header)) && header.info.planes == planes &&
-               header.count == (bytes - begin) / sizeof(AtomSum);
+    is_sound = header_checksum == checksum(bytes_of(header)) && header.planes == planes &&
+               header.atom_count == (bytes - begin) / sizeof(AtomSum);
   }
   if (is_sound) {
-    chunk.info = header.info;
-    chunk.atom_sums.resize(header.count);
+    chunk = {header.planes, header.bytes, header.totals, std::vector<AtomSum>(header.atom_count)};
     file.read_at(as_chars(std::span(chunk.atom_sums)), begin);
     is_sound = header.checksum == checksum(as_chars(std::span(chunk.atom_sums)));
   }

@@ -3,6 +3,7 @@
 /// chunks are merged into the output files at the end of a run. A checkpoint keeps them on disk, so
 /// that an interrupted run can be resumed. Nothing here communicates with other processes.
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <initializer_list>
@@ -12,24 +13,26 @@
 #include <vector>
 
 #include "grid/plane_range.hpp"
+#include "input/file_index.hpp"
 #include "output/file.hpp"
 #include "output/output_directory.hpp"
-#include "run/range_sums.hpp"
 #include "run/request.hpp"
+#include "solve/region_totals.hpp"
 
 namespace eses::detail {
 
-/// The data of a chunk besides its pieces and the sums of its atoms.
-struct ChunkInfo {
-  PlaneRange planes;
-  std::uint64_t bytes = 0;    ///< length of all pieces, see chunks.hpp
-  std::uint64_t padding = 0;  ///< explicit padding, as the struct is written to disk
-  RangeSums sums;
+/// An atom's area share of a chunk, in units of `area_share_unit`.
+struct AtomSum {
+  AreaShare share = 0;
+  FileIndex atom{};
+  std::array<std::uint32_t, 3> padding{};  ///< explicit padding, as the struct is written to disk
 };
 
 /// A chunk of planes without its pieces.
 struct PlaneChunk {
-  ChunkInfo info;
+  PlaneRange planes;
+  std::uint64_t bytes = 0;  ///< length of all pieces, see chunks.hpp
+  RegionTotals totals;
   /// Shares of the atoms with a share that is not 0, ascending.
   std::vector<AtomSum> atom_sums;
 };

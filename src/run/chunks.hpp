@@ -1,27 +1,19 @@
 #pragma once
-/// Chunks of planes on disk: the checkpoint of a run, the sink that writes a chunk, and the merge
-/// of all chunks into the output files.
+/// Chunks of planes on disk: their pieces, the sink that writes a chunk, and the merge of all
+/// chunks into the output files.
 
 #include <cstdint>
 #include <functional>
-#include <span>
 #include <vector>
 
-#include "eses/atoms.hpp"
-#include "mesh/piece.hpp"
 #include "output/file.hpp"
-#include "output/mesh_groups.hpp"
 #include "run/checkpoint.hpp"
 #include "run/piece.hpp"
 #include "run/planned_run.hpp"
 #include "run/sink.hpp"
+#include "run/sweep.hpp"
 
 namespace eses::detail {
-
-/// Opens the checkpoint of a run that is not in place, and finds its complete chunks. `atoms` are
-/// those of the file. All processes must call it. Throws SharedError if they have read different
-/// atoms, and NotJoined or an error if the chunks cannot be used.
-void open_checkpoint(std::span<const Atom> atoms, const Processes& processes, PlannedRun& run);
 
 /// Returns the head of a piece.
 PieceHead head_of(const Piece& piece);

@@ -20,7 +20,7 @@
 #include "output/output_files.hpp"
 #include "run/chunks.hpp"
 #include "run/exact_measures.hpp"
-#include "run/layer_mesh.hpp"
+#include "run/mesh_piece_maker.hpp"
 #include "run/run_files.hpp"
 #include "run/sink.hpp"
 #include "run/sweep.hpp"
@@ -77,7 +77,7 @@ void combine_verifications(Verification& found, const Processes& processes) {
 Measures measure_surface(const PlannedRun& run, const std::function<void()>& check) {
   const Parameters& parameters = run.request.parameters;
   const MeasureSettings settings{.probe_radius = parameters.probe_radius,
-                                 .threads = run.slab_plan.threads,
+                                 .threads = run.slab.schedule.threads,
                                  .check = check,
                                  .max_filled_void = parameters.max_filled_void};
   return run.cavities.patches ? measure_kept_patches(run.cavities.patches, settings)
@@ -91,7 +91,7 @@ void verify_volume(const PlannedRun& run, const std::function<void()>& check, Su
   const Stopwatch watch;
   const VolumeBounds bounds =
       bound_inside_cells(run.slab.molecule, run.request.parameters.probe_radius,
-                         run.plan.grid.spacing, run.slab_plan.threads, check);
+                         run.plan.grid.spacing, run.slab.schedule.threads, check);
   if (const auto fault = find_volume_fault(summary.inside_points, run.plan.grid.spacing, bounds))
     summary.verification->faults.push_back(*fault);
   summary.seconds.verify += watch.seconds();
@@ -100,14 +100,15 @@ void verify_volume(const PlannedRun& run, const std::function<void()>& check, Su
 // Maximum number of ranges of a slab if the run can be resumed.
 constexpr std::int64_t max_ranges = 64;
 
-// Returns the blocks of a range of planes.
-BlockTiling tiling_of(const PlannedRun& run, const PlaneRange& planes) {
-  BlockTiling tiling = make_tiling(run.plan.grid, run.slab_plan.tiling.block_size,
-                                   with_planes(run.plan.tiling.region, planes));
+// Returns the schedule of a range of planes.
+Schedule schedule_of(const PlannedRun& run, const PlaneRange& planes) {
+  Schedule schedule = run.slab.schedule;
+  schedule.tiling =
+      make_tiling(run.plan.grid, schedule.tiling.block_size, with_planes(run.plan.region, planes));
   // The cells between this range and the next one belong to the next one, which computes the last
   // plane of this range again.
-  if (planes.end < run.plan.tiling.region.end[2]) tiling.region_with_halo.end[2] = planes.end;
-  return tiling;
+  if (planes.end < run.plan.region.end[2]) schedule.tiling.region_with_halo.end[2] = planes.end;
+  return schedule;
 }
 
 // Passes blocks to the callback of the run.
@@ -130,45 +131,46 @@ void add_seconds(const PhaseSeconds& of_sweep, PhaseSeconds& seconds) {
   seconds.output += of_sweep.output;
 }
 
-// Returns the ranges of planes that this process sweeps, ascending. A run that can be resumed has
-// several ranges, as an interruption loses the current range.
-std::vector<PlaneRange> ranges_of(const PlannedRun& run) {
-  std::vector<PlaneRange> ranges;
-  for (const PlaneRange& range : remaining(run.slab.planes, run.finished_planes)) {
+// Planes that are swept together, and the number of points, and of edges, to verify there.
+struct SweepRange {
+  PlaneRange planes;
+  std::int64_t checks = 0;
+};
+
+// Returns the number of checks of this process, of those that the user has chosen.
+std::int64_t checks_of(const PlannedRun& run) {
+  const auto checks_before = [&](std::int64_t share) {
+    return run.request.parameters.verify * share / run.share.count;
+  };
+  return checks_before(run.share.index + 1) - checks_before(run.share.index);
+}
+
+// Returns the ranges that this process sweeps, ascending. A run that can be resumed has several
+// ranges, as an interruption loses the current range. Each has a part of the checks, in proportion
+// to its planes.
+std::vector<SweepRange> ranges_of(const PlannedRun& run) {
+  const std::vector<PlaneRange> missing = remaining(run.slab.planes, run.finished_planes);
+  const auto checks_before = [&](std::int64_t planes) {
+    return std::llround(static_cast<double>(checks_of(run)) * static_cast<double>(planes) /
+                        static_cast<double>(plane_count(missing)));
+  };
+  std::vector<SweepRange> ranges;
+  std::int64_t before = 0;  // planes
+  for (const PlaneRange& range : missing) {
     std::int64_t planes = range.count();
     if (run.request.keeps_chunks()) {
-      const std::int64_t layer = run.slab_plan.tiling.block_size[2] - 1;
+      const std::int64_t layer = run.slab.schedule.tiling.block_size[2] - 1;
       const std::int64_t layers = (run.slab.planes.count() + layer - 1) / layer;
       planes = layer * ((layers + max_ranges - 1) / max_ranges);
     }
-    for (std::int64_t begin = range.begin; begin < range.end; begin += planes)
-      ranges.push_back({begin, std::min(begin + planes, range.end)});
+    for (std::int64_t begin = range.begin; begin < range.end; begin += planes) {
+      const std::int64_t count = std::min(planes, range.end - begin);
+      ranges.push_back(
+          {{begin, begin + count}, checks_before(before + count) - checks_before(before)});
+      before += count;
+    }
   }
   return ranges;
-}
-
-// Returns a plan for each range that this process sweeps. Each has a part of the checks, in
-// proportion to its planes.
-std::vector<Plan> plans_of_ranges(const PlannedRun& run) {
-  const std::vector<PlaneRange> ranges = ranges_of(run);
-  const auto checks_before_share = [&](std::int64_t share) {
-    return run.request.parameters.verify * share / run.share.count;
-  };
-  const std::int64_t checks =
-      checks_before_share(run.share.index + 1) - checks_before_share(run.share.index);
-  const auto checks_before = [&](std::int64_t planes) {
-    return std::llround(static_cast<double>(checks) * static_cast<double>(planes) /
-                        static_cast<double>(plane_count(ranges)));
-  };
-  std::vector<Plan> plans;
-  std::int64_t planned = 0;  // planes
-  for (const PlaneRange& planes : ranges) {
-    Plan& plan = plans.emplace_back(run.slab_plan);
-    plan.tiling = tiling_of(run, planes);
-    plan.parameters.verify = checks_before(planned + planes.count()) - checks_before(planned);
-    planned += planes.count();
-  }
-  return plans;
 }
 
 // Returns the surface near the slab, whose patches the sweep builds.
@@ -176,28 +178,25 @@ std::shared_ptr<ScheduledSurface> make_surface(const PlannedRun& run) {
   const Box slab = slab_box(run.plan, run.slab.planes);
   SurfaceModel surface(run.slab.molecule, run.request.parameters.probe_radius);
   surface.cavities = run.filled();
-  if (!run.plan.is_whole_surface() || run.slab.planes != region_planes(run.plan))
+  if (!run.plan.is_whole_surface() || run.slab.planes != run.plan.planes())
     surface.confine_to(slab);
   return std::make_shared<ScheduledSurface>(std::move(surface),
                                             HeightRange{slab.low.z, slab.high.z});
 }
 
-// Returns what the pieces have for the outputs and the maps in memory.
-SweepContents contents_of(const Request& request) {
-  const Outputs& outputs = request.outputs;
-  const MapsInMemory& in_memory = request.maps_in_memory;
-  SweepContents contents{
-      .grid = outputs.grid,
-      .edges = outputs.edges,
-      .gzip = outputs.gzip,
-      .maps = in_memory.quantities,
-      .extras = in_memory.sink != nullptr ? in_memory.extras : extras_of(outputs)};
+// Returns what the pieces have for the outputs.
+SweepContents contents_of(const Outputs& outputs) {
+  SweepContents contents{.grid = outputs.grid,
+                         .edges = outputs.edges,
+                         .gzip = outputs.gzip,
+                         .maps = {},
+                         .extras = extras_of(outputs)};
   for (const MapChoice& map : chosen_maps(outputs)) contents.maps.push_back(map.quantity);
   return contents;
 }
 
-// Adds the results of the verification of a range to its sums and to the summary.
-void verify(Verifier& verifier, ProgressReport& report, SweepSums& sums, Summary& summary) {
+// Adds the results of the verification of a range to its totals and to the summary.
+void verify(Verifier& verifier, ProgressReport& report, RegionTotals& totals, Summary& summary) {
   const Stopwatch watch;
   const Verification found = verifier.check([&](std::int64_t finished, std::int64_t all) {
     report.check();
@@ -205,78 +204,74 @@ void verify(Verifier& verifier, ProgressReport& report, SweepSums& sums, Summary
     if (callback) report.call([&] { callback(finished, all); });
   });
   summary.seconds.verify += watch.seconds();
-  sums.verified_points = found.points;
-  sums.verified_edges = found.edges;
-  sums.fault_count = found.faults.size();
+  totals.verified_points = found.points;
+  totals.verified_edges = found.edges;
   Verification& sum = *summary.verification;
   sum.points += found.points;
   sum.edges += found.edges;
   sum.faults.insert(sum.faults.end(), found.faults.begin(), found.faults.end());
 }
 
+std::size_t fault_count(const Summary& summary) {
+  return summary.verification ? summary.verification->faults.size() : 0;
+}
+
 // Sweeps a range into a sink, and verifies its points and edges. Adds times and the results of the
-// verification to the summary. `run_mesh` is null without a mesh.
-SweepSums sweep_range(const PlannedRun& run, const Plan& plan, PatchSchedule& patches,
-                      const RunMesh* run_mesh, Sink& sink, ProgressReport& report,
-                      Summary& summary) {
+// verification to the summary.
+SweepSums sweep_range(const PlannedRun& run, const SweepRange& range, PatchSchedule& patches,
+                      Sink& sink, ProgressReport& report, Summary& summary) {
   const Stopwatch sweeping;
   const double verified_before = summary.seconds.verify;
+  const Schedule schedule = schedule_of(run, range.planes);
   Sinks sinks;
   sinks.add(sink);
-  if (run.request.maps_in_memory.sink != nullptr) sinks.add(*run.request.maps_in_memory.sink);
   if (report.callbacks().block) sinks.add(std::make_unique<BlocksIntoCallback>(report));
   std::optional<Verifier> verifier;
-  if (plan.parameters.verify > 0) {
+  if (range.checks > 0) {
     const Stopwatch drawing;
-    verifier.emplace(run.slab.molecule.atoms(), plan, run.filled().get());
+    verifier.emplace(run.slab.molecule.atoms(), run.plan, schedule, range.checks,
+                     run.filled().get());
     summary.seconds.verify += drawing.seconds();
     sinks.add(*verifier);
   }
-  std::optional<LayerMesh> mesh;
-  if (run_mesh != nullptr)
-    mesh.emplace(plan, run.plan.tiling.region_with_halo, run_mesh->swept_contents(),
-                 run_mesh->vertex_maker());
-  Sweep sweep(patches, plan, contents_of(run.request), run.slab.file_indices(),
-              mesh ? &*mesh : nullptr, sinks, report);
-  if (region_planes(plan).begin > region_planes(run.plan).begin) sweep.solve_plane_below();
+  std::optional<MeshPieceMaker> mesh;
+  if (run.request.outputs.mesh) mesh.emplace(run, schedule.tiling);
+  Sweep sweep(patches, run.plan, schedule, contents_of(run.request.outputs),
+              run.slab.file_indices(), mesh ? &*mesh : nullptr, sinks, report);
+  if (range.planes.begin > run.plan.region.begin[2]) sweep.solve_plane_below();
   SweepSums sums = sweep.run();
   add_seconds(sums.seconds, summary.seconds);
-  if (verifier) verify(*verifier, report, sums, summary);
+  if (verifier) verify(*verifier, report, sums.totals, summary);
   summary.seconds.blocks += sweeping.seconds() - (summary.seconds.verify - verified_before);
   return sums;
 }
 
-// Sweeps the ranges of this process. Returns the sums of a sweep in place. Other sweeps leave
-// chunks in the checkpoint; a chunk with faults is not completed.
-std::optional<SweepSums> sweep_ranges(PlannedRun& run, std::span<const Plan> plans, RunFiles& files,
-                                      ProgressReport& report, Summary& summary) {
+// Sweeps the ranges of this process. Without a checkpoint, returns the sums of the single range,
+// whose pieces go into the files. Otherwise each range leaves a chunk in the checkpoint; a chunk
+// with faults is not completed.
+std::optional<SweepSums> sweep_ranges(PlannedRun& run, std::span<const SweepRange> ranges,
+                                      std::optional<RunFiles>& files, ProgressReport& report,
+                                      Summary& summary) {
   std::shared_ptr<ScheduledSurface> surface = run.cavities.patches;
-  for (const Plan& plan : plans) {
+  for (const SweepRange& range : ranges) {
     if (!surface) surface = make_surface(run);
-    const auto sweep = [&](Sink& sink) {
-      return sweep_range(run, plan, surface->schedule, files.mesh(), sink, report, summary);
+    const auto sweep_into = [&](Sink& sink) {
+      return sweep_range(run, range, surface->schedule, sink, report, summary);
     };
-    if (run.is_in_place) return sweep(files.sink());
-    ChunkFile chunk(run, region_planes(plan));
-    const SweepSums sums = sweep(chunk);
-    if (sums.fault_count == 0) chunk.finish(sums);
+    if (!run.checkpoint) return sweep_into(files->sink());
+    ChunkFile chunk(run, range.planes);
+    const std::size_t faults_before = fault_count(summary);
+    const SweepSums sums = sweep_into(chunk);
+    if (fault_count(summary) == faults_before) chunk.finish(sums);
   }
   return std::nullopt;
-}
-
-// Gives the areas of the slab's atoms to the atoms of the file.
-void number_by_file(const PlannedRun& run, SweepSums& sums) {
-  std::vector<AreaShare> by_file(run.atoms);
-  run.slab.for_each_sum(sums.atom_shares,
-                        [&](const AtomSum& sum) { by_file[as_number(sum.atom)] = sum.share; });
-  sums.atom_shares = std::move(by_file);
 }
 
 // Sets the results in the summary. Frees the area shares.
 void set_results(const PlannedRun& run, SweepSums& sums, Summary& summary) {
   const std::optional<MeshOptions>& mesh = run.request.outputs.mesh;
   const bool is_void = mesh && mesh->component.value_or(0) > 0;
-  fill_totals(is_void ? complement(sums.totals, run.plan.tiling.region.point_count()) : sums.totals,
+  fill_totals(is_void ? complement(sums.totals, run.plan.region.point_count()) : sums.totals,
               run.plan.grid.spacing, summary);
   summary.atom_areas.reserve(sums.atom_shares.size());
   for (const AreaShare share : std::exchange(sums.atom_shares, {}))
@@ -284,22 +279,19 @@ void set_results(const PlannedRun& run, SweepSums& sums, Summary& summary) {
   summary.area = std::accumulate(summary.atom_areas.begin(), summary.atom_areas.end(), 0.0);
 }
 
-// Completes the summary and the output files. `swept` are the sums of a sweep in place; otherwise
-// the chunks of all processes are merged.
+// Completes the summary and the output files. `swept` are the sums of a run without a checkpoint;
+// otherwise the chunks of all processes are merged.
 void finish(PlannedRun& run, std::optional<SweepSums>& swept, RunFiles& files,
             const std::function<void()>& check, RunResult& result) {
   Summary& summary = result.summary;
   // The heap memory of patches and blocks is too fragmented for the long lists of areas.
-  if (run.plan.memory_bytes > small_memory_bytes) release_free_memory();
+  if (run.slab.schedule.memory_bytes > small_memory_bytes) release_free_memory();
   std::optional<Merge> merge;
-  if (swept)
-    number_by_file(run, *swept);
-  else
-    merge.emplace(run, check);
+  if (!swept) merge.emplace(run, check);
   SweepSums& sums = swept ? *swept : merge->sums();
   if (run.request.join != Join::none && summary.verification) {
-    summary.verification->points += sums.verified_points;
-    summary.verification->edges += sums.verified_edges;
+    summary.verification->points += sums.totals.verified_points;
+    summary.verification->edges += sums.totals.verified_edges;
   }
   set_results(run, sums, summary);
   if (result.exact && summary.verification) verify_volume(run, check, summary);
@@ -316,24 +308,23 @@ std::vector<ProcessFigures> gather_figures(const PlannedRun& run, const Processe
   return processes.gather<ProcessFigures>({&figures, 1});
 }
 
-bool has_faults(const Summary& summary) {
-  return summary.verification && !summary.verification->faults.empty();
-}
+bool has_faults(const Summary& summary) { return fault_count(summary) > 0; }
 
 RunResult execute(PlannedRun& run, const Callbacks& callbacks, const Processes& processes) {
   const Stopwatch total;
   const Request& request = run.request;
-  processes.all_or_throw([&] { start_threads(run.slab_plan.threads); });
+  processes.all_or_throw([&] { start_threads(run.slab.schedule.threads); });
   std::optional<RunFiles> files;
   processes.all_or_throw([&] {
-    files.emplace(run, processes.is_first());
+    if (processes.is_first() && !request.part) files.emplace(run);
     if (run.checkpoint && processes.is_first()) run.checkpoint->prepare();
   });
   require_shared_directory(request.output_directory, processes);
 
-  const std::vector<Plan> plans = plans_of_ranges(run);
+  const std::vector<SweepRange> ranges = ranges_of(run);
   std::int64_t blocks = 0;
-  for (const Plan& plan : plans) blocks += plan.tiling.block_count();
+  for (const SweepRange& range : ranges)
+    blocks += schedule_of(run, range.planes).tiling.block_count();
   ProgressReport report(callbacks, blocks);
   const std::function<void()> check = [&report] { report.check(); };
   check();  // the first check tells the caller that the files are locked
@@ -344,7 +335,7 @@ RunResult execute(PlannedRun& run, const Callbacks& callbacks, const Processes& 
   if (request.parameters.verify > 0) summary.verification.emplace();
   // The sweep takes the patches that these measures have made.
   if (request.parameters.exact) result.exact = measure_surface(run, check);
-  std::optional<SweepSums> swept = sweep_ranges(run, plans, *files, report, summary);
+  std::optional<SweepSums> swept = sweep_ranges(run, ranges, files, report, summary);
   processes.wait_for_all();  // until all chunks are complete
   if (summary.verification) combine_verifications(*summary.verification, processes);
   if (!request.part && (!run.checkpoint || !has_faults(summary)))

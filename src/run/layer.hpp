@@ -189,9 +189,9 @@ class LayerCrossings {
   std::vector<std::vector<const BlockResult*>> blocks_;  // by block row
 };
 
-/// Counts the points of these rows of a layer. `below` has the inside bits of the last plane of the
-/// previous layer, and is empty if there is none.
-PointCounts count_points(const BlockTiling& tiling, LayerBits::Row below, const Layer& layer,
-                         const RowRange& rows);
+/// Counts the points of these rows of a layer, and nothing else. `below` has the inside bits of the
+/// last plane of the previous layer, and is empty if there is none.
+RegionTotals count_points(const BlockTiling& tiling, LayerBits::Row below, const Layer& layer,
+                          const RowRange& rows);
 
 }  // namespace eses::detail

@@ -10,11 +10,11 @@
 #include "output/area_table_writer.hpp"
 #include "output/eses_writer.hpp"
 #include "output/grid_map.hpp"
+#include "output/mesh_formatter.hpp"
 #include "output/mesh_groups.hpp"
-#include "output/mesh_writer.hpp"
 #include "run/checkpoint.hpp"
 #include "run/layer.hpp"
-#include "run/layer_mesh.hpp"
+#include "run/mesh_piece_maker.hpp"
 #include "run/plan.hpp"
 #include "system/gzip.hpp"
 #include "system/resources.hpp"
@@ -101,13 +101,14 @@ double max_batches(const BlockTiling& tiling, const Outputs& outputs) {
                       : as_double(tiling.blocks[2]) * batches_in(planes * size[1]);
 }
 
-double bytes_of_threads(const SurfaceSurvey& survey, const Plan& plan, const Outputs& outputs) {
-  const BlockTiling& tiling = plan.tiling;
-  const double threads = plan.threads;
+double bytes_of_threads(const SurfaceSurvey& survey, const Grid& grid, const Schedule& schedule,
+                        const Outputs& outputs) {
+  const BlockTiling& tiling = schedule.tiling;
+  const double threads = schedule.threads;
   return threads * (bytes_per_thread + kept_per_block * blocks_in_layer(tiling)) +
          std::min(threads, max_batches(tiling, outputs)) *
-             text_bytes(survey, plan.grid, tiling.region, outputs) +
-         BlockWorkspace::memory_bytes(survey, plan.grid, tiling, plan.threads);
+             text_bytes(survey, grid, tiling.region, outputs) +
+         BlockWorkspace::memory_bytes(survey, grid, tiling, schedule.threads);
 }
 
 // Returns the memory of the results of a layer and of a fraction of the next one.
@@ -138,10 +139,11 @@ double bytes_of_improving(const SurfaceSurvey& survey, const Grid& grid,
 }
 
 // Returns the maximum fraction of the next layer that is solved before the current one is written.
-double fraction_ahead(const Plan& plan) {
+double fraction_ahead(const Schedule& schedule) {
   constexpr double fullest = 1.5;  // maximum memory of a block, relative to the mean
-  if (plan.tiling.blocks[2] < 2) return 0;
-  return std::min(1.0, fullest * as_double(plan.blocks_ahead) / blocks_in_layer(plan.tiling));
+  if (schedule.tiling.blocks[2] < 2) return 0;
+  return std::min(1.0,
+                  fullest * as_double(schedule.blocks_ahead) / blocks_in_layer(schedule.tiling));
 }
 
 }  // namespace
@@ -192,24 +194,24 @@ double min_expected_memory(std::size_t atoms) {
   return base_bytes + static_cast<double>(atoms) * bytes_per_atom;
 }
 
-double expected_memory(const SurfaceSurvey& survey, const MemoryBudget& budget, const Plan& plan,
-                       const Outputs& outputs) {
-  const Grid& grid = plan.grid;
+double expected_memory(const SurfaceSurvey& survey, const MemoryBudget& budget, const Grid& grid,
+                       const Schedule& schedule, const Outputs& outputs) {
   const LabelTotals& labels = budget.labels;
   const auto atoms = static_cast<double>(survey.atom_count());
-  const BlockTiling& tiling = plan.tiling;
+  const BlockTiling& tiling = schedule.tiling;
   // If blocks of the next layer are solved ahead, the patches of two layers are in memory.
-  const double layers = plan.blocks_ahead > 0 && tiling.blocks[2] > 1 ? 2 : 1;
+  const double layers = schedule.blocks_ahead > 0 && tiling.blocks[2] > 1 ? 2 : 1;
   const double height = layers * grid.spacing * as_double(points_of_block(tiling)[2] - 1);
   double held =
-      bytes_of_layers(survey, grid, tiling, fraction_ahead(plan), outputs) +
+      bytes_of_layers(survey, grid, tiling, fraction_ahead(schedule), outputs) +
       2 * sizeof(std::uint64_t) * as_double(tiling.blocks[0]) * as_double(tiling.region.size()[1]) +
       as_double(tiling.blocks[2]) * bytes_per_layer;
   const double crossings_of_plane =
       expected_crossings(survey.max_slab_area(grid.spacing), grid.spacing);
   if (outputs.mesh)
-    held += LayerMesh::memory_bytes(tiling, mesh::contents_of(required_mesh_format(*outputs.mesh)),
-                                    halo_growth(tiling) * crossings_of_plane);
+    held +=
+        MeshPieceMaker::memory_bytes(tiling, mesh::contents_of(required_mesh_format(*outputs.mesh)),
+                                     halo_growth(tiling) * crossings_of_plane);
   // The mesh is improved during the sweep or, with chunks, afterwards. The allocator may keep freed
   // blocks and patches.
   if (outputs.mesh && outputs.mesh->quality) held += bytes_of_improving(survey, grid, tiling);
@@ -221,9 +223,9 @@ double expected_memory(const SurfaceSurvey& survey, const MemoryBudget& budget, 
   if (outputs.residues)
     names += chain_table_memory(static_cast<double>(labels.chain_runs),
                                 static_cast<double>(labels.chain_text_bytes));
-  const double solving = survey.patch_bytes(height, plan.threads) + GridText::memory_bytes(grid) +
-                         (outputs.mesh ? token_bytes(grid) : 0) +
-                         bytes_of_threads(survey, plan, outputs) +
+  const double solving = survey.patch_bytes(height, schedule.threads) +
+                         GridText::memory_bytes(grid) + (outputs.mesh ? token_bytes(grid) : 0) +
+                         bytes_of_threads(survey, grid, schedule, outputs) +
                          std::max(held, bytes_per_area * atoms);
   return min_expected_memory(survey.atom_count()) + names + solving;
 }

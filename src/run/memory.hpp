@@ -11,7 +11,7 @@
 
 namespace eses::detail {
 
-struct Plan;
+struct Schedule;
 
 /// Numbers and lengths of names. A run is a sequence of consecutive atoms with the same residue or
 /// chain.
@@ -61,9 +61,9 @@ double halo_growth(const BlockTiling& tiling);
 double min_expected_memory(std::size_t atoms);
 
 /// Returns an estimate of the peak memory of the process in bytes, intended as an upper bound, for
-/// the grid, the blocks and the threads of a plan. It excludes `budget.held` and the memory of the
+/// a grid and the blocks and threads of a schedule. It excludes `budget.held` and the memory of the
 /// caller.
-double expected_memory(const SurfaceSurvey& survey, const MemoryBudget& budget, const Plan& plan,
-                       const Outputs& outputs);
+double expected_memory(const SurfaceSurvey& survey, const MemoryBudget& budget, const Grid& grid,
+                       const Schedule& schedule, const Outputs& outputs);
 
 }  // namespace eses::detail

@@ -40,7 +40,7 @@ struct Piece {
   std::int64_t first_row = 0;                    ///< number of the first row in the region
   std::array<MapRows, map_quantities> map_rows;  ///< by MapQuantity
   mesh::MeshPiece mesh;
-  mesh::MeshFile::Texts mesh_texts;  ///< see RunMesh
+  mesh::MeshFile::Texts mesh_texts;  ///< see MeshSink
   PieceHead head;                    ///< see ChunkFile
   std::uint64_t offset_in_chunk = 0;
 };

@@ -14,7 +14,7 @@
 #include "output/area_table_writer.hpp"
 #include "output/eses_writer.hpp"
 #include "output/grid_map.hpp"
-#include "output/mesh_writer.hpp"
+#include "output/mesh_formatter.hpp"
 #include "run/verifier.hpp"
 #include "system/bytes_text.hpp"
 #include "system/formatted.hpp"
@@ -126,29 +126,32 @@ std::vector<GridIndex> possible_block_sizes(const SurfaceSurvey& survey, double 
   return sizes;
 }
 
-// Returns plans with the schedules to choose from, the fastest first. Fewer threads cost more time
-// than small blocks.
-std::vector<Plan> possible_plans(const SurfaceSurvey& survey, const Plan& plan) {
+// Returns the schedules to choose from for a region, the fastest first. Fewer threads cost more
+// time than small blocks.
+std::vector<Schedule> possible_schedules(const SurfaceSurvey& survey, const Plan& plan,
+                                         const GridRegion& region) {
   const Parameters& p = plan.parameters;
+  const double crossings = expected_crossings(survey.totals().area, plan.grid.spacing);
   const std::vector<GridIndex> block_sizes =
       possible_block_sizes(survey, plan.grid.spacing, p.block_size);
-  std::vector<Plan> plans;
+  std::vector<Schedule> schedules;
   for (int threads = chosen_threads(p.threads); threads > 0; threads /= 2) {
     for (const GridIndex& block_size : block_sizes) {
-      Plan& possible = plans.emplace_back(plan);
-      possible.tiling = make_tiling(plan.grid, block_size, plan.tiling.region);
+      Schedule possible{.tiling = make_tiling(plan.grid, block_size, region),
+                        .crossings = crossings};
       possible.threads = useful_threads(possible.tiling, threads, survey.patched_count());
       // With 4 blocks ahead for each thread, threads rarely wait for the slowest block of a layer.
       // A single thread never waits.
-      possible.blocks_ahead = possible.threads > 1 ? 4 * possible.threads : 0;
-      if (possible.blocks_ahead > 0) {
-        plans.push_back(possible);
-        plans.back().blocks_ahead = 0;
+      if (possible.threads > 1) {
+        possible.blocks_ahead = 4 * possible.threads;
+        schedules.push_back(possible);
+        possible.blocks_ahead = 0;
       }
+      schedules.push_back(possible);
     }
     if (p.threads > 0) break;
   }
-  return plans;
+  return schedules;
 }
 
 std::uint64_t whole_bytes(double bytes) {
@@ -194,7 +197,7 @@ double piece_bytes_per_vertex(const mesh::PieceContents& contents) {
 // A closed mesh has about twice as many triangles as vertices.
 void expect_mesh(const MeshOptions& mesh, const LabelTotals& labels, bool has_chunks,
                  const Plan& plan, FileSizes& files) {
-  const double vertices = halo_growth(plan.tiling) * plan.crossings;
+  const double vertices = halo_growth(plan.schedule.tiling) * plan.schedule.crossings;
   const bool has_names = labels.residue_runs > 0 && mesh::can_name_groups(mesh);
   const mesh::MeshBytes bytes = mesh::typical_mesh_bytes(mesh, has_names);
   const auto bytes_of = [vertices](std::uint64_t vertex, std::uint64_t triangle) {
@@ -223,19 +226,30 @@ double exact_measure_bytes(std::size_t atoms) {
   return static_cast<double>(atoms) * (face_bytes + sizeof(Atom) + index_bytes);
 }
 
-// Returns the memory of all maps in bytes.
-double map_bytes(const Outputs& outputs, const Plan& plan) {
+// Returns the memory of all maps of a region in bytes.
+double map_bytes(const Outputs& outputs, const GridRegion& region, double crossings) {
   double sum = 0;
   for (const MapChoice& map : chosen_maps(outputs))
-    sum += GridMap::memory_bytes(map, plan.tiling.region, plan.crossings);
+    sum += GridMap::memory_bytes(map, region, crossings);
   return sum;
 }
 
-// Chooses the fastest schedule that exceeds neither the limit nor the available memory.
-void choose_schedule(const SurfaceSurvey& survey, const MemoryBudget& budget,
-                     const Outputs& outputs, Plan& plan) {
+// Returns the memory in bytes that a schedule cannot change.
+double constant_memory(const SurfaceSurvey& survey, const MemoryBudget& budget,
+                       const Outputs& outputs, const Parameters& p, const GridRegion& region,
+                       double crossings) {
+  return static_cast<double>(budget.held) +
+         budget.caller.per_point * static_cast<double>(region.point_count()) +
+         budget.caller.per_crossing * crossings +
+         (budget.makes_maps ? map_bytes(outputs, region, crossings) : 0) +
+         (p.exact ? exact_measure_bytes(survey.atom_count()) : 0);
+}
+
+// Chooses the fastest schedule for a region that exceeds neither the limit nor the available
+// memory.
+Schedule choose_schedule(const SurfaceSurvey& survey, const MemoryBudget& budget,
+                         const Outputs& outputs, const Plan& plan, const GridRegion& region) {
   const Parameters& p = plan.parameters;
-  const GridRegion region = plan.tiling.region;
   const double limit = p.max_memory > 0 ? static_cast<double>(p.max_memory)
                                         : std::numeric_limits<double>::infinity();
   std::optional<std::uint64_t> available;
@@ -244,35 +258,31 @@ void choose_schedule(const SurfaceSurvey& survey, const MemoryBudget& budget,
     if (!available) available = budget.available();
     return memory <= static_cast<double>(*available);
   };
-  const double always = static_cast<double>(budget.held) +
-                        budget.caller.per_point * static_cast<double>(region.point_count()) +
-                        budget.caller.per_crossing * plan.crossings +
-                        (budget.makes_maps ? map_bytes(outputs, plan) : 0) +
-                        (p.exact ? exact_measure_bytes(survey.atom_count()) : 0);
   double smallest = std::numeric_limits<double>::infinity();
-  for (Plan& possible : possible_plans(survey, plan)) {
-    const double memory = always + expected_memory(survey, budget, possible, outputs) +
-                          Verifier::memory_bytes(p.verify, possible.threads, plan.crossings);
+  for (Schedule& possible : possible_schedules(survey, plan, region)) {
+    const double memory = constant_memory(survey, budget, outputs, p, region, possible.crossings) +
+                          expected_memory(survey, budget, plan.grid, possible, outputs) +
+                          Verifier::memory_bytes(p.verify, possible.threads, possible.crossings);
     smallest = std::min(smallest, memory);
     if (memory > limit || !is_available(memory)) continue;
     possible.memory_bytes = whole_bytes(memory);
-    plan = std::move(possible);
-    return;
+    return possible;
   }
   if (!is_available(smallest)) refuse_memory(region, p, smallest, *available);
   refuse_limit(p, smallest);
 }
 
 void expect_maps(const Outputs& outputs, bool has_chunks, const Plan& plan, FileSizes& files) {
-  const GridRegion& region = plan.tiling.region;
+  const GridRegion& region = plan.region;
+  const double crossings = plan.schedule.crossings;
   for (const MapChoice& map : chosen_maps(outputs)) {
     if (has_chunks)
-      files.text_scratch += whole_bytes(GridMap::memory_bytes(map, region, plan.crossings));
+      files.text_scratch += whole_bytes(GridMap::memory_bytes(map, region, crossings));
     if (!map.gzip) {
       files.maps += map_layout(map, plan.parameters.surface(), plan.grid, region).file_bytes();
       continue;
     }
-    const std::uint64_t bytes = GridMap::typical_compressed_bytes(map, region, plan.crossings);
+    const std::uint64_t bytes = GridMap::typical_compressed_bytes(map, region, crossings);
     files.maps += bytes;
     files.gzip_maps += bytes;
   }
@@ -321,9 +331,9 @@ FileSizes plan_files(std::uint64_t atoms, const LabelTotals& labels, const Outpu
   };
   if (outputs.box) files.box = box_bytes(plan.grid, outputs.gzip);
   if (outputs.grid)
-    files.grid = on_disk(static_cast<double>(max_grid_bytes(plan.tiling.region)), grid_gzip_ratio);
+    files.grid = on_disk(static_cast<double>(max_grid_bytes(plan.region)), grid_gzip_ratio);
   if (outputs.edges)
-    files.edges = on_disk(typical_crossing_bytes * plan.crossings, edge_gzip_ratio);
+    files.edges = on_disk(typical_crossing_bytes * plan.schedule.crossings, edge_gzip_ratio);
   if (has_chunks) files.text_scratch = files.grid + files.edges;
   if (outputs.areas)
     files.areas = on_disk(static_cast<double>(area_line_bytes * atoms), area_gzip_ratio);
@@ -346,18 +356,18 @@ Plan plan_grid(const Box& bounds, const Parameters& parameters) {
                                  : std::get<Grid>(parameters.grid);
   plan.cut_depths = depths_inside(plan.grid, bounds);
   if (options != nullptr) require_enclosing_margin(plan.cut_depth(), *options);
-  plan.tiling.region = region_of(plan.grid, parameters);
+  plan.region = region_of(plan.grid, parameters);
   return plan;
 }
 
-void plan_schedule(const MemoryBudget& budget, const Molecule& molecule, const Outputs& outputs,
-                   Plan& plan) {
-  const SurfaceSurvey survey(molecule, plan.parameters.probe_radius,
-                             plan.is_whole_surface()
-                                 ? std::nullopt
-                                 : std::optional(region_box(plan.grid, plan.tiling.region)));
-  plan.crossings = expected_crossings(survey.totals().area, plan.grid.spacing);
-  choose_schedule(survey, budget, outputs, plan);
+Schedule plan_schedule(const MemoryBudget& budget, const Molecule& molecule, const Outputs& outputs,
+                       const Plan& plan, const PlaneRange& planes) {
+  const GridRegion region = with_planes(plan.region, planes);
+  const bool is_whole = plan.is_whole_surface() && region == plan.region;
+  const SurfaceSurvey survey(
+      molecule, plan.parameters.probe_radius,
+      is_whole ? std::nullopt : std::optional(region_box(plan.grid, region)));
+  return choose_schedule(survey, budget, outputs, plan, region);
 }
 
 }  // namespace eses::detail

@@ -1,5 +1,5 @@
 #pragma once
-/// Plans of runs. A plan is made in three steps: the grid (plan_grid), the schedule of a process
+/// Plans of runs. A plan is made in three steps: the grid (plan_grid), the schedule of each process
 /// (plan_schedule), and the sizes of the files (plan_files). They use neither files nor MPI.
 
 #include <algorithm>
@@ -8,6 +8,7 @@
 
 #include "eses/grid.hpp"
 #include "geometry/box.hpp"
+#include "grid/plane_range.hpp"
 #include "grid/tiling.hpp"
 #include "output/output_files.hpp"
 #include "run/memory.hpp"
@@ -15,22 +16,32 @@
 
 namespace eses::detail {
 
-/// The plan of a run, made before anything is allocated or written.
-struct Plan {
-  Parameters parameters;
-  Grid grid;
-  BlockTiling tiling;                  ///< of the region to compute
-  int threads = 1;                     ///< number of threads
-  std::int64_t blocks_ahead = 0;       ///< see WorkList
-  std::array<double, 6> cut_depths{};  ///< see depths_inside
-  double crossings = 0;                ///< expected number of crossings
+/// How a process computes planes of the grid.
+struct Schedule {
+  BlockTiling tiling;             ///< the blocks of the planes
+  int threads = 1;                ///< number of threads
+  std::int64_t blocks_ahead = 0;  ///< see WorkList
+  double crossings = 0;           ///< expected number of crossings
   /// Estimate of the peak memory of the process, intended as an upper bound, if the process holds
   /// only the atoms before the run.
   std::uint64_t memory_bytes = 0;
+};
+
+/// What a run computes, in all processes, and what it needs.
+struct Plan {
+  Parameters parameters;
+  Grid grid;
+  GridRegion region;                   ///< the points to compute
+  std::array<double, 6> cut_depths{};  ///< see depths_inside
+  /// The largest schedule: threads, blocks and memory are maxima over the processes. The crossings
+  /// are those of the whole region.
+  Schedule schedule;
   FileSizes files = {};
 
-  /// Whether the region to compute contains the whole surface.
-  bool is_whole_surface() const { return cut_depth() <= 0 && tiling.region == grid.whole(); }
+  /// The planes of the region.
+  PlaneRange planes() const { return {region.begin[2], region.end[2]}; }
+  /// Whether the region contains the whole surface.
+  bool is_whole_surface() const { return cut_depth() <= 0 && region == grid.whole(); }
 
   /// The distance by which the bounding box of the van der Waals spheres extends beyond the grid
   /// (angstrom). It is positive if the grid cuts the box, 0 if the box reaches a face of the grid
@@ -54,12 +65,12 @@ void require_valid(const Parameters& parameters);
 /// outputs need.
 void require_valid(const Outputs& outputs, const Molecule& molecule);
 
-/// Performs step 2 of a plan: chooses block size, threads and number of blocks ahead for the region
-/// to compute, as far as they are not given, so that neither `max_memory` nor the available
-/// memory is exceeded. `molecule` must have the atoms that influence the region. Sets the expected
-/// number of crossings in the region. Throws MemoryLimitError if the run needs more memory.
-void plan_schedule(const MemoryBudget& budget, const Molecule& molecule, const Outputs& outputs,
-                   Plan& plan);
+/// Performs step 2 of a plan: chooses block size, threads and number of blocks ahead for planes of
+/// the region, as far as they are not given, so that neither `max_memory` nor the available memory
+/// is exceeded. `molecule` must have the atoms that influence these planes. Throws LimitExceeded or
+/// GridTooLarge if the run needs more memory.
+Schedule plan_schedule(const MemoryBudget& budget, const Molecule& molecule, const Outputs& outputs,
+                       const Plan& plan, const PlaneRange& planes);
 
 /// Performs step 3 of a plan: estimates the sizes of the files and of the scratch files for this
 /// number of atoms. `labels` are the totals of all atoms. `has_chunks` tells whether texts are in

@@ -15,8 +15,8 @@
 #include "input/other_formats.hpp"
 #include "input/pdb_elements.hpp"
 #include "input/read_input.hpp"
-#include "output/mesh_writer.hpp"
-#include "run/chunks.hpp"
+#include "output/mesh_formatter.hpp"
+#include "run/open_checkpoint.hpp"
 #include "surface/find_cavities.hpp"
 #include "system/bytes_text.hpp"
 #include "system/formatted.hpp"
@@ -55,13 +55,15 @@ void require_memory_held(const InputFile& file, std::uint64_t limit) {
                 file.path.string(), binary_bytes_text(peak), binary_bytes_text(limit)));
 }
 
-// Numbers the groups of `run.names` if the outputs need it, and adds up the names.
-void take_groups(PlannedRun& run) {
+// Numbers the groups of `run.names` if the outputs need it, and adds up the names. Returns the
+// numbers of all atoms.
+std::vector<mesh::GroupNumbers> take_groups(PlannedRun& run) {
   const ResidueRuns& residues = run.names.residues();
-  if (needs_groups(run.request.outputs))
-    run.groups = mesh::number_groups(residues, run.slab.groups);
+  std::vector<mesh::GroupNumbers> groups;
+  if (needs_groups(run.request.outputs)) run.groups = mesh::number_groups(residues, groups);
   run.labels = total_labels(residues.labels);
   run.labels.atom_text_bytes = run.names.text_bytes();
+  return groups;
 }
 
 // Reads the map of the potential, if the mesh needs it. Each process has the whole map.
@@ -164,13 +166,14 @@ std::uint64_t held_bytes(const PlannedRun& run) {
 void plan_slab(std::uint64_t sharing, const Processes& processes, PlannedRun& run) {
   const Request& request = run.request;
   const auto plan = [&] {
-    plan_schedule({.available = [sharing] { return available_memory() / sharing; },
-                   .held = processes.mpi_memory() + held_bytes(run),
-                   .labels = run.labels,
-                   .has_groups = run.groups.are_known,
-                   .caller = request.caller_memory,
-                   .makes_maps = processes.is_first() && !request.part},
-                  run.slab.molecule, request.outputs, run.slab_plan);
+    run.slab.schedule =
+        plan_schedule({.available = [sharing] { return available_memory() / sharing; },
+                       .held = processes.mpi_memory() + held_bytes(run),
+                       .labels = run.labels,
+                       .has_groups = run.groups.are_known,
+                       .caller = request.caller_memory,
+                       .makes_maps = processes.is_first() && !request.part},
+                      run.slab.molecule, request.outputs, run.plan, run.slab.planes);
   };
   try {
     plan();
@@ -184,25 +187,22 @@ void plan_slab(std::uint64_t sharing, const Processes& processes, PlannedRun& ru
     require_memory_held(*file, request.parameters.max_memory);
 }
 
-// Chooses the schedule of this process. The schedule of the whole run has the maxima over all
-// processes, and its crossings are the sum.
+// Chooses the schedule of this process, and finds the largest schedule of all processes.
 void plan_schedules(std::uint64_t sharing, const Processes& processes, PlannedRun& run) {
-  Plan& slab = run.slab_plan;
-  slab = run.plan;
-  slab.tiling.region = with_planes(run.plan.tiling.region, run.slab.planes);
+  Schedule& own = run.slab.schedule;
   processes.all_or_throw([&] {
     if (!run.slab.planes.is_empty())
       plan_slab(sharing, processes, run);
-    else if (slab.parameters.threads == 0)
-      slab.threads = available_threads();
+    else if (run.plan.parameters.threads == 0)
+      own.threads = available_threads();
   });
-  run.plan.crossings = processes.sum(slab.crossings);
-  run.plan.memory_bytes = processes.max(slab.memory_bytes);
-  run.plan.blocks_ahead = processes.max(slab.blocks_ahead);
-  run.plan.threads = processes.max(slab.threads);
-  GridIndex block_size = slab.tiling.block_size;
+  GridIndex block_size = own.tiling.block_size;
   for (std::int64_t& side : block_size) side = processes.max(side);
-  run.plan.tiling = make_tiling(run.plan.grid, block_size, run.plan.tiling.region);
+  run.plan.schedule = {.tiling = make_tiling(run.plan.grid, block_size, run.plan.region),
+                       .threads = processes.max(own.threads),
+                       .blocks_ahead = processes.max(own.blocks_ahead),
+                       .crossings = processes.sum(own.crossings),
+                       .memory_bytes = processes.max(own.memory_bytes)};
 }
 
 // Converts labels into residues and names after each part of the text, so that few labels are in
@@ -305,25 +305,28 @@ void keep_written_names(std::span<const Atom> atoms, const Processes& processes,
 }
 
 // Gives this process its planes and the atoms near them, and finds the cavities, if they are
-// needed. `whole` has all atoms in a single process, and if the cavities are searched.
-void take_slab(const Molecule& whole, std::span<const Atom> atoms, PlannedRun& run) {
+// needed. `whole` has all atoms in a single process, and if the cavities are searched. `groups` are
+// those of all atoms.
+void take_slab(const Molecule& whole, std::span<const Atom> atoms,
+               std::vector<mesh::GroupNumbers> groups, PlannedRun& run) {
   const Request& request = run.request;
   const auto [index, count] = run.share;
   if (count == 1) {
-    run.slab.planes = range_around(remaining(region_planes(run.plan), run.finished_planes));
+    run.slab.planes = range_around(remaining(run.plan.planes(), run.finished_planes));
     run.slab.molecule = whole;
+    run.slab.groups = std::move(groups);
     run.cavities = prepare_patches(whole, request, run.plan);
     return;
   }
-  if (request.part && count > region_planes(run.plan).count())
+  if (request.part && count > run.plan.planes().count())
     throw Error(formatted("{} parts are too many for {} grid planes along z; use fewer parts",
-                          count, region_planes(run.plan).count()));
+                          count, run.plan.planes().count()));
   // The parts do not depend on the chunks that happen to be complete.
   const std::span<const PlaneRange> free =
       request.part ? std::span<const PlaneRange>() : run.finished_planes;
   const std::vector<PlaneRange> slabs = cut_into_slabs(atoms, run.plan, free, count);
   const PlaneRange planes = slabs[static_cast<std::size_t>(index)];
-  run.slab = make_slab(atoms, run.slab.groups, run.plan, request.outputs,
+  run.slab = make_slab(atoms, groups, run.plan, request.outputs,
                        range_around(remaining(planes, run.finished_planes)));
   if (searches_cavities(request)) run.cavities.map = find_slab_cavities(whole, request, run.slab);
 }
@@ -335,7 +338,7 @@ void take_file(const InputFile& file, const Processes& processes, PlannedRun& ru
   AtomFile atoms = read_file(file, processes, run);
   run.structure = std::move(atoms.structure);
   run.atoms = atoms.atoms.size();
-  take_groups(run);
+  std::vector<mesh::GroupNumbers> groups = take_groups(run);
   const bool has_names = is_structure(format_of(file.path, file.format));
   // Names take much memory. They are dropped as soon as they are not needed any more.
   if (!request.outputs.residues && !request.outputs.atoms && !has_names) run.names = {};
@@ -343,7 +346,7 @@ void take_file(const InputFile& file, const Processes& processes, PlannedRun& ru
     run.far_atoms = describe_far_atoms(atoms, file, request.parameters);
     run.plan = plan_grid(sphere_bounds(atoms.atoms), request.parameters);
   });
-  open_checkpoint(atoms.atoms, processes, run);
+  open_checkpoint(atoms.atoms, groups, processes, run);
   processes.all_or_throw([&] {
     const bool needs_whole = processes.is_first() || searches_cavities(request);
     const Molecule whole(needs_whole ? std::exchange(atoms.atoms, {}) : std::vector<Atom>(), {},
@@ -353,7 +356,7 @@ void take_file(const InputFile& file, const Processes& processes, PlannedRun& ru
     if (processes.is_first())
       run.diagnostics = diagnostics_of(atoms, whole, file.added_radius == 0,
                                        has_names ? &run.names : nullptr, run.far_atoms);
-    take_slab(whole, all, run);
+    take_slab(whole, all, std::move(groups), run);
     keep_written_names(all, processes, run);
   });
   release_free_memory();
@@ -369,12 +372,12 @@ void take_molecule(const Molecule& molecule, const Processes& processes, Planned
   read_potential(processes, run);
   run.atoms = molecule.atoms().size();
   run.plan = plan_grid(sphere_bounds(molecule.atoms()), request.parameters);
-  run.slab.planes = region_planes(run.plan);
+  run.slab.planes = run.plan.planes();
   run.slab.molecule = molecule;
   run.cavities = prepare_patches(molecule, request, run.plan);
   if (request.outputs.residues || needs_groups(request.outputs))
     for (const AtomLabel& label : molecule.labels()) run.names.add_residue(label);
-  take_groups(run);
+  run.slab.groups = take_groups(run);
   if (!request.outputs.residues) run.names = {};
   if (request.outputs.atoms)
     run.labels.atom_text_bytes = total_labels(molecule.labels()).atom_text_bytes;
@@ -386,7 +389,6 @@ PlannedRun plan_run(Request request, const Processes& processes) {
   PlannedRun run;
   run.request = std::move(request);
   run.share = run.request.part.value_or(Share{processes.rank(), processes.count()});
-  run.is_in_place = processes.count() == 1 && !run.request.keeps_chunks();
   const Processes::Machine machine = processes.machine(available_threads());
   int& threads = run.request.parameters.threads;
   if (threads == 0 && processes.count() > 1) threads = machine.processors;
@@ -396,7 +398,7 @@ PlannedRun plan_run(Request request, const Processes& processes) {
     take_file(std::get<InputFile>(run.request.atoms), processes, run);
   plan_schedules(static_cast<std::uint64_t>(machine.processes), processes, run);
   run.plan.files =
-      plan_files(run.atoms, run.labels, run.request.outputs, !run.is_in_place, run.plan);
+      plan_files(run.atoms, run.labels, run.request.outputs, run.checkpoint != nullptr, run.plan);
   return run;
 }
 

@@ -27,15 +27,9 @@ namespace eses::detail {
 struct PlannedRun {
   /// The number of threads is that of this process, if it shares a machine with others.
   Request request;
-  /// The plan of the whole run. Its `threads`, `blocks_ahead`, `memory_bytes` and block size are
-  /// maxima over the processes.
   Plan plan;
-  Plan slab_plan;  ///< with the schedule that this process uses for its slab
-  Share share;     ///< of the parts of a run, or of its MPI ranks
+  Share share;  ///< of the parts of a run, or of its MPI ranks
   Slab slab;
-  /// Whether texts are written directly to the output files: a single process sweeps the whole
-  /// region as one range. Otherwise each range becomes a chunk of the checkpoint.
-  bool is_in_place = true;
   std::uint64_t atoms = 0;  ///< number of atoms of the file or molecule
   std::optional<FarAtomsWarning> far_atoms;
   FileDiagnostics diagnostics;  ///< of all atoms; only in the first process
@@ -51,7 +45,8 @@ struct PlannedRun {
   std::optional<PotentialMap> potential;  ///< of the vertices of the mesh, if it has one
   /// The report of reading a PDB or mmCIF file; only in the first process.
   std::optional<StructureReport> structure;
-  /// Checkpoint of the chunks, null if `is_in_place`. The first process locks it.
+  /// The checkpoint, in which each range of planes becomes a chunk. The first process locks it. It
+  /// is null if a single process writes its pieces straight into the output files.
   std::unique_ptr<Checkpoint> checkpoint;
   /// The cavities, with the atoms of the slab, if the run needs them; and the surface, if its
   /// patches are kept: those of the search for cavities, or of exact measures.

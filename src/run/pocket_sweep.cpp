@@ -66,18 +66,17 @@ class ProbeSweep {
   }
 
   // Planes of a layer of blocks.
-  std::int64_t layer_planes() const { return run_.plan.tiling.block_size[2] - 1; }
-  int threads() const { return run_.plan.threads; }
+  std::int64_t layer_planes() const { return run_.slab.schedule.tiling.block_size[2] - 1; }
+  int threads() const { return run_.slab.schedule.threads; }
 
   // Sweeps over the next planes. The pieces have these maps.
   void sweep(const PlaneRange& planes, std::vector<MapQuantity> maps, Sink& sink,
              ProgressReport& report) {
-    // A single process has the schedule of the run.
-    Plan plan = run_.plan;
-    plan.tiling =
-        make_tiling(plan.grid, plan.tiling.block_size, with_planes(plan.tiling.region, planes));
-    Sweep sweep(patches_->schedule, plan, {.maps = std::move(maps), .extras = extras_}, {}, nullptr,
-                sink, report);
+    Schedule schedule = run_.slab.schedule;
+    schedule.tiling = make_tiling(run_.plan.grid, schedule.tiling.block_size,
+                                  with_planes(run_.plan.region, planes));
+    Sweep sweep(patches_->schedule, run_.plan, schedule,
+                {.maps = std::move(maps), .extras = extras_}, {}, nullptr, sink, report);
     sweep.solve_plane_below();
     sweep.run();
   }

@@ -6,7 +6,6 @@
 #include <functional>
 #include <optional>
 #include <variant>
-#include <vector>
 
 #include "eses/check.hpp"
 #include "eses/grid.hpp"
@@ -17,7 +16,6 @@
 #include "eses/surface.hpp"
 #include "geometry/box.hpp"
 #include "grid/tiling.hpp"
-#include "output/map_writer.hpp"
 #include "output/surface_kind.hpp"
 #include "solve/block_solver.hpp"
 #include "surface/molecule.hpp"
@@ -81,13 +79,6 @@ struct InputFile {
 
 class Sink;
 
-/// Maps that a sink of the caller receives. The run has a single process.
-struct MapsInMemory {
-  std::vector<MapQuantity> quantities;
-  BlockExtras extras;    ///< what the maps need besides points
-  Sink* sink = nullptr;  ///< outlives the run
-};
-
 /// Memory that the caller of a run needs for the results, besides the memory of the run.
 struct CallerMemory {
   double per_point = 0, per_crossing = 0;  ///< bytes
@@ -121,7 +112,9 @@ struct Request {
   std::optional<Share> part = {};
   Join join = Join::none;
   bool dry_run = false;  ///< whether to create no files
-  MapsInMemory maps_in_memory = {};
+  /// Receives the pieces in place of files, for maps in memory of a single process. Outlives the
+  /// run; null if there are files.
+  Sink* map_sink = nullptr;
   CallerMemory caller_memory = {};
   /// Called during the search for cavities, which is part of the plan.
   CheckCallback check = {};

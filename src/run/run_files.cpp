@@ -6,43 +6,11 @@
 
 #include "output/area_table_writer.hpp"
 #include "output/eses_writer.hpp"
-#include "output/msms_text.hpp"
 #include "system/gzip.hpp"
 #include "system/resources.hpp"
-#include "system/stopwatch.hpp"
 
 namespace eses::detail {
 namespace {
-
-mesh::MeshText make_text(const PlannedRun& run) {
-  const MeshOptions& mesh = *run.request.outputs.mesh;
-  const double spacing = run.plan.grid.spacing;
-  const double vertices_per_area =
-      mesh.quality ? mesh::quality_vertices_per_area : mesh::plain_vertices_per_area;
-  return {
-      required_mesh_format(mesh),
-      mesh.color,
-      {.surface = run.plan.parameters.surface(),
-       .has_groups = run.groups.are_known,
-       .chains = run.groups.chains,
-       .residues = run.groups.residues,
-       .atom_count = run.atoms,
-       .probe_radius = run.plan.parameters.probe_radius,
-       .density = vertices_per_area / (spacing * spacing),
-       .grid = run.plan.grid,
-       .potential_limit = mesh.potential ? std::optional(mesh.potential->limit) : std::nullopt}};
-}
-
-// Returns a function without a target if the mesh has no components.
-std::function<std::uint32_t(const BlockCrossing&, Vec3)> component_of_crossing(
-    const PlannedRun& run) {
-  if (run.request.outputs.mesh->color != MeshColor::component) return {};
-  return [&cavities = *run.cavities.map, atoms = run.slab.molecule.atoms(),
-          probe = run.plan.parameters.probe_radius](const BlockCrossing& crossing, Vec3 position) {
-    return as_number(cavities.number_at(atoms, std::span(crossing.atoms).first(crossing.atom_count),
-                                        position + probe * crossing.normal));
-  };
-}
 
 // Returns the label of an atom of the file. It is empty if the input has no names.
 AtomLabel label_of(const PlannedRun& run, FileIndex atom) {
@@ -99,83 +67,34 @@ void write_atom_table(std::span<const double> areas, const PlannedRun& run, Outp
 
 }  // namespace
 
-RunMesh::RunMesh(const PlannedRun& run, OutputFiles* files)
-    : run_(run), choice_(*run.request.outputs.mesh), text_(make_text(run)) {
-  if (files == nullptr) return;
-  file_.emplace(text_, *files->find(RunFile::mesh), files->find(RunFile::mesh_faces),
-                mesh_directory_of(choice_));
-  if (choice_.quality)
-    filter_.emplace(run.plan.grid, run.plan.tiling.region_with_halo, text_.piece_contents(),
-                    [this](const mesh::MeshPiece& piece) { file_->add(piece); });
-}
-
-VertexMaker RunMesh::vertex_maker() const {
-  return {.grid = run_.plan.grid,
-          .clearance = choice_.quality ? mesh::coincidence : mesh::clearance,
-          .file_indices = run_.slab.file_indices(),
-          .atoms = run_.slab.molecule.atoms(),
-          .names_closest_atom = text_.names_closest_atom(),
-          .groups = run_.slab.groups,
-          .potential = run_.potential ? &*run_.potential : nullptr,
-          .potential_offset = choice_.potential ? choice_.potential->offset : 0,
-          .component_of = component_of_crossing(run_)};
-}
-
-void RunMesh::prepare(Piece& piece) {
-  if (!filter_) file_->format(piece.mesh, piece.mesh_texts);
-}
-
-void RunMesh::place(Piece& piece) {
-  if (filter_)
-    filter_->add(piece.mesh);
-  else
-    file_->place(piece.mesh, piece.mesh_texts);
-}
-
-void RunMesh::store(const Piece& piece) {
-  if (!filter_) file_->write(piece.mesh_texts);
-}
-
-void RunMesh::finish(Summary& summary) {
-  if (filter_) {
-    const Stopwatch finishing;
-    filter_->finish();
-    summary.seconds.output += finishing.seconds();
-    summary.mesh_quality = filter_->quality();
-  }
-  summary.mesh = file_->counts();
-}
-
-RunFiles::RunFiles(PlannedRun& run, bool is_first) : run_(run) {
-  const Request& request = run.request;
-  const bool has_files =
-      run.checkpoint || request.outputs.mesh || !file_names(request.outputs).empty();
-  if (is_first && !request.part && has_files)
-    files_ =
-        std::make_unique<OutputFiles>(request.outputs, request.output_directory, run.plan.files);
-  if (request.outputs.mesh) mesh_.emplace(run, files_.get());
+RunFiles::RunFiles(PlannedRun& run) : run_(run) {
+  const Outputs& outputs = run.request.outputs;
+  const bool has_files = run.checkpoint || outputs.mesh || !file_names(outputs).empty();
+  if (has_files && run.request.map_sink == nullptr)
+    files_.emplace(outputs, run.request.output_directory, run.plan.files);
+  if (outputs.mesh) mesh_.emplace(run, *files_);
 }
 
 Sink& RunFiles::sink() {
   if (sinks_) return *sinks_;
   sinks_.emplace();
+  if (run_.request.map_sink != nullptr) {
+    sinks_->add(*run_.request.map_sink);
+    return *sinks_;
+  }
   const Outputs& outputs = run_.request.outputs;
   if (outputs.grid) sinks_->add(std::make_unique<PieceTextSink>(&Piece::grid, file(RunFile::grid)));
   if (outputs.edges)
     sinks_->add(std::make_unique<PieceTextSink>(&Piece::edges, file(RunFile::edges)));
   for (const MapChoice& choice : chosen_maps(outputs)) {
     GridMap& map = maps_.emplace_back(choice, run_.plan.parameters.surface(), run_.plan.grid,
-                                      run_.plan.tiling.region);
+                                      run_.plan.region);
     sinks_->add(std::make_unique<MapSink>(
         map.quantity(),
         [&map](std::int64_t first_row, const MapRows& rows) { map.add_rows(first_row, rows); }));
   }
   if (mesh_) sinks_->add(*mesh_);
   return *sinks_;
-}
-
-void RunFiles::write(GridMap& map, const std::function<void()>& check) {
-  map.write(file(file_of(map.quantity())), run_.slab_plan.threads, check);
 }
 
 void RunFiles::write_areas_of(std::span<const double> areas, const std::function<void()>& check) {
@@ -203,12 +122,13 @@ void RunFiles::complete_gzip(RunFile which) {
 }
 
 void RunFiles::finish(const std::function<void()>& check, Summary& summary) {
-  if (mesh_) mesh_->finish(summary);
   if (!files_) return;
+  if (mesh_) mesh_->finish(summary);
   complete_gzip(RunFile::grid);
   complete_gzip(RunFile::edges);
   if (mesh_) mesh_->write(check);
-  for (GridMap& map : maps_) write(map, check);
+  for (GridMap& map : maps_)
+    map.write(file(file_of(map.quantity())), run_.slab.schedule.threads, check);
   write_areas_of(summary.atom_areas, check);
   write_box();
   require_memory_within(run_.request.parameters.max_memory, run_.request.parameters.memory_before);

@@ -55,7 +55,7 @@ std::vector<double> estimate_costs(std::span<const Atom> atoms, const Plan& plan
   }
   costs.pop_back();
   std::partial_sum(costs.begin(), costs.end(), costs.begin());
-  const GridIndex size = plan.tiling.region.size();
+  const GridIndex size = plan.region.size();
   for (std::size_t b = 0; b < costs.size(); ++b) {
     const PlaneRange planes{begins[b], begins[b + 1]};
     const auto all = static_cast<double>(planes.count());
@@ -93,7 +93,7 @@ std::vector<std::size_t> cut_evenly(std::span<const double> costs, int parts) {
 
 std::vector<PlaneRange> cut_into_slabs(std::span<const Atom> atoms, const Plan& plan,
                                        std::span<const PlaneRange> finished, int count) {
-  const std::vector<std::int64_t> bins = bins_of(region_planes(plan));
+  const std::vector<std::int64_t> bins = bins_of(plan.planes());
   const std::vector<double> costs = estimate_costs(atoms, plan, bins, finished);
   std::vector<std::size_t> begins = cut_evenly(costs, count);
   const auto all = static_cast<std::size_t>(count);
@@ -140,14 +140,9 @@ std::int64_t plane_count(std::span<const PlaneRange> ranges) {
       [](std::int64_t sum, const PlaneRange& planes) { return sum + planes.count(); });
 }
 
-PlaneRange region_planes(const Plan& plan) {
-  return {plan.tiling.region.begin[2], plan.tiling.region.end[2]};
-}
-
 Box slab_box(const Plan& plan, const PlaneRange& planes) {
-  const GridRegion& region = plan.tiling.region;
-  const std::int64_t begin = std::max(planes.begin - 1, region.begin[2]);
-  return region_box(plan.grid, with_planes(region, {begin, planes.end}));
+  const std::int64_t begin = std::max(planes.begin - 1, plan.region.begin[2]);
+  return region_box(plan.grid, with_planes(plan.region, {begin, planes.end}));
 }
 
 }  // namespace eses::detail

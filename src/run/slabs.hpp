@@ -8,9 +8,9 @@
 
 #include "geometry/box.hpp"
 #include "grid/plane_range.hpp"
+#include "input/file_index.hpp"
 #include "output/mesh_groups.hpp"
 #include "run/plan.hpp"
-#include "run/range_sums.hpp"
 #include "surface/molecule.hpp"
 
 namespace eses::detail {
@@ -18,6 +18,7 @@ namespace eses::detail {
 /// The planes of a process, and the atoms that influence them. A single process has all atoms.
 struct Slab {
   PlaneRange planes;                       ///< may be empty
+  Schedule schedule;                       ///< of this process
   Molecule molecule{std::vector<Atom>()};  ///< without labels
   /// Index in the file of each atom of the molecule, ascending; empty if the molecule has all
   /// atoms.
@@ -25,14 +26,6 @@ struct Slab {
   std::vector<mesh::GroupNumbers> groups;  ///< by atom; empty if groups are not numbered
 
   FileIndices file_indices() const { return FileIndices(atoms_in_file); }
-
-  /// Calls `action(sum)` for each share that is not 0. `shares` has a share for each atom of the
-  /// molecule.
-  template <class Action>
-  void for_each_sum(std::span<const AreaShare> shares, Action&& action) const {
-    for (AtomIndex i = 0; i < shares.size(); ++i)
-      if (shares[i] != 0) action(AtomSum{shares[i], file_indices()[i]});
-  }
 };
 
 /// Cuts `costs` into `parts` consecutive ranges with nearly equal sums; ranges may be empty.
@@ -45,7 +38,7 @@ std::vector<std::size_t> cut_evenly(std::span<const double> costs, int parts);
 std::vector<PlaneRange> cut_into_slabs(std::span<const Atom> atoms, const Plan& plan,
                                        std::span<const PlaneRange> finished, int count);
 
-/// Makes a slab of these planes from all atoms and their groups.
+/// Makes a slab of these planes from all atoms and their groups, without its schedule.
 Slab make_slab(std::span<const Atom> atoms, std::span<const mesh::GroupNumbers> groups,
                const Plan& plan, const Outputs& outputs, const PlaneRange& planes);
 
@@ -54,9 +47,6 @@ PlaneRange range_around(std::span<const PlaneRange> ranges);
 
 /// Returns the number of planes in ranges that do not overlap.
 std::int64_t plane_count(std::span<const PlaneRange> ranges);
-
-/// Returns the planes of the region of `plan`.
-PlaneRange region_planes(const Plan& plan);
 
 /// Returns the box of the points of these planes, of the edges that start there, and of the plane
 /// of the region below them.

@@ -22,55 +22,57 @@ std::int64_t planes_of_layer(const BlockTiling& tiling, std::int64_t layer) {
   return tiling.block(0, 0, layer).owned[2];
 }
 
-WorkList work_of(const Plan& plan, const RowBatches& batches) {
-  const BlockTiling& tiling = plan.tiling;
+WorkList work_of(const Schedule& schedule, const RowBatches& batches) {
+  const BlockTiling& tiling = schedule.tiling;
   const std::int64_t layers = tiling.blocks[2];
   return {layers, tiling.blocks[0] * tiling.blocks[1], batches.count(planes_of_layer(tiling, 0)),
-          batches.count(planes_of_layer(tiling, layers - 1)), plan.blocks_ahead};
+          batches.count(planes_of_layer(tiling, layers - 1)), schedule.blocks_ahead};
 }
 
 }  // namespace
 
-Sweep::Sweep(PatchSchedule& patches, const Plan& plan, SweepContents contents,
-             FileIndices file_indices, LayerMesh* mesh, Sink& sink, ProgressReport& progress)
+Sweep::Sweep(PatchSchedule& patches, const Plan& plan, const Schedule& schedule,
+             SweepContents contents, FileIndices file_indices, MeshPieceMaker* mesh, Sink& sink,
+             ProgressReport& progress)
     : patches_(patches),
       plan_(plan),
+      schedule_(schedule),
+      tiling_(schedule.tiling),
       mesh_(mesh),
       sink_(sink),
       progress_(progress),
-      piece_maker_(plan.grid, plan.tiling, std::move(contents), file_indices),
-      workers_(static_cast<std::size_t>(plan.threads)),
-      work_(work_of(plan, piece_maker_.batches())),
+      piece_maker_(plan.grid, tiling_, std::move(contents), file_indices),
+      workers_(static_cast<std::size_t>(schedule.threads)),
+      work_(work_of(schedule, piece_maker_.batches())),
       atom_shares_(patches.patches().surface().atoms.size()) {
-  const std::int64_t blocks = plan.tiling.blocks[0] * plan.tiling.blocks[1];
+  const std::int64_t blocks = tiling_.blocks[0] * tiling_.blocks[1];
   for (std::size_t thread = 0; thread < workers_.size(); ++thread) {
     workers_[thread].thread = thread;
     workers_[thread].block.extras = piece_maker_.contents().extras;
   }
   for (Layer& layer : layers_) layer.blocks.resize(static_cast<std::size_t>(blocks));
   // The sweep starts at the plane below the region, as it may be solved first.
-  patches_.skip_to(
-      plan.grid.coordinate(2, std::max<std::int64_t>(0, plan.tiling.region.begin[2] - 1)));
+  patches_.skip_to(plan.grid.coordinate(2, std::max<std::int64_t>(0, tiling_.region.begin[2] - 1)));
 }
 
 void Sweep::solve_plane_below() {
-  const BlockTiling& tiling = plan_.tiling;
-  if (tiling.region.begin[2] == 0) return;
+  if (tiling_.region.begin[2] == 0) return;
   Layer layer;
   layer.blocks.resize(layers_.front().blocks.size());
   // The sums of this plane are discarded, as another sweep owns it.
   std::vector<BlockWorkspace> workspaces(workers_.size());
   const auto solve_one = [&](std::int64_t index, int thread) {
     const auto t = static_cast<std::size_t>(thread);
-    build_patches(plan_.grid.coordinate(2, tiling.region.begin[2]), workers_[t]);
-    const std::int64_t bx = index % tiling.blocks[0], by = index / tiling.blocks[0];
+    build_patches(plan_.grid.coordinate(2, tiling_.region.begin[2]), workers_[t]);
+    const std::int64_t bx = index % tiling_.blocks[0], by = index / tiling_.blocks[0];
     BlockResult& result = layer.blocks[static_cast<std::size_t>(index)];
-    result = solve_block(block_below(tiling.block(bx, by, 0)),
-                         block_below(tiling.block_with_halo(bx, by, 0)), workspaces[t]);
+    result = solve_block(block_below(tiling_.block(bx, by, 0)),
+                         block_below(tiling_.block_with_halo(bx, by, 0)), workspaces[t]);
     add_bits(result, layer);
     progress_.check();
   };
-  parallel_for(static_cast<std::int64_t>(layer.blocks.size()), plan_.threads, solve_one, &monitor_);
+  parallel_for(static_cast<std::int64_t>(layer.blocks.size()), schedule_.threads, solve_one,
+               &monitor_);
   keep_last_plane(layer);
   if (mesh_ != nullptr) mesh_->go_on_from(layer);
 }
@@ -85,7 +87,7 @@ SweepSums Sweep::run() {
         make_piece(*item, worker);
     }
   };
-  parallel_for(plan_.threads, plan_.threads, work, &monitor_);
+  parallel_for(schedule_.threads, schedule_.threads, work, &monitor_);
   return sums();
 }
 
@@ -111,22 +113,20 @@ std::optional<WorkItem> Sweep::take_work(Worker& worker) {
 SweepSums Sweep::sums() {
   SweepSums sums;
   for (const Worker& worker : workers_) {
-    sums.totals.add(worker.block.tally);
-    sums.totals.points.add(worker.counts);
-    sums.mesh.triangles += worker.mesh.triangle_count;
+    sums.totals.add(worker.block.tally.totals);
     sums.seconds.patches += worker.build_seconds;
     sums.seconds.classify += worker.block.classify_seconds;
     sums.seconds.intersect += worker.block.intersect_seconds;
     sums.seconds.output += worker.write_seconds;
   }
-  if (mesh_ != nullptr) sums.mesh.vertices = mesh_->vertex_count();
+  if (mesh_ != nullptr) sums.totals.mesh.vertices = mesh_->vertex_count();
   sums.atom_shares = std::move(atom_shares_);
   return sums;
 }
 
 // Returns the height of the highest plane of a layer's blocks.
 double Sweep::top_of(std::int64_t layer) const {
-  const BlockBounds block = plan_.tiling.block(0, 0, layer);
+  const BlockBounds block = tiling_.block(0, 0, layer);
   return plan_.grid.coordinate(2, block.first[2] + block.points[2] - 1);
 }
 
@@ -172,12 +172,11 @@ BlockResult Sweep::solve_block(const BlockBounds& block, const BlockBounds& with
 }
 
 void Sweep::solve(const WorkItem& block, Worker& worker) {
-  const BlockTiling& tiling = plan_.tiling;
-  const std::int64_t bx = block.index % tiling.blocks[0], by = block.index / tiling.blocks[0];
+  const std::int64_t bx = block.index % tiling_.blocks[0], by = block.index / tiling_.blocks[0];
   BlockResult& result = layer_at(block.layer).blocks[static_cast<std::size_t>(block.index)];
   const Stopwatch watch;
-  result = solve_block(tiling.block(bx, by, block.layer),
-                       tiling.block_with_halo(bx, by, block.layer), worker.block);
+  result = solve_block(tiling_.block(bx, by, block.layer),
+                       tiling_.block_with_halo(bx, by, block.layer), worker.block);
   result.seconds = watch.seconds();
   {
     const std::lock_guard lock(results_mutex_);
@@ -201,9 +200,9 @@ void Sweep::add_bits(BlockResult& block, Layer& layer) {
     if (of_block->size[2] == 0) continue;
     {
       const std::lock_guard lock(results_mutex_);
-      if (of_layer->is_empty()) of_layer->reset(plan_.tiling, of_block->size[2]);
+      if (of_layer->is_empty()) of_layer->reset(tiling_, of_block->size[2]);
     }
-    of_layer->add(plan_.tiling, block.block, *of_block);
+    of_layer->add(tiling_, block.block, *of_block);
     *of_block = PointBits();
   }
 }
@@ -216,7 +215,7 @@ void Sweep::keep_last_plane(const Layer& layer) {
 // Frees the patches that only a solved layer needs. The next layer begins with the plane above the
 // last owned one. If it belongs to another sweep, that one solves this last plane again.
 void Sweep::pass(std::int64_t layer) {
-  const BlockBounds block = plan_.tiling.block(0, 0, layer);
+  const BlockBounds block = tiling_.block(0, 0, layer);
   patches_.pass(plan_.grid.coordinate(2, block.first[2] + block.owned[2] - 1));
 }
 
@@ -224,11 +223,13 @@ void Sweep::make_piece(const WorkItem& batch, Worker& worker) {
   const Stopwatch watch;
   const Layer& layer = layer_at(batch.layer);
   const RowRange rows =
-      piece_maker_.batches().rows(batch.index, planes_of_layer(plan_.tiling, batch.layer));
+      piece_maker_.batches().rows(batch.index, planes_of_layer(tiling_, batch.layer));
   piece_maker_.make(layer, rows, worker.piece_maker, worker.piece);
   if (mesh_ != nullptr)
     mesh_->make(layer, batch.index, work_.batches_of(batch.layer), worker.mesh, worker.piece.mesh);
-  worker.counts.add(count_points(plan_.tiling, below_, layer, rows));
+  RegionTotals& totals = worker.block.tally.totals;
+  totals.mesh.triangles += worker.piece.mesh.triangles.size();
+  totals.add(count_points(tiling_, below_, layer, rows));
   deliver(work_.number_of(batch), worker.piece);
   worker.write_seconds += watch.seconds();
   progress_.check();

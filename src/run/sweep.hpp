@@ -7,15 +7,16 @@
 #include <optional>
 #include <vector>
 
+#include "eses/summary.hpp"
 #include "run/layer.hpp"
-#include "run/layer_mesh.hpp"
+#include "run/mesh_piece_maker.hpp"
 #include "run/piece.hpp"
 #include "run/plan.hpp"
-#include "run/range_sums.hpp"
 #include "run/request.hpp"
 #include "run/sink.hpp"
 #include "run/work_list.hpp"
 #include "solve/block_solver.hpp"
+#include "solve/region_totals.hpp"
 #include "surface/patch_schedule.hpp"
 #include "system/monitor.hpp"
 
@@ -52,19 +53,26 @@ class ProgressReport {
   std::int64_t blocks_, solved_blocks_ = 0;
 };
 
-/// A sweep over the region of a plan. It builds patches, solves the blocks layer by layer, and
+/// The sums of a sweep. They do not depend on the division of its region into blocks.
+struct SweepSums {
+  RegionTotals totals;                 ///< the engine adds those of the verification
+  std::vector<AreaShare> atom_shares;  ///< by atom of the surface
+  PhaseSeconds seconds;                ///< of all threads
+};
+
+/// A sweep over the region of a schedule. It builds patches, solves the blocks layer by layer, and
 /// makes pieces of each layer.
 class Sweep {
  public:
   /// Keeps references to all arguments but `contents`. `mesh` is null without a mesh. Several
   /// sweeps may use the same patches, one after the other, in ascending order of their planes.
   /// `file_indices` are those of the atoms of the surface.
-  Sweep(PatchSchedule& patches, const Plan& plan, SweepContents contents, FileIndices file_indices,
-        LayerMesh* mesh, Sink& sink, ProgressReport& progress);
+  Sweep(PatchSchedule& patches, const Plan& plan, const Schedule& schedule, SweepContents contents,
+        FileIndices file_indices, MeshPieceMaker* mesh, Sink& sink, ProgressReport& progress);
 
   /// Solves the plane below the region, if the grid has it. It is required before `run` if the
-  /// plan's region continues the region of another sweep: its points are neighbours of the first
-  /// plane, and the mesh has cells between the two planes.
+  /// region continues the region of another sweep: its points are neighbours of the first plane,
+  /// and the mesh has cells between the two planes.
   void solve_plane_below();
 
   /// Performs the sweep. May be called once.
@@ -77,9 +85,8 @@ class Sweep {
     Patches::Scratch patches;
     BlockWorkspace block;
     PieceMaker::Scratch piece_maker;
-    MeshScratch mesh;
+    MeshPieceMaker::Scratch mesh;
     Piece piece;
-    PointCounts counts;
     double build_seconds = 0, write_seconds = 0;
   };
   double top_of(std::int64_t layer) const;
@@ -101,7 +108,9 @@ class Sweep {
 
   PatchSchedule& patches_;
   const Plan& plan_;
-  LayerMesh* mesh_;
+  const Schedule& schedule_;
+  const BlockTiling& tiling_;
+  MeshPieceMaker* mesh_;
   Sink& sink_;
   ProgressReport& progress_;
   PieceMaker piece_maker_;

@@ -27,11 +27,6 @@ constexpr std::size_t kept_per_checked = 4;
 constexpr double bytes_per_kept = 100;
 constexpr double bytes_per_checked = 200;
 
-std::size_t wanted(const Plan& plan) { return static_cast<std::size_t>(plan.parameters.verify); }
-
-/// Returns the number of verified crossings that are chosen at random.
-std::size_t any_edges(const Plan& plan) { return wanted(plan) - wanted(plan) / 2; }
-
 /// A sort key of points and edges in canonical order: edges follow their lower point.
 using CanonicalKey = std::array<std::int64_t, 4>;
 
@@ -51,16 +46,17 @@ std::int64_t owner_of(const BlockTiling& tiling, const GridIndex& point) {
   return (block[2] * tiling.blocks[1] + block[1]) * tiling.blocks[0] + block[0];
 }
 
-// Chooses the crossings to verify from a sample in random order: the first ones, and among the
-// others the crossings nearest to another patch.
-std::vector<Crossing> choose_edges(const Plan& plan, const std::vector<Crossing>& edges,
+// Chooses crossings from a sample in random order: the first `any` ones, and among the others the
+// crossings nearest to another patch.
+std::vector<Crossing> choose_edges(std::size_t wanted, std::size_t any,
+                                   const std::vector<Crossing>& edges,
                                    std::span<const double> distances) {
   std::vector<std::size_t> order(edges.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
-  std::stable_sort(order.begin() + static_cast<std::ptrdiff_t>(any_edges(plan)), order.end(),
+  std::stable_sort(order.begin() + static_cast<std::ptrdiff_t>(any), order.end(),
                    [&](std::size_t a, std::size_t b) { return distances[a] < distances[b]; });
   std::vector<Crossing> chosen;
-  for (std::size_t c = 0; c < wanted(plan); ++c) chosen.push_back(edges[order[c]]);
+  for (std::size_t c = 0; c < wanted; ++c) chosen.push_back(edges[order[c]]);
   return chosen;
 }
 
@@ -74,15 +70,18 @@ std::function<bool(Vec3)> in_filled_cavities(const CavityMap* cavities) {
 
 }  // namespace
 
-Verifier::Verifier(std::span<const Atom> atoms, const Plan& plan, const CavityMap* cavities)
-    : plan_(plan),
+Verifier::Verifier(std::span<const Atom> atoms, const Plan& plan, const Schedule& schedule,
+                   std::int64_t checks, const CavityMap* cavities)
+    : grid_(plan.grid),
+      tiling_(schedule.tiling),
+      threads_(schedule.threads),
+      checks_(static_cast<std::size_t>(checks)),
       definition_(atoms, plan.parameters.probe_radius, in_filled_cavities(cavities)),
-      samples_(static_cast<std::size_t>(plan.threads),
-               verify::CrossingSample(kept_per_checked * wanted(plan))),
-      searches_(static_cast<std::size_t>(plan.threads), CentreSearch(definition_)) {
-  for (const GridIndex& point :
-       draw_band_points(definition_, plan.grid, plan.tiling.region, wanted(plan)))
-    points_.push_back({owner_of(plan.tiling, point), point, std::nullopt});
+      samples_(static_cast<std::size_t>(threads_),
+               verify::CrossingSample(kept_per_checked * checks_)),
+      searches_(static_cast<std::size_t>(threads_), CentreSearch(definition_)) {
+  for (const GridIndex& point : draw_band_points(definition_, grid_, tiling_.region, checks_))
+    points_.push_back({owner_of(tiling_, point), point, std::nullopt});
   std::stable_sort(points_.begin(), points_.end(),
                    [](const auto& a, const auto& b) { return a.block < b.block; });
 }
@@ -94,37 +93,36 @@ double Verifier::memory_bytes(std::int64_t checked, int threads, double crossing
 }
 
 void Verifier::take_block(const BlockResult& result, std::size_t thread) {
-  const std::int64_t block = owner_of(plan_.tiling, result.block.first);
+  const std::int64_t block = owner_of(tiling_, result.block.first);
   auto point = std::lower_bound(points_.begin(), points_.end(), block,
                                 [](const auto& p, std::int64_t b) { return p.block < b; });
   for (; point != points_.end() && point->block == block; ++point)
     point->is_inside = eses::detail::is_inside(result, point->index);
-  for_each_crossing(plan_.grid, result,
-                    [&](const Crossing& crossing) { samples_[thread].add(plan_.grid, crossing); });
+  for_each_crossing(grid_, result,
+                    [&](const Crossing& crossing) { samples_[thread].add(grid_, crossing); });
 }
 
 Verification Verifier::check(const ProgressCallback& progress) {
   for (std::size_t s = 1; s < samples_.size(); ++s) samples_[0].merge(samples_[s]);
   std::vector<Crossing> edges = samples_[0].crossings();
-  const bool is_choice = edges.size() > wanted(plan_);
-  const std::size_t any = any_edges(plan_);
-  const auto all = static_cast<std::int64_t>(points_.size() + edges.size() +
-                                             (is_choice ? wanted(plan_) - any : 0));
+  const bool is_choice = edges.size() > checks_;
+  const std::size_t any = checks_ - checks_ / 2;  // verified crossings that are chosen at random
+  const auto all =
+      static_cast<std::int64_t>(points_.size() + edges.size() + (is_choice ? checks_ - any : 0));
   std::atomic<std::int64_t> finished = 0;
   const auto for_each_in_parallel = [&](std::size_t count, auto&& action) {
-    parallel_for(
-        static_cast<std::int64_t>(count), plan_.threads, [&](std::int64_t index, int thread) {
-          if (progress && thread == 0) progress(finished, all);
-          action(static_cast<std::size_t>(index), searches_[static_cast<std::size_t>(thread)]);
-          ++finished;
-        });
+    parallel_for(static_cast<std::int64_t>(count), threads_, [&](std::int64_t index, int thread) {
+      if (progress && thread == 0) progress(finished, all);
+      action(static_cast<std::size_t>(index), searches_[static_cast<std::size_t>(thread)]);
+      ++finished;
+    });
   };
   if (is_choice) {
     std::vector<double> distances(edges.size());
     for_each_in_parallel(edges.size() - any, [&](std::size_t i, CentreSearch& search) {
       distances[any + i] = distance_to_seam(search, edges[any + i]);
     });
-    edges = choose_edges(plan_, edges, distances);
+    edges = choose_edges(checks_, any, edges, distances);
   }
 
   std::vector<std::pair<CanonicalKey, std::string>> faults;
@@ -136,11 +134,11 @@ Verification Verifier::check(const ProgressCallback& progress) {
   };
   for_each_in_parallel(points_.size(), [&](std::size_t i, CentreSearch& search) {
     const auto& [block, index, is_inside] = points_[i];
-    report(key_of(index, 0), is_inside ? fault_of_point(search, plan_.grid, index, *is_inside)
-                                       : fault_of_missing(index));
+    report(key_of(index, 0),
+           is_inside ? fault_of_point(search, grid_, index, *is_inside) : fault_of_missing(index));
   });
   for_each_in_parallel(edges.size(), [&](std::size_t i, CentreSearch& search) {
-    report(key_of(edges[i].lower, 1 + edges[i].axis), fault_of_edge(search, plan_.grid, edges[i]));
+    report(key_of(edges[i].lower, 1 + edges[i].axis), fault_of_edge(search, grid_, edges[i]));
   });
   // Sorting makes the order of faults independent of the threads.
   std::sort(faults.begin(), faults.end());

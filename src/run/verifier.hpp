@@ -21,14 +21,15 @@ namespace eses::detail {
 /// others are the crossings nearest to the seam with another patch.
 class Verifier final : public Sink {
  public:
-  /// Keeps views of all arguments, which must outlive the object. `cavities` is null if none are
-  /// filled.
-  Verifier(std::span<const Atom> atoms, const Plan& plan, const CavityMap* cavities = nullptr);
+  /// Verifies `checks` points and edges of the region of a schedule. Keeps views of all arguments,
+  /// which must outlive the object. `cavities` is null if none are filled.
+  Verifier(std::span<const Atom> atoms, const Plan& plan, const Schedule& schedule,
+           std::int64_t checks, const CavityMap* cavities = nullptr);
 
   /// Returns the estimated memory of a verification in bytes, for this number of crossings.
   static double memory_bytes(std::int64_t checked, int threads, double crossings);
 
-  /// Takes the sampled points and crossings of a block. `thread` is in [0, plan.threads).
+  /// Takes the sampled points and crossings of a block. `thread` is in [0, schedule.threads).
   void take_block(const BlockResult& result, std::size_t thread) override;
 
   /// Performs all checks after the last block. Calls `progress`, if it is not empty, from the
@@ -43,7 +44,10 @@ class Verifier final : public Sink {
     std::optional<bool> is_inside;  // empty until the block is solved
   };
 
-  const Plan& plan_;
+  const Grid& grid_;
+  const BlockTiling& tiling_;
+  int threads_;
+  std::size_t checks_;
   verify::Definition definition_;
   std::vector<SampledPoint> points_;             // by block
   std::vector<verify::CrossingSample> samples_;  // per thread

@@ -5,29 +5,27 @@
 #include <cstdint>
 
 #include "eses/summary.hpp"
-#include "solve/tally.hpp"
+#include "solve/area_shares.hpp"
 
 namespace eses::detail {
 
-/// Numbers of points. A point is irregular if it is an end of an edge with a crossing.
-struct PointCounts {
-  std::int64_t inside = 0;          ///< inside points
-  std::int64_t inside_regular = 0;  ///< inside points that are not irregular
-  std::int64_t irregular = 0;       ///< irregular points, inside or outside
-
-  void add(const PointCounts& other);
-};
-
-/// Totals of a region.
+/// Totals of crossings, points, mesh and verification. Each part of a run counts what it has seen,
+/// from a row to a process, and the totals of the parts are added up.
 struct RegionTotals {
-  std::array<std::int64_t, 3> crossings{};  ///< numbers of convex, saddle and concave crossings
-  std::array<AreaShare, 3> kind_shares{};   ///< area shares of the three kinds, as in Tally
-  AreaShare inside_lengths = 0;             ///< as in Tally
-  PointCounts points;
+  std::array<AreaShare, 3> kind_shares{};  ///< area shares of convex, saddle and concave crossings
+  /// Sum over the crossed edges of the fraction of the edge that lies inside, less 1/2.
+  AreaShare inside_lengths = 0;
+  std::array<std::int64_t, 3> crossings{};  ///< numbers of the three kinds
+  // A point is irregular if it is an end of an edge with a crossing.
+  std::int64_t inside_points = 0;     ///< number of inside points
+  std::int64_t inside_regular = 0;    ///< number of inside points that are not irregular
+  std::int64_t irregular_points = 0;  ///< number of irregular points, inside or outside
+  MeshCounts mesh;
+  std::int64_t verified_points = 0, verified_edges = 0;
 
   void add(const RegionTotals& other);
-  void add(const Tally& tally);
 };
+static_assert(sizeof(RegionTotals) == 144);  // without padding, as chunks have it on disk
 
 /// Returns the totals of a region with this number of points if inside and outside are exchanged.
 RegionTotals complement(RegionTotals totals, std::int64_t points);

@@ -8,19 +8,17 @@
 
 #include "grid/block_crossing.hpp"
 #include "solve/area_shares.hpp"
+#include "solve/region_totals.hpp"
 #include "surface/surface_model.hpp"
 
 namespace eses::detail {
 
-/// Numbers and area shares of crossings. The area is the sum of spacing^2 |n_axis| over all
-/// crossings (Liu et al., J. Comput. Chem. 38, 446, 2017, doi:10.1002/jcc.24682).
+/// The sums of a thread: area shares of atoms, and totals. The area is the sum of
+/// spacing^2 |n_axis| over all crossings (Liu et al., J. Comput. Chem. 38, 446, 2017,
+/// doi:10.1002/jcc.24682).
 struct Tally {
   AreaShares atom_shares;
-  std::array<std::int64_t, 3> crossings{};  ///< numbers of convex, saddle and concave crossings
-  std::array<AreaShare, 3> kind_shares{};   ///< area shares of the three kinds
-
-  /// Sum over the crossed edges of the fraction of the edge that lies inside, less 1/2.
-  AreaShare inside_lengths = 0;
+  RegionTotals totals;
 
   /// Adds the edge of a crossing; `fraction` is the fraction of the edge between its inside end and
   /// the crossing.
@@ -38,17 +36,17 @@ inline std::int64_t rounded_units(double value) {
 
 // Both functions are compiled into the loop over all crossings.
 inline void Tally::add_length(double fraction) {
-  inside_lengths += rounded_units((fraction - 0.5) / area_share_unit);
+  totals.inside_lengths += rounded_units((fraction - 0.5) / area_share_unit);
 }
 
 inline void Tally::add(const SurfaceModel& surface, const BlockCrossing& crossing, Vec3 point) {
   const std::size_t count = crossing.atom_count;
-  ++crossings[count - 1];
+  ++totals.crossings[count - 1];
   const double share = std::fabs(crossing.normal[crossing.axis]) / area_share_unit;
   const auto give = [&](AtomIndex atom, double part) {
     const std::int64_t units = rounded_units(part);
     atom_shares.add(atom, units);
-    kind_shares[count - 1] += units;
+    totals.kind_shares[count - 1] += units;
   };
   if (count == 1) {
     give(crossing.atoms[0], share);

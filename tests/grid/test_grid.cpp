@@ -296,10 +296,10 @@ TEST_CASE("a plan has the grid, blocks and sizes of the run") {
   parameters.threads = 2;
   const Plan plan = make_plan(atoms, parameters, {});
   CHECK(plan.grid.size == GridIndex{16, 11, 11});
-  CHECK(plan.tiling.blocks == GridIndex{3, 2, 2});
-  CHECK(plan.threads == 2);
+  CHECK(plan.schedule.tiling.blocks == GridIndex{3, 2, 2});
+  CHECK(plan.schedule.threads == 2);
   CHECK(plan.cut_depth() == -1);
-  CHECK(plan.memory_bytes > 0);
+  CHECK(plan.schedule.memory_bytes > 0);
 
   const TemporaryDirectory directory;
   run(atoms, plan.parameters, {}, directory.path());

@@ -115,7 +115,7 @@ GridRegion random_region(const GridIndex& size, Random& random) {
 }
 
 void check_part(const Result& part, const Result& full, const GridRegion& region) {
-  CHECK(part.plan.tiling.region == region);
+  CHECK(part.plan.region == region);
   CHECK(part.box == full.box);
   const bool same_points = part.points == lines_in(full.points, region, 1);
   const bool same_edges = part.edges == lines_in(full.edges, region, 2);
@@ -213,7 +213,7 @@ TEST_CASE("chosen blocks are blocks of the whole grid", "[region]") {
   Parameters parameters;
   parameters.block_size = 20;
   const Result full = result_of(atoms, parameters);
-  const BlockTiling& tiling = full.plan.tiling;
+  const BlockTiling& tiling = full.plan.schedule.tiling;
   REQUIRE(tiling.blocks[0] > 2);
   const BlockRange chosen{{1, 0, tiling.blocks[2] - 1}, {3, 1, tiling.blocks[2]}};
   parameters.part = chosen;
@@ -226,7 +226,7 @@ TEST_CASE("chosen blocks are blocks of the whole grid", "[region]") {
     region.end[q] = last.first[q] + last.owned[q];
   }
   check_part(part, full, region);
-  CHECK(part.plan.tiling.blocks == GridIndex{2, 1, 1});
+  CHECK(part.plan.schedule.tiling.blocks == GridIndex{2, 1, 1});
   parameters.part = BlockRange{{0, 0, 0}, tiling.blocks};
   const Result all = result_of(atoms, parameters);
   CHECK(all.edges == full.edges);
@@ -294,7 +294,7 @@ TEST_CASE("only atoms near a region get patches, and the plan counts them", "[re
   CHECK(part.files.grid < full.files.grid / 100);
   const AllPatches everywhere(atoms, 1.4, 2);
   SurfaceModel confined(atoms, 1.4);
-  confined.confine_to(region_box(part.grid, part.tiling.region));
+  confined.confine_to(region_box(part.grid, part.region));
   Patches near(confined);
   build_all_patches(near, 2);
   std::size_t placements = 0;
@@ -311,7 +311,7 @@ TEST_CASE("a region without atoms has empty results", "[region]") {
   parameters.verify = 10;
   const Result part = result_of(atoms, parameters);
   CHECK(part.edges.empty());
-  CHECK(part.points.size() == static_cast<std::size_t>(part.plan.tiling.region.point_count()));
+  CHECK(part.points.size() == static_cast<std::size_t>(part.plan.region.point_count()));
   CHECK(part.summary.area == 0);
   CHECK(part.summary.volume == 0);
 }

@@ -318,7 +318,7 @@ TEST_CASE("mesh components: a run of other components is not resumed", "[mesh][p
     const PlannedRun plan = plan_run(task, Processes());
     plan.checkpoint->prepare();
     PlaneChunk chunk;
-    chunk.info.planes = {0, 4};
+    chunk.planes = {0, 4};
     plan.checkpoint->finish(chunk);
   };
   keep_chunk();

@@ -15,7 +15,7 @@
 #include "catch.hpp"
 #include "eses/error.hpp"
 #include "mesh/vertex.hpp"
-#include "output/mesh_writer.hpp"
+#include "output/mesh_formatter.hpp"
 #include "support/atom_sets.hpp"
 #include "support/eses_files.hpp"
 #include "support/mesh_files.hpp"
@@ -142,7 +142,7 @@ TEST_CASE("mesh: chains, residues and colours are those of the atoms", "[mesh]")
 
 namespace {
 
-std::string header_of(const mesh::MeshText& text, const MeshCounts& counts) {
+std::string header_of(const mesh::MeshFormatter& text, const MeshCounts& counts) {
   std::string header;
   BufferedText part([&](std::string_view passed) { header += passed; });
   text.append_header(part, counts, {});
@@ -154,7 +154,7 @@ std::string header_of(const mesh::MeshText& text, const MeshCounts& counts) {
 
 TEST_CASE("mesh: the header's length does not depend on the counts", "[mesh]") {
   for (const MeshFormat format : {MeshFormat::ply, MeshFormat::obj, MeshFormat::off}) {
-    const mesh::MeshText text(format, MeshColor::none, {});
+    const mesh::MeshFormatter text(format, MeshColor::none, {});
     const std::uint64_t expected = header_of(text, {0, 0}).size();
     for (const std::uint64_t count : {1ULL, 99ULL, 2147483647ULL, 99999999999ULL})
       CHECK(header_of(text, {count, 2 * count}).size() == expected);
@@ -163,7 +163,7 @@ TEST_CASE("mesh: the header's length does not depend on the counts", "[mesh]") {
 
 TEST_CASE("mesh: the counts of an OFF file are separated by single blanks", "[mesh]") {
   // The format allows any white space, but meshio splits the stripped line at each blank.
-  const mesh::MeshText text(MeshFormat::off, MeshColor::none, {});
+  const mesh::MeshFormatter text(MeshFormat::off, MeshColor::none, {});
   for (const std::uint64_t count : {1ULL, 99ULL, 2147483647ULL}) {
     const std::string header = header_of(text, {count, 2 * count});
     const std::string begin = fmt::format("OFF\n{} {} 0", count, 2 * count);

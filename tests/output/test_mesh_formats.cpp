@@ -16,7 +16,7 @@
 
 #include "catch.hpp"
 #include "eses/error.hpp"
-#include "output/mesh_writer.hpp"
+#include "output/mesh_formatter.hpp"
 #include "output/vertex_color.hpp"
 #include "support/atom_sets.hpp"
 #include "support/eses_files.hpp"
@@ -73,7 +73,7 @@ double distance_from(const Vec3& point, const Atom& atom) {
   return norm(point - atom.center) - atom.radius;
 }
 
-std::string header_of(const mesh::MeshText& text, const MeshCounts& counts) {
+std::string header_of(const mesh::MeshFormatter& text, const MeshCounts& counts) {
   std::string header;
   BufferedText part([&](std::string_view passed) { header += passed; });
   text.append_header(part, counts, {});
@@ -174,14 +174,14 @@ TEST_CASE("mesh formats: the header's length does not depend on the counts", "[m
   for (const MeshFormat format :
        {MeshFormat::ascii_ply, MeshFormat::msms, MeshFormat::vtp, MeshFormat::stl, MeshFormat::glb})
     for (const MeshColor color : {MeshColor::none, MeshColor::patch}) {
-      const mesh::MeshText text(format, color,
-                                {.has_groups = true,
-                                 .chains = labels.first(3),
-                                 .residues = labels,
-                                 .atom_count = 1000,
-                                 .probe_radius = 1.4,
-                                 .density = 9.375,
-                                 .grid = {}});
+      const mesh::MeshFormatter text(format, color,
+                                     {.has_groups = true,
+                                      .chains = labels.first(3),
+                                      .residues = labels,
+                                      .atom_count = 1000,
+                                      .probe_radius = 1.4,
+                                      .density = 9.375,
+                                      .grid = {}});
       const std::uint64_t expected = header_of(text, {0, 0}).size();
       for (const std::uint64_t count : {1ULL, 99ULL, 2147483647ULL, 99999999999ULL})
         CHECK(header_of(text, {count, 2 * count}).size() == expected);

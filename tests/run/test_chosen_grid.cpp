@@ -327,7 +327,7 @@ TEST_CASE("a checkpoint of another grid is not resumed", "[grid][processes]") {
     const PlannedRun plan = plan_run(task, Processes());
     plan.checkpoint->prepare();
     PlaneChunk chunk;
-    chunk.info.planes = {0, 4};
+    chunk.planes = {0, 4};
     plan.checkpoint->finish(chunk);
   };
   keep_piece();

@@ -44,8 +44,8 @@ GridPoints random_points(const GridIndex& size, double density, Random& random) 
 }
 
 // Neighbours before the region are not known.
-PointCounts count_plainly(const GridPoints& points, const GridRegion& region) {
-  PointCounts counts;
+RegionTotals count_plainly(const GridPoints& points, const GridRegion& region) {
+  RegionTotals counts;
   for_each_index(region.size(), [&](GridIndex p) {
     for (std::size_t axis = 0; axis < 3; ++axis) p[axis] += region.begin[axis];
     const bool is_inside = points.at(p);
@@ -57,9 +57,9 @@ PointCounts count_plainly(const GridPoints& points, const GridRegion& region) {
         if (next[axis] < region.begin[axis] || next[axis] >= points.size[axis]) continue;
         is_irregular = is_irregular || points.at(next) != is_inside;
       }
-    counts.inside += is_inside;
+    counts.inside_points += is_inside;
     counts.inside_regular += is_inside && !is_irregular;
-    counts.irregular += is_irregular;
+    counts.irregular_points += is_irregular;
   });
   return counts;
 }
@@ -113,8 +113,8 @@ CutGrid cut(const GridPoints& points, const GridRegion& region, std::int64_t blo
   return result;
 }
 
-PointCounts count_all(const CutGrid& grid, Random& random) {
-  PointCounts counts;
+RegionTotals count_all(const CutGrid& grid, Random& random) {
+  RegionTotals counts;
   std::vector<std::uint64_t> below;
   for (const Layer& layer : grid.layers) {
     // The count is made in two parts, as threads make it.
@@ -133,11 +133,11 @@ PointCounts count_all(const CutGrid& grid, Random& random) {
 std::size_t compare_counts(const GridPoints& points, const GridRegion& region,
                            std::int64_t block_size, Random& random) {
   const CutGrid grid = cut(points, region, block_size, random);
-  const PointCounts expected = count_plainly(points, region), counts = count_all(grid, random);
+  const RegionTotals expected = count_plainly(points, region), counts = count_all(grid, random);
   CAPTURE(block_size, points.size, region.begin, region.end);
-  CHECK(counts.inside == expected.inside);
+  CHECK(counts.inside_points == expected.inside_points);
   CHECK(counts.inside_regular == expected.inside_regular);
-  CHECK(counts.irregular == expected.irregular);
+  CHECK(counts.irregular_points == expected.irregular_points);
   return grid.blocks_without_words;
 }
 

@@ -64,7 +64,7 @@ TEST_CASE("solved blocks have the points and crossings of the files", "[layer]")
     };
     const Summary summary = compute(atoms, plan.parameters, callbacks);
 
-    CHECK(static_cast<std::int64_t>(blocks.size()) == plan.tiling.block_count());
+    CHECK(static_cast<std::int64_t>(blocks.size()) == plan.schedule.tiling.block_count());
     REQUIRE(signs.size() == expected.files.points.size());
     for (std::size_t i = 0; i < signs.size(); ++i)
       REQUIRE(signs[i] == expected.files.points[i].sign);

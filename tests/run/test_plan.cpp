@@ -35,15 +35,15 @@ double surveyed_area(const std::vector<Atom>& atoms) {
 /// Memory of a machine that has more than enough, whatever this machine has.
 constexpr std::uint64_t plenty = std::uint64_t{1} << 42;
 
-/// Returns a plan for a machine on which `available` bytes are free.
-Plan plan_within(std::uint64_t available, const std::vector<Atom>& atoms,
-                 const Parameters& parameters) {
-  Plan plan = plan_grid(sphere_bounds(atoms), parameters);
-  plan_schedule({.available = [available] { return available; }}, atoms, {}, plan);
-  return plan;
+/// Returns the schedule for a machine on which `available` bytes are free.
+Schedule plan_within(std::uint64_t available, const std::vector<Atom>& atoms,
+                     const Parameters& parameters) {
+  const Plan plan = plan_grid(sphere_bounds(atoms), parameters);
+  return plan_schedule({.available = [available] { return available; }}, atoms, {}, plan,
+                       plan.planes());
 }
 
-Plan plan_with_plenty(const std::vector<Atom>& atoms, const Parameters& parameters) {
+Schedule plan_with_plenty(const std::vector<Atom>& atoms, const Parameters& parameters) {
   return plan_within(plenty, atoms, parameters);
 }
 
@@ -220,10 +220,10 @@ TEST_CASE("a survey includes all atoms of a small molecule", "[plan]") {
 
 TEST_CASE("blocks are cubes, or flat if the molecule is wide", "[plan]") {
   Parameters parameters;
-  const Plan small = plan_with_plenty(column_of_atoms(40), parameters);
+  const Schedule small = plan_with_plenty(column_of_atoms(40), parameters);
   CHECK((small.tiling.block_size == GridIndex{64, 64, 64}));
   grid_options(parameters).spacing = 0.2;
-  const Plan wide = plan_with_plenty({{{0, 0, 0}, 120}}, parameters);
+  const Schedule wide = plan_with_plenty({{{0, 0, 0}, 120}}, parameters);
   CHECK(wide.tiling.block_size[2] < 64);
   CHECK(wide.tiling.block_size[0] >= 64);
 }
@@ -233,13 +233,13 @@ TEST_CASE("a plan treats the available memory as a limit", "[plan]") {
   Parameters parameters;
   grid_options(parameters).spacing = 0.2;
   parameters.threads = 2;
-  const Plan free = plan_with_plenty(atoms, parameters);
+  const Schedule free = plan_with_plenty(atoms, parameters);
   const std::uint64_t smallest = min_limit(atoms, parameters) << 20;
-  const Plan tight = plan_within(smallest, atoms, parameters);
+  const Schedule tight = plan_within(smallest, atoms, parameters);
   CHECK(tight.memory_bytes < free.memory_bytes);
   CHECK(tight.memory_bytes <= smallest);
   parameters.max_memory = smallest;
-  const Plan limited = plan_with_plenty(atoms, parameters);
+  const Schedule limited = plan_with_plenty(atoms, parameters);
   CHECK((limited.tiling.block_size == tight.tiling.block_size));
   CHECK(limited.memory_bytes == tight.memory_bytes);
   parameters.max_memory = plenty;  // more than is available
@@ -285,9 +285,9 @@ TEST_CASE("a large memory limit changes nothing", "[plan]") {
   const std::vector<Atom> atoms = column_of_atoms(40);
   Parameters parameters;
   parameters.threads = 2;
-  const Plan free = plan_with_plenty(atoms, parameters);
+  const Schedule free = plan_with_plenty(atoms, parameters);
   parameters.max_memory = std::uint64_t{1} << 40;
-  const Plan limited = plan_with_plenty(atoms, parameters);
+  const Schedule limited = plan_with_plenty(atoms, parameters);
   CHECK((limited.tiling.block_size == free.tiling.block_size));
   CHECK(limited.threads == free.threads);
   CHECK(limited.blocks_ahead == free.blocks_ahead);
@@ -305,7 +305,7 @@ TEST_CASE("a refusal names the smallest limit that is accepted", "[plan]") {
       parameters.threads = threads;
       const std::uint64_t smallest = min_limit(atoms, parameters);
       parameters.max_memory = smallest << 20;
-      const Plan plan = plan_with_plenty(atoms, parameters);
+      const Schedule plan = plan_with_plenty(atoms, parameters);
       CHECK(plan.memory_bytes <= parameters.max_memory);
       if (block_size > 0)
         CHECK((plan.tiling.block_size == GridIndex{block_size, block_size, block_size}));
@@ -320,13 +320,13 @@ TEST_CASE("a tight limit gives smaller blocks and holds fewer of them", "[plan]"
   Parameters parameters;
   grid_options(parameters).spacing = 0.2;
   parameters.threads = 2;
-  const Plan free = plan_with_plenty(atoms, parameters);
+  const Schedule free = plan_with_plenty(atoms, parameters);
   parameters.max_memory = free.memory_bytes - 1;
-  const Plan fewer = plan_with_plenty(atoms, parameters);
+  const Schedule fewer = plan_with_plenty(atoms, parameters);
   CHECK((fewer.tiling.block_size == free.tiling.block_size));
   CHECK(fewer.blocks_ahead < free.blocks_ahead);
   parameters.max_memory = min_limit(atoms, parameters) << 20;
-  const Plan smallest = plan_with_plenty(atoms, parameters);
+  const Schedule smallest = plan_with_plenty(atoms, parameters);
   CHECK((smallest.tiling.block_size != free.tiling.block_size));
   CHECK(smallest.memory_bytes < fewer.memory_bytes);
 }

@@ -33,10 +33,10 @@ using Ranges = std::vector<PlaneRange>;
 void put_chunk(Checkpoint& checkpoint, const PlaneRange& planes, const std::string& pieces,
                std::vector<AtomSum> sums) {
   PlaneChunk chunk;
-  chunk.info.planes = planes;
-  chunk.info.bytes = pieces.size();
-  chunk.info.sums.totals.crossings = {1, 2, 3};
-  chunk.info.sums.totals.points.inside = 7;
+  chunk.planes = planes;
+  chunk.bytes = pieces.size();
+  chunk.totals.crossings = {1, 2, 3};
+  chunk.totals.inside_points = 7;
   chunk.atom_sums = std::move(sums);
   checkpoint.create(planes).append(pieces);
   checkpoint.finish(chunk);
@@ -141,9 +141,9 @@ TEST_CASE("complete chunks are kept", "[processes]") {
   Checkpoint later(directory.path(), "one run", Checkpoint::Chunks::kept);
   CHECK(later.complete() == Ranges{{0, 4}, {10, 20}});
   const PlaneChunk chunk = later.read({10, 20});
-  CHECK(chunk.info.bytes == 4);
-  CHECK(chunk.info.sums.totals.crossings[2] == 3);
-  CHECK(chunk.info.sums.totals.points.inside == 7);
+  CHECK(chunk.bytes == 4);
+  CHECK(chunk.totals.crossings[2] == 3);
+  CHECK(chunk.totals.inside_points == 7);
   REQUIRE(chunk.atom_sums.size() == 2);
   CHECK(chunk.atom_sums[1].atom == FileIndex{4000000000});
   CHECK((chunk.atom_sums[1].share == AreaShare{1} << 100));
@@ -235,9 +235,6 @@ TEST_CASE("a damaged identity of a run is not taken for another run", "[processe
     write_file(file, text.substr(0, length));
     CHECK(contains(message(identity), "/run is damaged; remove "));
   }
-  // Version 0.1.0 wrote no checksum.
-  write_file(file, identity);
-  CHECK(contains(message(identity), "different input, options or version"));
 }
 
 TEST_CASE("chunks that overlap are refused", "[processes]") {

@@ -39,11 +39,11 @@ TEST_CASE("a crossing's share is divided among its atoms by their distances") {
   Tally three;
   three.add(surface, make_crossing(1, {0, 1, 2}), {0, 0, 0});
   CHECK(share(three, 2) == Catch::Approx(1));  // the limit of a weight that grows without bound
-  CHECK(three.crossings == std::array<std::int64_t, 3>{0, 0, 1});
+  CHECK(three.totals.crossings == std::array<std::int64_t, 3>{0, 0, 1});
   RegionTotals totals;
   std::vector<AreaShare> sums(3);
   for (Tally* const tally : {&one, &two, &three}) {
-    totals.add(*tally);
+    totals.add(tally->totals);
     tally->atom_shares.move_into(sums);
     CHECK((tally->atom_shares[0] == 0));
   }
@@ -84,8 +84,8 @@ TEST_CASE("sums of parts are the sum of all, to the last bit, in any order") {
   const std::vector<AreaShare> sums = sums_of({&forward});
   CHECK((sums == sums_of({&backward})));
   CHECK((sums == sums_of({&first, &second})));
-  CHECK(forward.crossings == backward.crossings);
-  CHECK(forward.crossings[1] == first.crossings[1] + second.crossings[1]);
+  CHECK(forward.totals.crossings == backward.totals.crossings);
+  CHECK(forward.totals.crossings[1] == first.totals.crossings[1] + second.totals.crossings[1]);
 }
 
 TEST_CASE("shares of many atoms are right whatever their indices") {

@@ -95,7 +95,7 @@ TEST_CASE("an exception in any block ends the run with its message") {
   for (const int threads : {1, 2, 5}) {
     parameters.threads = threads;
     const Plan plan = make_plan(atoms, parameters, {});
-    const std::int64_t last = plan.tiling.block_count();
+    const std::int64_t last = plan.schedule.tiling.block_count();
     REQUIRE(last > 50);
     for (const std::int64_t bad : {std::int64_t{0}, std::int64_t{1}, last / 2, last}) {
       INFO(threads << " threads, block " << bad);

@@ -93,14 +93,14 @@ Verification verification_of(const std::vector<Atom>& atoms, const Parameters& p
   const Plan plan = make_plan(atoms, parameters, no_files);
   const test::AllPatches all(atoms, parameters.probe_radius);
   BlockWorkspace workspace;
-  Verifier verifier(atoms, plan);
-  const GridIndex& blocks = plan.tiling.blocks;
-  for (std::int64_t b = 0; b < plan.tiling.block_count(); ++b) {
-    const BlockBounds block =
-        plan.tiling.block(b % blocks[0], b / blocks[0] % blocks[1], b / blocks[0] / blocks[1]);
+  Verifier verifier(atoms, plan, plan.schedule, parameters.verify);
+  const GridIndex& blocks = plan.schedule.tiling.blocks;
+  for (std::int64_t b = 0; b < plan.schedule.tiling.block_count(); ++b) {
+    const BlockBounds block = plan.schedule.tiling.block(b % blocks[0], b / blocks[0] % blocks[1],
+                                                         b / blocks[0] / blocks[1]);
     BlockResult result = solve_block(all.patches, plan.grid, block, workspace);
     spoil(result);
-    verifier.take_block(result, static_cast<std::size_t>(b % plan.threads));
+    verifier.take_block(result, static_cast<std::size_t>(b % plan.schedule.threads));
   }
   return verifier.check({});
 }
@@ -428,7 +428,7 @@ TEST_CASE("a missing block is found", "[verify]") {
   Parameters parameters;
   parameters.verify = 100;
   const Plan plan = make_plan(atoms, parameters, no_files);
-  Verifier verifier(atoms, plan);
+  Verifier verifier(atoms, plan, plan.schedule, parameters.verify);
   const Verification verification = verifier.check({});
   REQUIRE(verification.faults.size() == 100);
   CHECK(verification.faults.front().ends_with("is in no block"));

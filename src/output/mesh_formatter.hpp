@@ -46,29 +46,22 @@ constexpr PieceContents contents_of(MeshFormat format) {
           .corners = format == MeshFormat::stl};
 }
 
-/// Makes the text of mesh files. A file has a header and then its sections: in most formats all
+/// Formats mesh files. A file has a header and then its sections: in most formats all
 /// vertices, then all triangles. MSMS has a header and the triangles in another file. STL has
 /// triangles only. In VTP each field of the vertices is a section.
-class MeshText {
+class MeshFormatter {
  public:
-  MeshText(MeshFormat format, MeshColor color, MeshSource source);
+  MeshFormatter(MeshFormat format, MeshColor color, MeshSource source);
 
   /// Whether each field of the vertices is a section, see vtp_text.hpp.
   bool has_columns() const { return format_ == MeshFormat::vtp; }
-  /// Size of the records of vertices whose bounding box is in the header; 0 if there is none.
-  std::size_t boxed_vertex_bytes() const {
-    return format_ == MeshFormat::glb ? gltf_vertex_bytes(optional_.has_colors) : 0;
-  }
-  /// The lists of a piece that `append` needs.
-  PieceContents piece_contents() const { return contents_of(format_); }
-  /// Whether vertices are labelled with the closest adjacent atom instead of the first one.
-  bool names_closest_atom() const { return format_ == MeshFormat::msms; }
   /// Number of sections. Their lengths depend only on the pieces that are appended.
   std::size_t section_count() const;
 
+  /// Includes vertices in the box that is in the header, if the format has one.
+  void extend_box(std::span<const Vertex> vertices, VertexBox& box) const;
   /// Appends the header, with the names of all chains and residues in formats for which
-  /// can_name_groups is true. Its length does not depend on `counts` and `box`, which is the
-  /// bounding box of the vertices if `boxed_vertex_bytes` is not 0.
+  /// can_name_groups is true. Its length does not depend on `counts` and `box`.
   void append_header(BufferedText& text, const MeshCounts& counts, const VertexBox& box) const;
   /// Appends the header of the separate file of the triangles. Its length does not depend on
   /// `counts`.

@@ -1,4 +1,4 @@
-#include "output/mesh_writer.hpp"
+#include "output/mesh_formatter.hpp"
 
 #include <array>
 #include <bit>
@@ -111,7 +111,7 @@ void require_vertex_count(std::uint64_t vertices) {
       max_vertices));
 }
 
-MeshText::MeshText(MeshFormat format, MeshColor color, MeshSource source)
+MeshFormatter::MeshFormatter(MeshFormat format, MeshColor color, MeshSource source)
     : format_(format),
       color_(color),
       source_(source),
@@ -121,13 +121,18 @@ MeshText::MeshText(MeshFormat format, MeshColor color, MeshSource source)
   if (has_coordinate_texts(format)) coordinates_ = coordinate_tokens(source.grid);
 }
 
-std::size_t MeshText::section_count() const {
+std::size_t MeshFormatter::section_count() const {
   if (has_columns()) return fields_.size() + 1;
   return format_ == MeshFormat::stl ? 1 : 2;
 }
 
-void MeshText::append_header(BufferedText& text, const MeshCounts& counts,
-                             const VertexBox& box) const {
+void MeshFormatter::extend_box(std::span<const Vertex> vertices, VertexBox& box) const {
+  if (format_ != MeshFormat::glb) return;
+  for (const Vertex& vertex : vertices) box.include(vertex.position - gltf_center_);
+}
+
+void MeshFormatter::append_header(BufferedText& text, const MeshCounts& counts,
+                                  const VertexBox& box) const {
   switch (format_) {
     case MeshFormat::ply:
     case MeshFormat::ascii_ply:
@@ -160,12 +165,12 @@ void MeshText::append_header(BufferedText& text, const MeshCounts& counts,
   }
 }
 
-void MeshText::append_face_header(BufferedText& text, const MeshCounts& counts) const {
+void MeshFormatter::append_face_header(BufferedText& text, const MeshCounts& counts) const {
   append_msms_header(text, source_.surface, true, counts.triangles, source_.atom_count,
                      source_.density, source_.probe_radius);
 }
 
-void MeshText::append_ply_header(BufferedText& text, const MeshCounts& counts) const {
+void MeshFormatter::append_ply_header(BufferedText& text, const MeshCounts& counts) const {
   constexpr bool is_little = std::endian::native == std::endian::little;
   text.append(
       "ply\nformat {} 1.0\n"
@@ -190,7 +195,7 @@ void MeshText::append_ply_header(BufferedText& text, const MeshCounts& counts) c
   text.append("element face {}\nproperty list uchar int vertex_indices\nend_header\n", triangles);
 }
 
-Color MeshText::color_of(const Vertex& vertex) const {
+Color MeshFormatter::color_of(const Vertex& vertex) const {
   const VertexLabels& labels = vertex.labels;
   if (color_ == MeshColor::potential)
     return potential_color(labels.potential, *source_.potential_limit);
@@ -203,9 +208,9 @@ Color MeshText::color_of(const Vertex& vertex) const {
 // Writes what the file has of a vertex with these writers of a position, a normal, an integer and a
 // potential, which return the end of what they have written.
 template <class PutPosition, class PutNormal, class PutInteger, class PutPotential>
-char* MeshText::put_fields(char* out, const Vertex& vertex, PutPosition put_position,
-                           PutNormal put_normal, PutInteger put_integer,
-                           PutPotential put_potential) const {
+char* MeshFormatter::put_fields(char* out, const Vertex& vertex, PutPosition put_position,
+                                PutNormal put_normal, PutInteger put_integer,
+                                PutPotential put_potential) const {
   const VertexLabels& labels = vertex.labels;
   out = put_position(out, vertex.position);
   out = put_normal(out, vertex.normal);
@@ -223,7 +228,7 @@ char* MeshText::put_fields(char* out, const Vertex& vertex, PutPosition put_posi
 }
 
 // Writes the position of a vertex as text. Two of its coordinates are coordinates of grid points.
-char* MeshText::put_coordinates(char* out, const Vertex& vertex) const {
+char* MeshFormatter::put_coordinates(char* out, const Vertex& vertex) const {
   const VertexLabels& labels = vertex.labels;
   for (std::size_t axis = 0; axis < 3; ++axis)
     out = axis == labels.axis
@@ -233,7 +238,7 @@ char* MeshText::put_coordinates(char* out, const Vertex& vertex) const {
 }
 
 // Writes a vertex of binary PLY, which is also the vertex record of VTP.
-char* MeshText::put_record(char* out, const Vertex& vertex) const {
+char* MeshFormatter::put_record(char* out, const Vertex& vertex) const {
   return put_fields(
       out, vertex, put_components<double>, put_components<float>,
       [](char* end, auto integer) { return put(end, integer); },
@@ -241,14 +246,14 @@ char* MeshText::put_record(char* out, const Vertex& vertex) const {
 }
 
 // Writes a vertex of text PLY.
-char* MeshText::put_ply_line(char* out, const Vertex& vertex) const {
+char* MeshFormatter::put_ply_line(char* out, const Vertex& vertex) const {
   return end_line(put_fields(
       out, vertex, [&](char* end, const Vec3&) { return put_coordinates(end, vertex); }, put_vector,
       put_index, put_number));
 }
 
 // The colours follow the position, as numbers from 0 to 1.
-char* MeshText::put_obj_vertex(char* out, const Vertex& vertex) const {
+char* MeshFormatter::put_obj_vertex(char* out, const Vertex& vertex) const {
   *out++ = 'v';
   *out++ = ' ';
   out = put_coordinates(out, vertex);
@@ -263,12 +268,12 @@ char* MeshText::put_obj_vertex(char* out, const Vertex& vertex) const {
   return end_line(put_vector(out, vertex.normal));
 }
 
-char* MeshText::put_glb_vertex(char* out, const Vertex& vertex) const {
+char* MeshFormatter::put_glb_vertex(char* out, const Vertex& vertex) const {
   out = put_gltf_vertex(out, vertex.position, vertex.normal, gltf_center_);
   return optional_.has_colors ? put_gltf_color(out, color_of(vertex)) : out;
 }
 
-void MeshText::append_vertex(TextBuffer& text, const Vertex& vertex) const {
+void MeshFormatter::append_vertex(TextBuffer& text, const Vertex& vertex) const {
   char* const out = text.reserve(max_vertex_bytes);
   switch (format_) {
     case MeshFormat::ply:
@@ -291,8 +296,8 @@ void MeshText::append_vertex(TextBuffer& text, const Vertex& vertex) const {
 }
 
 // Appends the fields of the records of vertices to the columns.
-void MeshText::append_columns(std::span<const Vertex> vertices,
-                              std::span<TextBuffer> columns) const {
+void MeshFormatter::append_columns(std::span<const Vertex> vertices,
+                                   std::span<TextBuffer> columns) const {
   std::array<char, max_vertex_bytes> record{};
   for (const Vertex& vertex : vertices) {
     put_record(record.data(), vertex);
@@ -307,7 +312,7 @@ void MeshText::append_columns(std::span<const Vertex> vertices,
   }
 }
 
-void MeshText::append_triangles(const MeshPiece& piece, TextBuffer& text) const {
+void MeshFormatter::append_triangles(const MeshPiece& piece, TextBuffer& text) const {
   // Most formats need far less than the maximum, so room is reserved for one triangle at a time.
   const auto room = [&text] { return text.reserve(max_triangle_bytes); };
   const auto put_all = [&](auto&& put_triangle) {
@@ -342,7 +347,7 @@ void MeshText::append_triangles(const MeshPiece& piece, TextBuffer& text) const 
   }
 }
 
-void MeshText::append(const MeshPiece& piece, std::span<TextBuffer> sections) const {
+void MeshFormatter::append(const MeshPiece& piece, std::span<TextBuffer> sections) const {
   if (has_columns())
     append_columns(piece.vertices, sections);
   else
@@ -350,7 +355,7 @@ void MeshText::append(const MeshPiece& piece, std::span<TextBuffer> sections) co
   append_triangles(piece, sections.back());
 }
 
-void MeshText::require_counts(const MeshCounts& counts) const {
+void MeshFormatter::require_counts(const MeshCounts& counts) const {
   if (format_ == MeshFormat::glb) require_gltf_size(counts, optional_.has_colors);
   if (format_ == MeshFormat::stl && counts.triangles > std::numeric_limits<std::uint32_t>::max())
     throw Error(
