@@ -173,17 +173,6 @@ std::vector<SweepRange> ranges_of(const PlannedRun& run) {
   return ranges;
 }
 
-// Returns the surface near the slab, whose patches the sweep builds.
-std::shared_ptr<ScheduledSurface> make_surface(const PlannedRun& run) {
-  const Box slab = slab_box(run.plan, run.slab.planes);
-  SurfaceModel surface(run.slab.molecule, run.request.parameters.probe_radius);
-  surface.cavities = run.filled();
-  if (!run.plan.is_whole_surface() || run.slab.planes != run.plan.planes())
-    surface.confine_to(slab);
-  return std::make_shared<ScheduledSurface>(std::move(surface),
-                                            HeightRange{slab.low.z, slab.high.z});
-}
-
 // Returns what the pieces have for the outputs.
 SweepContents contents_of(const Outputs& outputs) {
   SweepContents contents{.grid = outputs.grid,
@@ -252,9 +241,9 @@ SweepSums sweep_range(const PlannedRun& run, const SweepRange& range, PatchSched
 std::optional<SweepSums> sweep_ranges(PlannedRun& run, std::span<const SweepRange> ranges,
                                       std::optional<RunFiles>& files, ProgressReport& report,
                                       Summary& summary) {
-  std::shared_ptr<ScheduledSurface> surface = run.cavities.patches;
+  std::shared_ptr<ScheduledSurface> surface;
   for (const SweepRange& range : ranges) {
-    if (!surface) surface = make_surface(run);
+    if (!surface) surface = surface_of(run);
     const auto sweep_into = [&](Sink& sink) {
       return sweep_range(run, range, surface->schedule, sink, report, summary);
     };

@@ -402,4 +402,15 @@ PlannedRun plan_run(Request request, const Processes& processes) {
   return run;
 }
 
+std::shared_ptr<ScheduledSurface> surface_of(const PlannedRun& run) {
+  if (run.cavities.patches) return run.cavities.patches;
+  const Box slab = slab_box(run.plan, run.slab.planes);
+  SurfaceModel surface(run.slab.molecule, run.request.parameters.probe_radius);
+  surface.cavities = run.filled();
+  if (!run.plan.is_whole_surface() || run.slab.planes != run.plan.planes())
+    surface.confine_to(slab);
+  return std::make_shared<ScheduledSurface>(std::move(surface),
+                                            HeightRange{slab.low.z, slab.high.z});
+}
+
 }  // namespace eses::detail

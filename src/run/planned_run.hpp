@@ -20,6 +20,7 @@
 #include "run/slabs.hpp"
 #include "surface/cavity_map.hpp"
 #include "surface/find_cavities.hpp"
+#include "surface/patch_schedule.hpp"
 
 namespace eses::detail {
 
@@ -64,5 +65,8 @@ struct PlannedRun {
 /// call it. Throws SharedError if the atoms cannot be read, if a parameter or an output is not
 /// possible for them, and if the run would exceed the memory.
 PlannedRun plan_run(Request request, const Processes& processes);
+
+/// Returns the surface near the slab of a process, whose patches a sweep builds or finds built.
+std::shared_ptr<ScheduledSurface> surface_of(const PlannedRun& run);
 
 }  // namespace eses::detail

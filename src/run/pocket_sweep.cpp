@@ -57,12 +57,7 @@ class ProbeSweep {
     if (finds_covered) request.outputs.ion_access = IonAccessMap{"covered.dx", probe_radius};
     extras_ = extras_of(request.outputs);
     run_ = plan_run(std::move(request), Processes());
-    patches_ = std::move(run_.cavities.patches);
-    if (patches_) return;
-    SurfaceModel surface(molecule, probe_radius);
-    surface.cavities = run_.cavities.map;
-    patches_ = std::make_shared<ScheduledSurface>(std::move(surface),
-                                                  HeightRange{grid.origin.z, grid.upper().z});
+    surface_ = surface_of(run_);
   }
 
   // Planes of a layer of blocks.
@@ -75,7 +70,7 @@ class ProbeSweep {
     Schedule schedule = run_.slab.schedule;
     schedule.tiling = make_tiling(run_.plan.grid, schedule.tiling.block_size,
                                   with_planes(run_.plan.region, planes));
-    Sweep sweep(patches_->schedule, run_.plan, schedule,
+    Sweep sweep(surface_->schedule, run_.plan, schedule,
                 {.maps = std::move(maps), .extras = extras_}, {}, nullptr, sink, report);
     sweep.solve_plane_below();
     sweep.run();
@@ -84,7 +79,7 @@ class ProbeSweep {
  private:
   BlockExtras extras_;
   PlannedRun run_;
-  std::shared_ptr<ScheduledSurface> patches_;
+  std::shared_ptr<ScheduledSurface> surface_;
 };
 
 // Planes that are swept together.

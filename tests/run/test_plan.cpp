@@ -432,7 +432,8 @@ TEST_CASE("no plan takes less memory than the minimum for its number of atoms") 
   for (const std::size_t count : {1U, 1000U, 30000U}) {
     const std::vector<Atom> atoms(count, {{0, 0, 0}, 1.5});
     INFO(count);
-    const auto bytes = static_cast<double>(make_plan(atoms, {}, Outputs::none()).memory_bytes);
+    const auto bytes =
+        static_cast<double>(make_plan(atoms, {}, Outputs::none()).schedule.memory_bytes);
     CHECK(bytes >= min_expected_memory(count));
     CHECK(min_expected_memory(count) >= static_cast<double>(count * sizeof(Atom)));
   }
