@@ -91,11 +91,12 @@ def _from_gemmi(found: Any, frame: int) -> Columns:
         raise TypeError(f"gemmi.{kind} is not a molecule; give a Structure, Model, Chain, ResidueSpan or Residue")
     parts = [("", [found] if kind == "Residue" else found)] if kind.startswith("Residue") else [(chain.name, chain) for chain in chains]
     rows = [(name, residue, atom) for name, residues in parts for residue in residues for atom in residue]
+    numbers = [residue.seqid.num for _, residue, _ in rows]  # None if an mmCIF file has none
     return Columns(
         centers=[atom.pos.tolist() for _, _, atom in rows],
         elements=["" if atom.element.name == "X" else atom.element.name for _, _, atom in rows],
         names=[atom.name for _, _, atom in rows], residues=[residue.name for _, residue, _ in rows],
-        numbers=[residue.seqid.num for _, residue, _ in rows],
+        numbers=[0 if number is None else number for number in numbers],
         icodes=[residue.seqid.icode.strip() for _, residue, _ in rows],
         chains=[chain for chain, _, _ in rows], label_chains=[residue.subchain for _, residue, _ in rows],
         altlocs=[atom.altloc.strip("\0 ") for _, _, atom in rows],

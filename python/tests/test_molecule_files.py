@@ -85,6 +85,18 @@ def test_radii_in_place_of_occupancies():
         eses.measure(gemmi.read_pdb_string(text), radii="occupancy")
 
 
+def test_gemmi_residues_without_numbers():
+    gemmi = pytest.importorskip("gemmi")
+    chain = gemmi.Chain("A")
+    residue = gemmi.Residue()
+    residue.name = "ZN"
+    residue.add_atom(gemmi.Atom())
+    residue[0].name, residue[0].element = "ZN", gemmi.Element("Zn")
+    chain.add_residue(residue)
+    assert chain[0].seqid.num is None
+    assert eses.measure(chain).residues["residue_number"].tolist() == [0]
+
+
 def test_label_chains_of_gemmi():
     gemmi = pytest.importorskip("gemmi")
     structure = gemmi.make_structure_from_block(gemmi.cif.read_string(MMCIF).sole_block())

@@ -97,9 +97,11 @@ std::string corrected_element(const ResidueRange& residue, std::size_t atom) {
   if (named.is_polymer) {
     const std::string by_name = usual_spelling(element_by_name(named));
     if (by_name == "H" || by_name == "D") return element == "D" ? element : by_name;
-    // SC1 is a bead of a side chain, and no scandium.
+    // CA and SC1 of unusual residues and of beads are no calcium and no scandium.
+    const bool is_misread =
+        element.size() == 2 && name.starts_with(upper_case(std::string(element)));
     const bool is_known =
-        element == "Sc" || may_have_atom(standard_residue(residue.labels), label.atom_name);
+        is_misread || may_have_atom(standard_residue(residue.labels), label.atom_name);
     return by_name.empty() || !is_known ? element : by_name;
   }
   constexpr std::size_t max_atoms = 1000;  // distances of all pairs of a crystal would take long

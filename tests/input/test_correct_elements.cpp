@@ -53,7 +53,10 @@ TEST_CASE("correct_elements: names tell the elements of amino acids", "[radii]")
                    {"MSE", "2", "SE", "S", {}},
                    {"HIS", "3", "ND1", "Nd", {}},
                    {"TRP", "4", "SC1", "Sc", {}},
-                   {"TRP", "4", "ZN", "Zn", {}}}) == Texts{"C", "C", "D", "Se", "N", "S", "Zn"});
+                   {"TRP", "4", "ZN", "Zn", {}},
+                   {"DA", "5", "CA", "Ca", {}},
+                   {"DA", "5", "X1", "Ca", {}}}) ==
+        Texts{"C", "C", "D", "Se", "N", "S", "Zn", "C", "Ca"});
 }
 
 TEST_CASE("correct_elements: lengths of bonds decide in ligands", "[radii]") {
