@@ -17,6 +17,7 @@
 #include "cli/shared_report.hpp"
 #include "eses/radii.hpp"
 #include "input/residue_runs.hpp"
+#include "input/text_fields.hpp"
 #include "input/text_source.hpp"
 #include "output/area_table_writer.hpp"
 #include "system/formatted.hpp"
