@@ -308,9 +308,11 @@ std::string given_options(const CLI::App& app, std::initializer_list<std::string
     const std::string name = option->get_name();
     const bool is_left_out = std::ranges::find(left_out, name) != left_out.end();
     if (option->count() == 0 || option->get_positional() || is_left_out) continue;
-    text += name + "\n";
+    text += name + ":";
     for (const std::string& value : option->results())
-      text += formatted("{} {}\n", value.size(), value);
+      text +=
+          formatted(" {} {}", value.size(), replaced(replaced(value, "\\", "\\\\"), "\n", "\\n"));
+    text += "\n";
   }
   return text;
 }

@@ -139,7 +139,7 @@ void add_notices(CLI::App& app);
 /// the message about superfluous ones. Throws UsageError, or Notice for help and version.
 void parse(CLI::App& app, const Arguments& arguments, std::string_view positionals);
 
-/// Returns the options that were given, except `left_out`, and their values.
+/// Returns the options that were given, except `left_out`: a line `NAME: VALUES` for each.
 std::string given_options(const CLI::App& app, std::initializer_list<std::string_view> left_out);
 
 /// Throws UsageError if one of these options is given without something that it needs.

@@ -13,6 +13,17 @@
 #include "system/formatted.hpp"
 
 namespace eses::detail {
+namespace {
+
+// Returns the message of an error and its hints.
+std::vector<std::string> with_hints(const std::exception& error) {
+  std::vector<std::string> texts{error.what()};
+  if (const auto* const hinted = dynamic_cast<const Hints*>(&error))
+    texts.insert(texts.end(), hinted->hints().begin(), hinted->hints().end());
+  return texts;
+}
+
+}  // namespace
 
 int Processes::launched_count() {
   int count = 1;
@@ -34,11 +45,9 @@ void Processes::all_or_throw(const std::function<void()>& action) const {
   } catch (const std::bad_alloc&) {
     failure = std::vector<std::string>{"out of memory"};
   } catch (const std::invalid_argument& error) {
-    failure = std::vector<std::string>{error.what()};
+    failure = with_hints(error);
   } catch (const Error& error) {
-    failure = std::vector<std::string>{error.what()};
-    if (const auto* const hinted = dynamic_cast<const Hints*>(&error))
-      failure->insert(failure->end(), hinted->hints().begin(), hinted->hints().end());
+    failure = with_hints(error);
   }
   const int mine = failure ? rank_ : count_;
   const std::vector<int> ranks = gather(std::span(&mine, 1));

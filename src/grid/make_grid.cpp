@@ -8,6 +8,7 @@
 #include <string>
 
 #include "system/formatted.hpp"
+#include "system/hints.hpp"
 
 namespace eses::detail {
 namespace {
@@ -102,19 +103,20 @@ Grid make_grid(const Box& bounds, double spacing, double margin) {
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const double cells = cells_along(box, spacing, axis);
     if (!(cells < max_cells_along_axis))
-      throw std::invalid_argument(
-          formatted("a spacing of {} angstrom needs {:.3g} grid points along {}; "
-                    "the limit is {:g}; {}",
-                    spacing, cells, "xyz"[axis], max_cells_along_axis,
-                    spacing_advice(bounds, spacing, margin)));
+      throw HintedArgument(formatted("a spacing of {} angstrom needs {:.3g} grid points along {}; "
+                                     "the limit is {:g}; {}",
+                                     spacing, cells, "xyz"[axis], max_cells_along_axis,
+                                     spacing_advice(bounds, spacing, margin)),
+                           {"spacing", "margin"});
     grid.size[axis] = static_cast<std::int64_t>(cells) + 1;
     grid.origin[axis] = box.low[axis];
   }
   const double points = points_in(box, spacing);
   if (points > max_point_count)
-    throw std::invalid_argument(
+    throw HintedArgument(
         formatted("a spacing of {} angstrom needs {:.3g} grid points; the limit is {:g}; {}",
-                  spacing, points, max_point_count, spacing_advice(bounds, spacing, margin)));
+                  spacing, points, max_point_count, spacing_advice(bounds, spacing, margin)),
+        {"spacing", "margin"});
   return grid;
 }
 
@@ -123,14 +125,16 @@ void require_valid(const Grid& grid) {
     throw std::invalid_argument(formatted(
         "the spacing of a grid must be a positive number of angstrom, not {}", grid.spacing));
   if (grid.spacing < min_spacing)
-    throw std::invalid_argument(formatted(
-        "the spacing of a grid must be at least {} angstrom, not {}", min_spacing, grid.spacing));
+    throw HintedArgument(formatted("the spacing of a grid must be at least {} angstrom, not {}",
+                                   min_spacing, grid.spacing),
+                         {"spacing"});
   double points = 1;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const auto size = static_cast<double>(grid.size[axis]);
     if (size < 1 || size > max_cells_along_axis)
-      throw std::invalid_argument(formatted("a grid has {} points along {}; it must have 1 to {:g}",
-                                            grid.size[axis], "xyz"[axis], max_cells_along_axis));
+      throw HintedArgument(formatted("a grid has {} points along {}; it must have 1 to {:g}",
+                                     grid.size[axis], "xyz"[axis], max_cells_along_axis),
+                           {"grid_points"});
     if (!std::isfinite(grid.origin[axis]) || !std::isfinite(grid.upper()[axis]))
       throw std::invalid_argument(
           formatted("a grid goes from {} to {} along {}; its bounds must be finite",
@@ -138,8 +142,9 @@ void require_valid(const Grid& grid) {
     points *= size;
   }
   if (points > max_point_count)
-    throw std::invalid_argument(
-        formatted("a grid has {:.3g} points; the limit is {:g}", points, max_point_count));
+    throw HintedArgument(
+        formatted("a grid has {:.3g} points; the limit is {:g}", points, max_point_count),
+        {"grid_points"});
 }
 
 void require_chosen(const Grid& grid) {
@@ -153,10 +158,12 @@ void require_chosen(const Grid& grid) {
                     grid.size[axis]));
     const double farthest = std::max(std::fabs(grid.origin[axis]), std::fabs(grid.upper()[axis]));
     if (farthest > max_cells_from_zero * grid.spacing)
-      throw std::invalid_argument(formatted(
-          "the grid goes from {} to {} along {}, too far from 0 for a spacing of {}; the limit is "
-          "{:g} times the spacing",
-          grid.origin[axis], grid.upper()[axis], "xyz"[axis], grid.spacing, max_cells_from_zero));
+      throw HintedArgument(
+          formatted("the grid goes from {} to {} along {}, too far from 0 for a spacing of {}; the "
+                    "limit is {:g} times the spacing",
+                    grid.origin[axis], grid.upper()[axis], "xyz"[axis], grid.spacing,
+                    max_cells_from_zero),
+          {"grid_origin", "grid_center", "spacing"});
   }
 }
 
@@ -188,10 +195,12 @@ GridRegion points_between(const Grid& grid, Vec3 low, Vec3 high) {
     std::int64_t end = std::clamp<std::int64_t>(near(high[axis]) + 3, 0, size);
     while (end > 0 && grid.coordinate(axis, end - 1) > high[axis]) --end;
     if (!(begin < end))
-      throw std::invalid_argument(formatted(
-          "the region from {} to {} along {} holds no point of the grid, whose "
-          "{} points go from {} to {}",
-          low[axis], high[axis], "xyz"[axis], size, grid.origin[axis], grid.upper()[axis]));
+      throw HintedArgument(
+          formatted("the region from {} to {} along {} holds no point of the grid, whose "
+                    "{} points go from {} to {}",
+                    low[axis], high[axis], "xyz"[axis], size, grid.origin[axis],
+                    grid.upper()[axis]),
+          {"region"});
     region.begin[axis] = begin;
     region.end[axis] = end;
   }

@@ -4,6 +4,7 @@
 #include <stdexcept>
 
 #include "system/formatted.hpp"
+#include "system/hints.hpp"
 
 namespace eses::detail {
 
@@ -41,9 +42,11 @@ GridRegion BlockTiling::points_of_blocks(const BlockRange& range) const {
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const std::int64_t begin = range.begin[axis], end = range.end[axis];
     if (begin < 0 || begin >= end || end > blocks[axis])
-      throw std::invalid_argument(formatted(
-          "block range {}:{} along {} must be within 0:{} (blocks of {} points on a side)", begin,
-          end, "xyz"[axis], blocks[axis], block_size[axis]));
+      throw HintedArgument(
+          formatted(
+              "block range {}:{} along {} must be within 0:{} (blocks of {} points on a side)",
+              begin, end, "xyz"[axis], blocks[axis], block_size[axis]),
+          {"blocks"});
     points.begin[axis] = region.begin[axis] + begin * (block_size[axis] - 1);
     points.end[axis] =
         end == blocks[axis] ? region.end[axis] : region.begin[axis] + end * (block_size[axis] - 1);

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "eses/error.hpp"
+#include "output/identity.hpp"
 #include "system/formatted.hpp"
 #include "system/gzip.hpp"
 
@@ -113,9 +114,9 @@ void ResultLog::read_records(std::string_view identity) {
   // Without results, the identity does not matter.
   if (!kept_.empty() && found != identity)
     throw Error(
-        formatted("cannot resume: {} has results of a run with different options or "
-                  "version; remove it to start again",
-                  path_));
+        formatted("cannot resume: {} has results of a run that differs in {}; remove it to start "
+                  "again",
+                  path_, differing_names(identity, found)));
   if (kept_.empty()) end = 0;
   if (ftruncate(file_.value(), static_cast<off_t>(end)) != 0) fail("write", errno);
   append_from(end);

@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "eses/error.hpp"
+#include "output/identity.hpp"
 #include "output/output_files.hpp"
 #include "system/formatted.hpp"
 #include "system/gzip.hpp"
@@ -167,10 +168,9 @@ void Checkpoint::require_same_run() const {
     throw Error(formatted("cannot resume: {} is damaged; remove {} to start again",
                           (path_ / run_name).string(), path_.string()));
   if (run != with_checksum(identity_))
-    throw Error(formatted(
-        "cannot resume: {} belongs to a run with different input, options or version; remove it to "
-        "start again",
-        path_.string()));
+    throw Error(
+        formatted("cannot resume: {} belongs to a run that differs in {}; remove it to start again",
+                  path_.string(), differing_names(identity_, run.substr(run.find('\n') + 1))));
 }
 
 bool Checkpoint::is_complete(const PlaneRange& planes) const try {

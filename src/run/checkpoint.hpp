@@ -50,7 +50,7 @@ class Checkpoint {
  public:
   /// Whether the chunks of a run that fails are kept, so that another run can continue.
   enum class Chunks : bool { temporary, kept };
-  /// `identity` is a text that identifies the run: runs whose chunks must not be combined have
+  /// `identity` identifies the run, see identity.hpp: runs whose chunks must not be combined have
   /// different identities.
   Checkpoint(const std::filesystem::path& output_directory, std::string identity, Chunks chunks);
   /// Removes temporary chunks, and the directory if it is empty.

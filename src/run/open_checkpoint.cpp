@@ -12,7 +12,7 @@
 
 #include "eses/error.hpp"
 #include "eses/version.hpp"
-#include "output/map_writer.hpp"
+#include "output/mesh_format.hpp"
 #include "output/output_files.hpp"
 #include "system/formatted.hpp"
 #include "system/splitmix64.hpp"
@@ -21,7 +21,7 @@ namespace eses::detail {
 namespace {
 
 // Version of checkpoints. Must increase with each change of the results or of the format of chunks.
-constexpr int checkpoint_format = 8;
+constexpr int checkpoint_format = 9;
 
 std::uint64_t hash_of_atoms(std::span<const Atom> atoms,
                             std::span<const mesh::GroupNumbers> groups) {
@@ -48,46 +48,65 @@ std::uint64_t hash_of_names(const mesh::GroupNames& groups) {
   return sum;
 }
 
-std::string mesh_identity(const std::optional<MeshOptions>& mesh,
-                          const std::optional<PotentialMap>& map) {
-  if (!mesh) return "none";
-  std::string identity = formatted("{} {} {}", static_cast<int>(required_mesh_format(*mesh)),
-                                   static_cast<int>(mesh->color), mesh->quality);
-  if (mesh->component) identity += formatted(" component {}", *mesh->component);
-  if (map)
-    identity += formatted(" potential {} offset {:a} limit {:a}", map->identity(),
-                          mesh->potential->offset, mesh->potential->limit);
-  return identity;
+// Adds a property of a run to its identity; see identity.hpp.
+template <class Value>
+void add_property(std::string& identity, std::string_view name, const Value& value) {
+  identity += formatted("{}: {}\n", name, value);
 }
 
-// Identifies the maps. The permittivities are left out, because chunks contain inside lengths of
-// edges, which do not depend on them.
-std::string map_identity(const Outputs& outputs) {
-  std::string identity;
-  for (const MapChoice& map : chosen_maps(outputs))
-    identity += formatted("{} ", static_cast<int>(map.quantity));
-  if (outputs.ion_access) identity += formatted("{:a}", outputs.ion_access->ion_radius);
-  return identity;
+// Lengths and volumes are written in hexadecimal, which is exact.
+std::string exact_text(double value) { return formatted("{:a}", value); }
+
+// The permittivities of maps are left out, because chunks contain inside lengths of edges, which do
+// not depend on them.
+void add_outputs(const Outputs& outputs, const std::optional<PotentialMap>& potential,
+                 std::string& identity) {
+  add_property(identity, "--write", formatted("{} {}", outputs.grid, outputs.edges));
+  add_property(identity, "--gzip", outputs.gzip ? zlibVersion() : "none");
+  add_property(identity, "--inside", !outputs.inside_map.empty());
+  add_property(identity, "--dielectric", outputs.dielectric.has_value());
+  add_property(identity, "--kappa", outputs.ion_access.has_value());
+  add_property(identity, "--ion-radius",
+               exact_text(outputs.ion_access.value_or(IonAccessMap()).ion_radius));
+  const MeshOptions mesh = outputs.mesh.value_or(MeshOptions());
+  const MeshPotential colors = mesh.potential.value_or(MeshPotential());
+  add_property(identity, "--mesh", outputs.mesh ? static_cast<int>(*mesh_format(mesh.file)) : -1);
+  add_property(identity, "--ply-ascii", mesh.is_ascii);
+  add_property(identity, "--color", static_cast<int>(mesh.color));
+  add_property(identity, "--mesh-quality", mesh.quality);
+  add_property(identity, "--component",
+               mesh.component ? static_cast<std::int64_t>(*mesh.component) : -1);
+  add_property(identity, "--potential", potential ? potential->identity() : "none");
+  add_property(identity, "--potential-offset", exact_text(colors.offset));
+  add_property(identity, "--potential-limit", exact_text(colors.limit));
 }
 
 // Returns a text that differs between runs whose chunks must not be combined. `hash` is that of the
 // atoms.
 std::string chunk_identity(const PlannedRun& run, std::uint64_t hash) {
-  const Request& request = run.request;
-  const Parameters& p = request.parameters;
+  const Parameters& p = run.request.parameters;
   const Grid& grid = run.plan.grid;
   const auto* const options = std::get_if<GridOptions>(&p.grid);
   const GridRegion& region = run.plan.region;
-  return formatted(
-      "eses-blocks {} format {} {}\natoms {} {:016x}\nprobe {:a} spacing {:a} margin {:a}\n"
-      "origin {:a} {:a} {:a} size {}\npoints {} {}\ngrid {} edges {} gzip {} maps {} mesh {}\n"
-      "filled {}\n",
-      version, checkpoint_format, request.outputs.gzip ? zlibVersion() : "", run.atoms, hash,
-      p.probe_radius, grid.spacing, options != nullptr ? options->margin : 0.0, grid.origin.x,
-      grid.origin.y, grid.origin.z, fmt::join(grid.size, " "), fmt::join(region.begin, " "),
-      fmt::join(region.end, " "), request.outputs.grid, request.outputs.edges, request.outputs.gzip,
-      map_identity(request.outputs), mesh_identity(request.outputs.mesh, run.potential),
-      p.max_filled_void ? formatted("{:a}", *p.max_filled_void) : "none");
+  std::string identity;
+  add_property(identity, "the version",
+               formatted("eses-blocks {} format {}", version, checkpoint_format));
+  add_property(identity, "the input", formatted("{} {:016x}", run.atoms, hash));
+  add_property(identity, "--surface", static_cast<int>(p.surface()));
+  add_property(identity, "--probe-radius", exact_text(p.probe_radius));
+  add_property(identity, "--spacing", exact_text(grid.spacing));
+  add_property(identity, "--margin", exact_text(options != nullptr ? options->margin : 0));
+  add_property(identity, "the grid",
+               formatted("{:a} {:a} {:a} {}", grid.origin.x, grid.origin.y, grid.origin.z,
+                         fmt::join(grid.size, " ")));
+  add_property(identity, "the part of the grid",
+               region == grid.whole()
+                   ? "all"
+                   : formatted("{} {}", fmt::join(region.begin, " "), fmt::join(region.end, " ")));
+  add_property(identity, "--fill-cavities",
+               p.max_filled_void ? exact_text(*p.max_filled_void) : "none");
+  add_outputs(run.request.outputs, run.potential, identity);
+  return identity;
 }
 
 // Throws SharedError unless all processes have read the same atoms.

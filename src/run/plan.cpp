@@ -58,10 +58,11 @@ void require_valid_mesh(const MeshOptions& mesh, const Molecule& molecule) {
 
 void require_enclosing_margin(double depth, const GridOptions& grid) {
   if (depth < 0 || grid.margin >= 0.5 * grid.spacing) return;
-  throw std::invalid_argument(
+  throw HintedArgument(
       formatted("a margin of {} angstrom is too small for a spacing of {}: the grid, whose number "
                 "of points is truncated, would cut the surface; use a margin of at least {}",
-                grid.margin, grid.spacing, grid.spacing));
+                grid.margin, grid.spacing, grid.spacing),
+      {"margin"});
 }
 
 // Returns the number of threads to use: at most one for each block or cluster of atoms.

@@ -99,10 +99,10 @@ FoundCavities find_cavities_of(const Molecule& molecule, const Request& request,
                           .max_filled_void = request.parameters.max_filled_void,
                           .kept_component = kept},
                          keeps_patches);
-  } catch (const Error& error) {
+  } catch (const HintedError& error) {
     const auto* const file = std::get_if<InputFile>(&request.atoms);
     if (file == nullptr) throw;
-    throw Error(formatted("{}: {}", file->path.string(), error.what()));
+    throw HintedError(formatted("{}: {}", file->path.string(), error.what()), error.hints());
   }
 }
 
@@ -319,8 +319,9 @@ void take_slab(const Molecule& whole, std::span<const Atom> atoms,
     return;
   }
   if (request.part && count > run.plan.planes().count())
-    throw Error(formatted("{} parts are too many for {} grid planes along z; use fewer parts",
-                          count, run.plan.planes().count()));
+    throw HintedError(formatted("{} parts are too many for {} grid planes along z; use fewer parts",
+                                count, run.plan.planes().count()),
+                      {"part"});
   // The parts do not depend on the chunks that happen to be complete.
   const std::span<const PlaneRange> free =
       request.part ? std::span<const PlaneRange>() : run.finished_planes;

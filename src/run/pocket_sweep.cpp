@@ -7,7 +7,6 @@
 #include <memory>
 #include <numbers>
 #include <span>
-#include <stdexcept>
 #include <utility>
 #include <vector>
 
@@ -19,6 +18,7 @@
 #include "run/sweep.hpp"
 #include "surface/patch_schedule.hpp"
 #include "system/formatted.hpp"
+#include "system/hints.hpp"
 #include "system/parallel.hpp"
 
 namespace eses::detail {
@@ -34,8 +34,9 @@ constexpr double margin_spacings = 2;
 // The smallest volume of a pocket, in volumes of the small probe, unless it is chosen.
 constexpr double min_probe_volumes = 2;
 
-void refuse_unless(bool holds, const std::string& message) {
-  if (!holds) throw std::invalid_argument(message);
+// Throws std::invalid_argument with the name of the option that changes the value.
+void refuse_unless(bool holds, const std::string& message, const char* option) {
+  if (!holds) throw HintedArgument(message, {option});
 }
 
 // The sweep over the surface of a probe, without its cavities.
@@ -197,23 +198,27 @@ void require_valid(const PocketOptions& options, double probe_radius) {
   refuse_unless(
       probe_radius >= min_probe_radius && probe_radius <= max_probe_radius,
       formatted("the probe radius must be between {} and {} angstrom for pockets, and is {}",
-                min_probe_radius, max_probe_radius, probe_radius));
+                min_probe_radius, max_probe_radius, probe_radius),
+      "probe_radius");
   const double large = options.large_probe_radius;
   refuse_unless(
       large > probe_radius && large <= max_probe_radius,
       formatted("the radius of the large probe must be more than that of the probe, {}, and at "
                 "most {} angstrom, and is {}",
-                probe_radius, max_probe_radius, large));
+                probe_radius, max_probe_radius, large),
+      "large_probe");
   const double min_spacing = probe_radius / max_probe_spacings;
   refuse_unless(
       options.spacing >= min_spacing && options.spacing <= probe_radius,
       formatted("the spacing must be between {:.4g} and {} angstrom for pockets with a probe "
                 "radius of {}, and is {}",
-                min_spacing, probe_radius, probe_radius, options.spacing));
+                min_spacing, probe_radius, probe_radius, options.spacing),
+      "spacing");
   refuse_unless(
       !options.min_volume || (*options.min_volume >= 0 && std::isfinite(*options.min_volume)),
       formatted("the minimum volume of a pocket must be a number of at least 0, and is {}",
-                options.min_volume.value_or(0)));
+                options.min_volume.value_or(0)),
+      "min_pocket_volume");
   require_threads(options.threads);
 }
 

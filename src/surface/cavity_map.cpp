@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <limits>
 
-#include "eses/error.hpp"
 #include "surface/patches.hpp"
 #include "system/formatted.hpp"
+#include "system/hints.hpp"
 
 namespace eses::detail {
 namespace {
@@ -184,9 +184,10 @@ void CavityMap::fill(double max_void_volume) {
 
 void CavityMap::keep_only(ComponentNumber component) {
   if (as_number(component) >= is_filled_.size())
-    throw Error(formatted("there is no cavity {}; the molecule has {} {} for this probe",
-                          as_number(component), void_volumes_.size(),
-                          void_volumes_.size() == 1 ? "cavity" : "cavities"));
+    throw HintedError(formatted("there is no cavity {}; the molecule has {} {} for this probe",
+                                as_number(component), void_volumes_.size(),
+                                void_volumes_.size() == 1 ? "cavity" : "cavities"),
+                      {"component"});
   std::fill(is_filled_.begin(), is_filled_.end(), std::uint8_t{1});
   is_filled_[as_number(component)] = 0;
   choose_boxes();

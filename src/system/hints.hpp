@@ -1,6 +1,7 @@
 #pragma once
 /// Errors that another choice of the caller avoids.
 
+#include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
@@ -9,9 +10,9 @@
 
 namespace eses::detail {
 
-/// A base of errors that another choice of the caller avoids. A hint is the name of a parameter and
-/// a value for it, such as `max_memory 20M`. The command line adds hints to the message, as
-/// options.
+/// A base of errors that another choice of the caller avoids. A hint is the name of a parameter,
+/// perhaps with a value for it, such as `max_memory 20M`. The command line adds hints to the
+/// message, as options.
 class Hints {
  public:
   explicit Hints(std::vector<std::string> hints) : hints_(std::move(hints)) {}
@@ -26,6 +27,13 @@ class HintedError : public Error, public Hints {
  public:
   explicit HintedError(const std::string& message, std::vector<std::string> hints = {})
       : Error(message), Hints(std::move(hints)) {}
+};
+
+/// An argument out of its range, with the parameters that change it as hints.
+class HintedArgument : public std::invalid_argument, public Hints {
+ public:
+  HintedArgument(const std::string& message, std::vector<std::string> hints)
+      : std::invalid_argument(message), Hints(std::move(hints)) {}
 };
 
 /// A grid needs more memory than there is.

@@ -155,13 +155,13 @@ class Resume(FaultTest):
     @needs_library
     def test_other_input_or_options_are_refused(self):
         self.assertTrue(self.cut_off(20))
-        for arguments in ((SMALL, "-q", "--spacing", "0.5", "-b", "9"),
-                          (*RUN, "--probe-radius", "1.5"), (*RUN, "--write", "edges"),
-                          (*RUN, "--fill-cavities"),
-                          (DATA / "1ubq.xyzr", *RUN[1:])):
+        for arguments, names in (((SMALL, "-q", "--spacing", "0.5", "-b", "9"), "--spacing, the grid"),
+                                 ((*RUN, "--probe-radius", "1.5"), "--probe-radius"),
+                                 ((*RUN, "--write", "edges"), "--write"), ((*RUN, "--fill-cavities"), "--fill-cavities"),
+                                 ((DATA / "1ubq.xyzr", *RUN[1:]), "the input, the grid")):
             with self.subTest(arguments=arguments):
                 before = self.chunks()
-                self.assertFailed(self.run_program(*arguments, "--resume"), "cannot resume")
+                self.assertFailed(self.run_program(*arguments, "--resume"), f"that differs in {names}; remove it to start again")
                 self.assertEqual(self.chunks(), before)
         self.assertSame()
 
@@ -325,9 +325,10 @@ class Resume(FaultTest):
         arguments = (*RUN, "--mesh", self.output / "mesh.ply")
         self.assertTrue(self.cut_off(30, *arguments, *self.potential(5)))
         self.assertGreater(len(self.chunks()), 0)
-        for other in ((), self.potential(6), (*self.potential(5), "--potential-offset", "1"),
-                      (*self.potential(5), "--potential-limit", "1")):
-            self.assertFailed(self.run_program(*arguments, *other, "--resume"), "cannot resume")
+        for other, names in (((), "--color, --potential"), (self.potential(6), "--potential"),
+                             ((*self.potential(5), "--potential-offset", "1"), "--potential-offset"),
+                             ((*self.potential(5), "--potential-limit", "1"), "--potential-limit")):
+            self.assertFailed(self.run_program(*arguments, *other, "--resume"), f"that differs in {names}; remove")
 
     @needs_library
     def test_other_mesh_is_refused(self):
@@ -335,10 +336,10 @@ class Resume(FaultTest):
         arguments = (*RUN, "--mesh", self.output / "mesh.ply")
         self.assertTrue(self.cut_off(30, *arguments))
         self.assertGreater(len(self.chunks()), 0)
-        for other in (RUN, (*RUN, "--mesh", self.output / "mesh.obj"),
-                      (*RUN, "--mesh", self.output / "mesh.vtp"), (*arguments, "--ply-ascii"),
-                      (*arguments, "--color", "atom"), (*arguments, "--inside", "map.dx")):
-            self.assertFailed(self.run_program(*other, "--resume"), "cannot resume")
+        for other, names in ((RUN, "--mesh"), ((*RUN, "--mesh", self.output / "mesh.obj"), "--mesh"),
+                             ((*RUN, "--mesh", self.output / "mesh.vtp"), "--mesh"), ((*arguments, "--ply-ascii"), "--ply-ascii"),
+                             ((*arguments, "--color", "atom"), "--color"), ((*arguments, "--inside", "map.dx"), "--inside")):
+            self.assertFailed(self.run_program(*other, "--resume"), f"that differs in {names}; remove")
 
     @unittest.skipIf(os.environ.get("ESES_SANITIZE") == "thread",
                      "the sanitizer itself maps files that are larger")

@@ -375,7 +375,8 @@ TEST_CASE("mesh components: the program writes only the mesh", "[mesh][cli]") {
     const Outcome missing = sandbox.run(arguments);
     CHECK(missing.code == 1);
     CHECK(contains(missing.err,
-                   file + ": there is no cavity 4; the molecule has 3 cavities for this probe\n"));
+                   file + ": there is no cavity 4; the molecule has 3 cavities for this probe "
+                          "(--component)\n"));
   }
   check_usage_error(sandbox, {file, "--component", "1"}, "--component needs --mesh");
   check_usage_error(sandbox, with({"--component", "-1"}),

@@ -206,7 +206,7 @@ TEST_CASE("incomplete chunks of another run are ignored", "[processes]") {
 
 TEST_CASE("a damaged identity of a run is not taken for another run", "[processes]") {
   const TemporaryDirectory directory;
-  const std::string identity = "eses-blocks 1 format 4\natoms 3\n";
+  const std::string identity = "the version: eses-blocks 1 format 4\nthe input: 3\n--gzip: no\n";
   Checkpoint checkpoint(directory.path(), identity, Checkpoint::Chunks::kept);
   checkpoint.lock();
   checkpoint.prepare();
@@ -221,7 +221,11 @@ TEST_CASE("a damaged identity of a run is not taken for another run", "[processe
     return std::string();
   };
   CHECK(message(identity).empty());
-  CHECK(contains(message("eses-blocks 1 format 4\natoms 4\n"), "different input"));
+  const std::string start = "the version: eses-blocks 1 format 4\nthe input: ";
+  CHECK(contains(message(start + "4\n--gzip: no\n"), "a run that differs in the input; remove"));
+  CHECK(contains(message(start + "4\n--gzip: yes\n"), "differs in the input, --gzip; remove"));
+  CHECK(contains(message(start + "3\n"), "differs in --gzip; remove"));
+  CHECK(contains(message("the version: eses-blocks 2\nother: 3\n"), "differs in the version;"));
   const std::filesystem::path file = directory.path() / ".eses-blocks.resume" / "run";
   const std::string text = read_file(file);
   for (std::size_t i = 0; i < text.size(); ++i) {
