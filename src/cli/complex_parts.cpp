@@ -12,9 +12,11 @@
 #include "cli/arguments.hpp"
 #include "cli/messages.hpp"
 #include "eses/error.hpp"
+#include "eses/interface.hpp"
 #include "eses/radii.hpp"
 #include "eses/select_atoms.hpp"
 #include "input/other_formats.hpp"
+#include "input/read_input.hpp"
 #include "input/residue_runs.hpp"
 #include "input/text_fields.hpp"
 #include "input/text_source.hpp"
@@ -39,7 +41,7 @@ std::vector<bool> selected_in_structure(const std::string& selection, const Divi
   reading.structure.select = selection;
   AtomFile found;
   try {
-    found = read_atoms(file.path, reading);
+    found = read_input(file.path, reading, {}, &file.radii);
   } catch (const EmptyPart&) {
     return std::vector<bool>(file.labels.size());
   } catch (const Error& error) {

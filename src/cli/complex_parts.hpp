@@ -10,9 +10,9 @@
 #include <vector>
 
 #include "eses/atoms.hpp"
-#include "eses/interface.hpp"
 #include "eses/read_atoms.hpp"
 #include "input/named_part.hpp"
+#include "input/radii_set.hpp"
 
 namespace eses::detail::cli {
 
@@ -54,6 +54,7 @@ void refuse_repeated_chains(const PartChoice& choice, std::string_view option);
 struct DividedFile {
   const std::filesystem::path& path;
   const ReadOptions& reading;            ///< how it was read
+  const RadiiSet& radii;                 ///< of `reading`
   std::span<const AtomLabel> labels;     ///< of its atoms
   std::span<const std::uint64_t> lines;  ///< of its atoms
 };

@@ -7,6 +7,8 @@
 
 #include "cli/command.hpp"
 #include "cli/messages.hpp"
+#include "eses/far_atoms.hpp"
+#include "eses/grid.hpp"
 #include "input/text_source.hpp"
 #include "system/formatted.hpp"
 
@@ -45,13 +47,38 @@ std::string lines_text(const DiagnosticText& text, std::string_view relation) {
                    more > 0 ? formatted(" and {} more", more) : "");
 }
 
-/// Returns a label such as `A/LYS 33/CE`, if it is known.
+/// Returns a label such as `A/LYS 33/CE`.
+std::string label_text(const AtomLabel& label) {
+  return formatted("{}/{} {}/{}", label.chain, label.residue, label.residue_number,
+                   label.atom_name);
+}
+
+/// Returns the label of an atom, if it is known.
 std::optional<std::string> label_text(const std::map<FileIndex, AtomLabel>& labels,
                                       FileIndex atom) {
   const auto found = labels.find(atom);
-  if (found == labels.end()) return std::nullopt;
-  const auto& [chain, residue, number, name, element, atom_class] = found->second;
-  return formatted("{}/{} {}/{}", chain, residue, number, name);
+  return found == labels.end() ? std::nullopt : std::optional(label_text(found->second));
+}
+
+/// Returns the warning about atoms far from all others, which would make the usual grid large and
+/// empty; nothing if there are none.
+std::optional<DiagnosticText> far_atoms_text(const AtomFile& atoms, const Surface& surface,
+                                             const std::filesystem::path& input) {
+  const std::optional<FarAtoms> far = find_far_atoms(surface, GridOptions());
+  if (!far || far->atoms.empty()) return std::nullopt;
+  DiagnosticText text = program_warning(far_atoms_name, "");
+  text.count = far->atoms.size();
+  for (const AtomIndex atom :
+       std::span(far->atoms).first(std::min(far->atoms.size(), Diagnostic::max_examples)))
+    text.examples.push_back({.atom = atom,
+                             .line = atoms.lines[atom],
+                             .label = surface.labels().empty()
+                                          ? std::nullopt
+                                          : std::optional(label_text(surface.labels()[atom]))});
+  text.message = formatted("{}: {} far from all others: {}", input_name(input),
+                           text.count == 1 ? "1 atom is" : formatted("{} atoms are", text.count),
+                           lines_text(text, ""));
+  return text;
 }
 
 }  // namespace
@@ -77,7 +104,7 @@ DiagnosticText program_warning(std::string_view name, std::string message) {
 }
 
 DiagnosticText describe(const FarAtomsWarning& far, const std::map<FileIndex, AtomLabel>& labels) {
-  DiagnosticText text = program_warning("far_atoms", far.message);
+  DiagnosticText text = program_warning(far_atoms_name, far.message);
   text.count = far.count;
   for (const auto& [atom, line] : far.examples)
     text.examples.push_back({atom, line, label_text(labels, FileIndex{atom})});
@@ -119,26 +146,17 @@ std::vector<DiagnosticText> describe(const AtomFile& atoms, const Surface& surfa
   all.add(surface.diagnostics(), atoms.lines);
   if (!surface.labels().empty())
     for (const auto& [atom, line] : all.lines) all.labels[atom] = surface.labels()[as_number(atom)];
-  return describe(all, input);
-}
-
-std::string waters_text(std::span<const DiagnosticText> diagnostics, std::size_t atoms) {
-  const auto waters =
-      std::ranges::find(diagnostics, name_of(DiagnosticKind::water), &DiagnosticText::name);
-  if (waters == diagnostics.end()) return "";
-  return formatted("read: {}; {}\n", counted(atoms, "atom"), waters->short_text);
-}
-
-std::vector<std::string> warnings_of(std::span<const DiagnosticText> diagnostics) {
-  std::vector<std::string> lines;
-  for (const DiagnosticText& diagnostic : diagnostics)
-    if (!diagnostic.is_usual && !diagnostic.is_printed) lines.push_back(diagnostic.message);
-  return lines;
+  std::vector<DiagnosticText> texts = describe(all, input);
+  if (std::optional<DiagnosticText> far = far_atoms_text(atoms, surface, input))
+    texts.push_back(*std::move(far));
+  return texts;
 }
 
 std::vector<std::string> warnings_to_print(std::span<const DiagnosticText> diagnostics,
                                            bool is_strict, bool is_quiet) {
-  std::vector<std::string> lines = warnings_of(diagnostics);
+  std::vector<std::string> lines;
+  for (const DiagnosticText& diagnostic : diagnostics)
+    if (!diagnostic.is_usual && !diagnostic.is_printed) lines.push_back(diagnostic.message);
   if (is_strict && !lines.empty()) throw StrictError{std::move(lines)};
   if (is_quiet) lines.clear();
   return lines;

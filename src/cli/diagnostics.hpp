@@ -38,6 +38,9 @@ struct DiagnosticText {
   bool is_printed = false;  ///< whether the user has been told already
 };
 
+/// Name of the diagnostic of atoms far from all others.
+inline constexpr std::string_view far_atoms_name = "far_atoms";
+
 /// Returns the JSON report of a diagnostic.
 void to_json(Json& json, const DiagnosticText& diagnostic);
 
@@ -52,19 +55,13 @@ DiagnosticText describe(const FarAtomsWarning& far, const std::map<FileIndex, At
 std::vector<DiagnosticText> describe(const FileDiagnostics& diagnostics,
                                      const std::filesystem::path& input);
 
-/// Returns the texts of the diagnostics of the atoms that were read, and of their surface. The
-/// labels are those of the surface.
+/// Returns the texts of the diagnostics of the atoms that were read, and of their surface, and that
+/// of atoms far from all others, such as placeholders. The labels are those of the surface.
 std::vector<DiagnosticText> describe(const AtomFile& atoms, const Surface& surface,
                                      const std::filesystem::path& input);
 
-/// Returns the line about the waters of a PQR file; empty if there are none.
-std::string waters_text(std::span<const DiagnosticText> diagnostics, std::size_t atoms);
-
-/// Returns the messages of the warnings that the user has not been told yet.
-std::vector<std::string> warnings_of(std::span<const DiagnosticText> diagnostics);
-
-/// Returns these messages, or nothing if `is_quiet`. With `is_strict`, throws StrictError if there
-/// are some.
+/// Returns the messages of the warnings that the user has not been told yet, or nothing if
+/// `is_quiet`. With `is_strict`, throws StrictError if there are some.
 std::vector<std::string> warnings_to_print(std::span<const DiagnosticText> diagnostics,
                                            bool is_strict, bool is_quiet);
 

@@ -3,10 +3,10 @@
 #include <cstdint>
 #include <filesystem>
 #include <string>
-#include <string_view>
 #include <utility>
 #include <vector>
 
+#include "cli/arguments.hpp"
 #include "cli/command.hpp"
 #include "cli/complex_parts.hpp"
 #include "cli/diagnostics.hpp"
@@ -19,7 +19,7 @@
 #include "eses/interface.hpp"
 #include "eses/radii.hpp"
 #include "eses/read_atoms.hpp"
-#include "input/text_source.hpp"
+#include "input/read_input.hpp"
 #include "output/area_table_writer.hpp"
 #include "system/formatted.hpp"
 
@@ -30,7 +30,7 @@ namespace {
 std::vector<ComplexParts> divisions_of(const InterfaceOptions& options, const ReadOptions& reading,
                                        const InterfaceFile& found) {
   const AtomFile& file = found.file;
-  const DividedFile divided{found.path, reading, file.labels, file.lines};
+  const DividedFile divided{found.path, reading, options.radii, file.labels, file.lines};
   if (options.ligand) return divide_by_ligand(*options.ligand, divided);
   return {divide(options.groups, divided, "--groups")};
 }
@@ -54,12 +54,11 @@ void add_interfaces(const InterfaceOptions& options, const Surface& surface,
 /// Returns the interfaces of a file. Sets the warnings, also if it throws an exception after them.
 InterfaceFile read_interfaces(const InterfaceOptions& options, const InputRun& run,
                               std::vector<std::string>& warnings) {
-  ReadOptions reading{.format = options.format, .structure = options.structure, .check = run.check};
-  reading.structure.model = options.model_of(run.input);
+  const ReadOptions reading = options.reading_of(run.input, run.check);
   const std::filesystem::path& path = options.inputs[run.input];
   InterfaceFile file{.path = path,
                      .model = options.all_models ? reading.structure.model : 0,
-                     .file = read_atoms(path, reading),
+                     .file = read_input(path, reading, {}, &options.radii),
                      .diagnostics = {},
                      .are_polar = {},
                      .interfaces = {}};
@@ -101,15 +100,10 @@ std::string printed_text(const InterfaceOptions& options, std::size_t input,
                         options.all_models ? formatted(",{}", file.model) : "");
 }
 
-/// The row of --csv for an input that could not be measured.
-std::string failure_row(const InterfaceOptions& options, std::size_t input,
-                        const std::string& error) {
-  const std::string heading = interface_heading(InterfaceTable::interfaces);
-  const auto columns = static_cast<std::size_t>(std::ranges::count(heading, ',')) + 1;
-  const int model = options.model_of(input);
-  return formatted("{}{},{},{}\n", csv_field(options.inputs[input].string()),
-                   std::string(columns, ','), model > 0 ? std::to_string(model) : "",
-                   csv_field(error));
+/// Returns the names of the columns of the table of --csv.
+std::vector<std::string> csv_columns() {
+  return split(formatted("file,{},model,error", interface_heading(InterfaceTable::interfaces)),
+               ',');
 }
 
 /// Measures an input and writes its tables.
@@ -119,9 +113,7 @@ void measure_input(const InterfaceOptions& options, const InputRun& run, Outcome
   const bool has_report = options.printed_table == nullptr && !options.prints_csv;
   if (!has_report && !options.quiet)
     if (const std::string reason = empty_table_reason(options, file); !reason.empty())
-      outcome.notes.push_back(
-          formatted("{}{}: {}", input_name(file.path),
-                    options.all_models ? formatted(" (model {})", file.model) : "", reason));
+      outcome.notes.push_back(reason);
   const std::string model = file.file.structure ? csv_field(file.file.structure->model) : "";
   outcome.text = printed_text(options, run.input, file);
   outcome.rows = interface_rows(options, InterfaceTable::interfaces, file,
@@ -142,19 +134,12 @@ int perform_interface(const Arguments& arguments) {
   InterfaceOptions options = parse_interface_arguments(arguments);
   require_standard_output();
   expand_models(options);
-  return run_table_command(
-      options,
-      {.heading = heading_of(options),
-       .csv_heading =
-           formatted("file,{},model,error\n", interface_heading(InterfaceTable::interfaces)),
-       .is_table = [](std::string_view name) { return is_one_of(interface_tables, name); },
-       .names_of_tables = [&](std::size_t input) { return options.names_of_tables(input); },
-       .measure = [&](const InputRun& run,
-                      Outcome& outcome) { measure_input(options, run, outcome); },
-       .failure_row =
-           [&](std::size_t input, const std::string& error) {
-             return failure_row(options, input, error);
-           }});
+  return run_table_command(options, {.heading = heading_of(options),
+                                     .csv_columns = csv_columns(),
+                                     .tables = names_of(interface_tables, options),
+                                     .measure = [&](const InputRun& run, Outcome& outcome) {
+                                       measure_input(options, run, outcome);
+                                     }});
 }
 
 }  // namespace eses::detail::cli

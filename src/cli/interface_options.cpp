@@ -3,7 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <filesystem>
 #include <limits>
-#include <system_error>
+#include <vector>
 
 #include "cli/arguments.hpp"
 #include "cli/input_files.hpp"
@@ -99,6 +99,18 @@ bool prints_atoms(const InterfaceOptions& options) {
          (printed->table == InterfaceTable::pdb || printed->table == InterfaceTable::cif);
 }
 
+/// Throws UsageError if a side follows the two of --groups, as it would be read as a file.
+void refuse_third_side(const InterfaceOptions& options) {
+  const std::vector<PartSelector>& sides = options.groups.parts;
+  if (sides.size() != 2) return;
+  for (const std::filesystem::path& path : options.choice.paths)
+    if (!path.has_extension() && is_missing(path))
+      throw UsageError(formatted(
+          "--groups takes two sides, here {} and {}, and there is no file {}; chains of a side are "
+          "joined by +, as in eses-blocks interface FILE --groups A+B C",
+          sides[0].text, sides[1].text, path.string()));
+}
+
 }  // namespace
 
 InterfaceOptions parse_interface_arguments(const Arguments& arguments) {
@@ -108,13 +120,11 @@ InterfaceOptions parse_interface_arguments(const Arguments& arguments) {
   add_interface_options(app, options);
   parse(app, arguments, "FILE...");
   options.groups.by_chain = options.groups.parts.empty();
-  complete_table_options(app, !options.written_tables.empty(), options.printed_table != nullptr,
-                         options);
+  complete_table_options(app, options);
   if (prints_atoms(options) && options.has_many())
     throw UsageError("--table pdb and cif print the atoms of a single file or model; use --write");
+  refuse_third_side(options);
   check_inputs(options, [&](const std::filesystem::path& path) {
-    std::error_code ignored;
-    if (path != "-" && !std::filesystem::is_regular_file(path, ignored)) return;
     refuse_other_input(app, options, path);
     refuse_xyzr({path, options.format}, "interface", "chains");
   });

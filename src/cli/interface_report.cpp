@@ -115,13 +115,26 @@ std::string lost_line(const char* surface, const BuriedArea& area,
                    lost_text(area.second, area.second_alone));
 }
 
+/// Returns why a file has no interfaces.
+std::string no_interface_reason(const InterfaceOptions& options, const InterfaceFile& file) {
+  std::set<std::string_view> chains;
+  for (const AtomLabel& label : file.file.labels) chains.insert(label.chain);
+  const bool is_by_chain = options.groups.by_chain && !options.ligand;
+  if (is_by_chain && chains.size() == 1)
+    return "the file has a single chain; --ligand NAME, --groups and --assembly ID choose other "
+           "sides";
+  if (options.min_area > 0)
+    return formatted("no interface has {} A^2, the area of --area-cutoff", options.min_area);
+  if (is_by_chain) return "no chains touch each other";
+  return options.ligand ? "the ligand touches no other atoms"
+                        : "the two sides do not touch each other";
+}
+
 std::string interface_report(const InterfaceOptions& options, const InterfaceFile& file) {
   std::string text;
   if (!options.quiet) {
-    text = formatted("{}: {}, probe radius {} angstrom\n", one_line(input_name(file.path)),
-                     counted(file.file.atoms.size(), "atom"), options.probe_radius);
-    if (file.file.structure) text += structure_text(*file.file.structure);
-    text += waters_text(file.diagnostics, file.file.atoms.size());
+    text = heading_text(file.path, file.file.atoms.size(), options.probe_radius,
+                        file.file.structure, file.diagnostics);
     text += formatted("{} (square angstrom; interface area: half of what both sides lose)\n",
                       counted(file.interfaces.size(), "interface"));
     if (file.interfaces.empty()) text += no_interface_reason(options, file) + "\n";
@@ -268,20 +281,6 @@ std::string interface_json(const InterfaceOptions& options, const InterfaceFile&
 }
 
 }  // namespace
-
-std::string no_interface_reason(const InterfaceOptions& options, const InterfaceFile& file) {
-  std::set<std::string_view> chains;
-  for (const AtomLabel& label : file.file.labels) chains.insert(label.chain);
-  const bool is_by_chain = options.groups.by_chain && !options.ligand;
-  if (is_by_chain && chains.size() == 1)
-    return "the file has a single chain; --ligand NAME, --groups and --assembly ID choose other "
-           "sides";
-  if (options.min_area > 0)
-    return formatted("no interface has {} A^2, the area of --area-cutoff", options.min_area);
-  if (is_by_chain) return "no chains touch each other";
-  return options.ligand ? "the ligand touches no other atoms"
-                        : "the two sides do not touch each other";
-}
 
 std::string empty_table_reason(const InterfaceOptions& options, const InterfaceFile& file) {
   if (file.interfaces.empty()) return no_interface_reason(options, file);

@@ -9,7 +9,6 @@
 
 #include "cli/diagnostics.hpp"
 #include "cli/interface_options.hpp"
-#include "eses/atoms.hpp"
 #include "eses/interface.hpp"
 #include "eses/read_atoms.hpp"
 
@@ -31,9 +30,6 @@ struct InterfaceFile {
   std::vector<bool> are_polar;             ///< by atom
   std::vector<NamedInterface> interfaces;  ///< without those below InterfaceOptions::min_area
 };
-
-/// Returns why a file has no interfaces.
-std::string no_interface_reason(const InterfaceOptions& options, const InterfaceFile& file);
 
 /// Returns why the tables of interfaces or residues have no rows; empty if they have some.
 std::string empty_table_reason(const InterfaceOptions& options, const InterfaceFile& file);

@@ -83,18 +83,12 @@ int perform_measure(const Arguments& arguments) {
   require_standard_output();
   expand_models(options);
   const bool has_lines = options.inputs.size() > 1 && !options.json && !options.quiet;
-  return run_table_command(
-      options,
-      {.heading = has_lines ? measure_heading(options) : "",
-       .csv_heading = measure_csv_heading(options),
-       .is_table = [](std::string_view name) { return is_one_of(measure_tables, name); },
-       .names_of_tables = [&](std::size_t input) { return options.names_of_tables(input); },
-       .measure = [&](const InputRun& run,
-                      Outcome& outcome) { measure_input(options, run, outcome); },
-       .failure_row =
-           [&](std::size_t input, const std::string& error) {
-             return failure_csv_line(options, input, error);
-           }});
+  return run_table_command(options, {.heading = has_lines ? measure_heading(options) : "",
+                                     .csv_columns = measure_csv_columns(options),
+                                     .tables = names_of(measure_tables, options),
+                                     .measure = [&](const InputRun& run, Outcome& outcome) {
+                                       measure_input(options, run, outcome);
+                                     }});
 }
 
 }  // namespace eses::detail::cli

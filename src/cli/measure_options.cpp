@@ -5,9 +5,9 @@
 
 #include "cli/arguments.hpp"
 #include "cli/input_files.hpp"
+#include "cli/messages.hpp"
 #include "cli/option_values.hpp"
 #include "cli/shared_options.hpp"
-#include "input/other_formats.hpp"
 #include "run/pocket_sweep.hpp"
 #include "system/formatted.hpp"
 
@@ -135,8 +135,7 @@ void add_pocket_options(CLI::App& app, MeasureCommandOptions& options) {
   add_value(
       app, "--min-pocket-volume", "VOLUME",
       "leave out pockets with less volume, in cubic angstrom\n[twice the volume of the probe]",
-      pockets.min_volume,
-      number_between(0, max_finite, "a finite number of at least 0, in cubic angstrom"));
+      pockets.min_volume, at_least_0("cubic angstrom"));
 }
 
 /// Throws UsageError if options of pockets are not needed, or out of their range.
@@ -149,7 +148,7 @@ void check_pocket_options(const CLI::App& app, const MeasureCommandOptions& opti
   try {
     require_valid(options.pocket_options, options.probe_radius);
   } catch (const std::invalid_argument& error) {
-    throw UsageError(error.what());
+    throw UsageError(message_of(error));
   }
 }
 
@@ -255,8 +254,7 @@ MeasureCommandOptions parse_measure_arguments(const Arguments& arguments) {
   MeasureCommandOptions options;
   add_measure_options(app, options);
   parse(app, arguments, "FILE...");
-  complete_table_options(app, !options.written_tables.empty(), options.printed_table != nullptr,
-                         options);
+  complete_table_options(app, options);
   options.pocket_options.probe_radius = options.probe_radius;
   check_pocket_options(app, options);
   check_surfaces(options);

@@ -13,7 +13,6 @@
 #include "cli/measure_records.hpp"
 #include "cli/table_options.hpp"
 #include "eses/pockets.hpp"
-#include "eses/read_atoms.hpp"
 #include "eses/surface.hpp"
 #include "output/area_formats.hpp"
 

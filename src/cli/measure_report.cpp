@@ -435,10 +435,8 @@ std::vector<Column> columns_of(const MeasureCommandOptions& options) {
 std::string measure_text(const MeasureCommandOptions& options, const MeasuredFile& file) {
   std::string text;
   if (!options.quiet) {
-    text = formatted("{}: {}, probe radius {} angstrom\n", one_line(input_name(file.path)),
-                     counted(file.surface.atoms().size(), "atom"), options.probe_radius);
-    if (file.structure) text += structure_text(*file.structure);
-    text += waters_text(file.diagnostics, file.surface.atoms().size());
+    text = heading_text(file.path, file.surface.atoms().size(), options.probe_radius,
+                        file.structure, file.diagnostics);
     text += formatted("{:<16} {:>16} {:>16}\n", "surface", "area (A^2)", "volume (A^3)");
   }
   const Measures& measures = file.measures;
@@ -461,7 +459,7 @@ std::string measure_text(const MeasureCommandOptions& options, const MeasuredFil
 
 std::vector<std::string> table_notes(const MeasureCommandOptions& options, const MeasuredFile& file,
                                      const MeasuredFile& reported) {
-  std::vector<std::string> reasons, notes;
+  std::vector<std::string> reasons;
   const bool has_cavities =
       file.place ? !file.place->cavities.empty() : !file.measures.cavities.empty();
   const PocketOptions& search = options.pocket_options;
@@ -481,9 +479,7 @@ std::vector<std::string> table_notes(const MeasureCommandOptions& options, const
                                found.difference_volume, options.probe_radius,
                                search.large_probe_radius, found.shallow_volume));
   }
-  for (const std::string& reason : reasons)
-    notes.push_back(formatted("{}: {}", input_name(file.path), reason));
-  return notes;
+  return reasons;
 }
 
 std::string measure_heading(const MeasureCommandOptions& options) {
@@ -531,10 +527,11 @@ std::string measure_json(const MeasureCommandOptions& options, const MeasuredFil
   return text_of(object) + "\n";
 }
 
-std::string measure_csv_heading(const MeasureCommandOptions& options) {
-  std::string text = "file,atoms,probe_radius";
-  for (const Column& column : columns_of(options)) text += "," + csv_field(column.name);
-  return text + ",model,radii,left_out,error\n";
+std::vector<std::string> measure_csv_columns(const MeasureCommandOptions& options) {
+  std::vector<std::string> names{"file", "atoms", "probe_radius"};
+  for (const Column& column : columns_of(options)) names.push_back(column.name);
+  names.insert(names.end(), {"model", "radii", "left_out", "error"});
+  return names;
 }
 
 std::string measure_csv_line(const MeasureCommandOptions& options, const MeasuredFile& file) {
@@ -544,15 +541,6 @@ std::string measure_csv_line(const MeasureCommandOptions& options, const Measure
   if (!file.structure) return text + ",,,,\n";
   return text + formatted(",{},{},{},\n", csv_field(file.structure->model),
                           csv_field(file.structure->radii), left_out_atoms(*file.structure));
-}
-
-std::string failure_csv_line(const MeasureCommandOptions& options, std::size_t input,
-                             const std::string& error) {
-  const std::size_t empty = columns_of(options).size() + 3;  // with atoms and probe radius
-  const int model = options.model_of(input);
-  return formatted("{}{}{},,,{}\n", csv_field(options.inputs[input].string()),
-                   std::string(empty, ','), model > 0 ? std::to_string(model) : "",
-                   csv_field(error));
 }
 
 }  // namespace eses::detail::cli

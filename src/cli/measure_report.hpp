@@ -1,7 +1,6 @@
 #pragma once
 /// Reports of `eses-blocks measure`.
 
-#include <cstddef>
 #include <string>
 #include <vector>
 
@@ -26,12 +25,8 @@ std::string measure_line(const MeasureCommandOptions& options, const MeasuredFil
 /// Returns the results as one JSON object in a line.
 std::string measure_json(const MeasureCommandOptions& options, const MeasuredFile& file);
 
-/// Returns the line of an input that cannot be measured in the table of `--csv`.
-std::string failure_csv_line(const MeasureCommandOptions& options, std::size_t input,
-                             const std::string& error);
-
-/// Returns the heading of the table of `--csv`.
-std::string measure_csv_heading(const MeasureCommandOptions& options);
+/// Returns the names of the columns of the table of `--csv`.
+std::vector<std::string> measure_csv_columns(const MeasureCommandOptions& options);
 
 /// Returns the line of a file in the table of `--csv`.
 std::string measure_csv_line(const MeasureCommandOptions& options, const MeasuredFile& file);

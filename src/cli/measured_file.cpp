@@ -10,7 +10,9 @@
 #include "cli/complex_parts.hpp"
 #include "cli/messages.hpp"
 #include "eses/error.hpp"
+#include "eses/interface.hpp"
 #include "eses/radii.hpp"
+#include "input/read_input.hpp"
 #include "input/residue_runs.hpp"
 #include "input/text_fields.hpp"
 #include "input/text_source.hpp"
@@ -99,6 +101,8 @@ void take_far_atoms(const MeasureCommandOptions& options, std::span<const std::u
       require_dense_grid(atoms, options.pocket_options.large_probe_radius, grid,
                          input_name(file.path), lines_of_atoms, options.allow_far_atoms);
   if (!far) return;
+  std::erase_if(file.diagnostics,
+                [](const DiagnosticText& other) { return other.name == far_atoms_name; });
   std::map<FileIndex, AtomLabel> labels;
   for (auto& [atom, line] : far->examples) {
     const FileIndex in_file = FileIndices(file.file_indices)[atom];
@@ -182,10 +186,9 @@ ReportedAtoms reported_atoms(const PartSelector& selector, const std::vector<boo
   return report;
 }
 
-void add_reports(const MeasureCommandOptions& options, const ReadOptions& reading,
-                 std::span<const std::uint64_t> lines, MeasuredFile& file) {
+void add_reports(const MeasureCommandOptions& options, const DividedFile& divided,
+                 MeasuredFile& file) {
   if (options.reports.empty()) return;
-  const DividedFile divided{file.path, reading, file.surface.labels(), lines};
   const std::vector<bool> are_polar = find_polar_atoms(file.surface.atoms(), divided.labels);
   for (const PartSelector& selector : options.reports)
     file.reports.push_back(
@@ -269,35 +272,32 @@ MeasuredAtoms MeasuredFile::table() const {
 MeasuredFile measure_file(const MeasureCommandOptions& options, std::size_t input, int threads,
                           const CheckCallback& check) {
   const std::filesystem::path& path = options.inputs[input];
-  ReadOptions reading{.format = options.format,
-                      .with_labels = options.has_report() || !options.needed_tables().empty() ||
-                                     options.parts.is_chosen() || options.cavities ||
-                                     options.pockets || options.at || !options.reports.empty(),
-                      .structure = options.structure,
-                      .check = check};
-  reading.structure.model = options.model_of(input);
-  AtomFile file = read_atoms(path, reading);
+  ReadOptions reading = options.reading_of(input, check);
+  reading.with_labels = options.has_report() || !options.needed_tables().empty() ||
+                        options.parts.is_chosen() || options.cavities || options.pockets ||
+                        options.at || !options.reports.empty();
+  AtomFile file = read_input(path, reading, {}, &options.radii);
   const SurfaceOptions indexing{
       .max_filled_void = options.max_filled_void, .threads = threads, .check = check};
   MeasuredFile result{.path = path,
                       .model = options.all_models ? reading.structure.model : 0,
                       .surface = Surface(std::move(file.atoms), std::move(file.labels), indexing)};
   result.diagnostics = describe(file, result.surface, path);
+  const auto divided = [&] {
+    return DividedFile{path, reading, options.radii, result.surface.labels(), file.lines};
+  };
   if (options.parts.is_chosen()) {
-    ComplexParts parts =
-        divide(options.parts, {path, reading, result.surface.labels(), file.lines}, "--parts");
+    ComplexParts parts = divide(options.parts, divided(), "--parts");
     result.part_names = std::move(parts.names);
     result.part_of_atom = std::move(parts.part_of_atom);
     remove_other_atoms(indexing, result);
   }
-  if (options.at)
-    take_place(*options.at, options.probe_radius,
-               {path, reading, result.surface.labels(), file.lines}, indexing, result);
+  if (options.at) take_place(*options.at, options.probe_radius, divided(), indexing, result);
   if (options.need_pockets()) take_far_atoms(options, file.lines, result);
   measure_atoms(options, threads, check, result);
   result.structure = std::move(file.structure);
   if (options.probe_radius == reference_probe_radius) result.reference = options.reference;
-  add_reports(options, reading, file.lines, result);
+  add_reports(options, divided(), result);
   return result;
 }
 

@@ -2,7 +2,6 @@
 /// Messages of the program on standard output and standard error, and parts of their texts.
 
 #include <concepts>
-#include <cstddef>
 #include <exception>
 #include <string>
 #include <string_view>

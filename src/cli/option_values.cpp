@@ -1,10 +1,10 @@
 #include "cli/option_values.hpp"
 
 #include <filesystem>
-#include <string_view>
 
 #include "input/grid_reader.hpp"
 #include "output/map_writer.hpp"
+#include "system/formatted.hpp"
 
 namespace eses::detail::cli {
 namespace {
@@ -12,6 +12,15 @@ namespace {
 constexpr std::int64_t max_whole = std::numeric_limits<std::int64_t>::max();
 
 }  // namespace
+
+Format<double> at_least_0(std::string_view unit) {
+  return number_between(0, max_finite, formatted("a finite number of at least 0, in {}", unit));
+}
+
+Format<double> greater_than_0(std::string_view unit) {
+  return number_between(std::numeric_limits<double>::denorm_min(), max_finite,
+                        formatted("a finite number greater than 0, in {}", unit));
+}
 
 void leave_out_text_files(Outputs& outputs) {
   outputs.box = outputs.grid = outputs.edges = outputs.areas = false;

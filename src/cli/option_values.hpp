@@ -8,17 +8,21 @@
 #include <limits>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "cli/arguments.hpp"
+#include "eses/grid.hpp"
 #include "eses/outputs.hpp"
-#include "grid/tiling.hpp"
 #include "run/request.hpp"
 
 namespace eses::detail::cli {
 
-inline constexpr double min_positive = std::numeric_limits<double>::denorm_min();
 inline constexpr double max_finite = std::numeric_limits<double>::max();
+
+/// Accepts finite numbers of at least 0, or greater than 0. `unit` is part of the message.
+Format<double> at_least_0(std::string_view unit);
+Format<double> greater_than_0(std::string_view unit);
 
 /// Parses a list of exactly `count` numbers in [min, max].
 template <std::size_t count, class Number>

@@ -113,11 +113,10 @@ void add_grid_options(CLI::App& app, Options& options) {
   };
   add_length("PROBE", "--probe-radius", "radius of the solvent probe, 0.01 to 1000",
              parameters.probe_radius, length_between(min_probe_radius, max_probe_radius));
-  add_length(
-      "SPACING", "--spacing", "distance between grid points, > 0", grid.spacing,
-      number_between(min_positive, max_finite, "a finite number greater than 0, in angstrom"));
+  add_length("SPACING", "--spacing", "distance between grid points, > 0", grid.spacing,
+             greater_than_0("angstrom"));
   add_length("MARGIN", "--margin", "distance from molecule to grid boundary, >= 0", grid.margin,
-             number_between(0, max_finite, "a finite number of at least 0, in angstrom"));
+             at_least_0("angstrom"));
   add_value(app, "--surface", "NAME", "ses, sas (solvent accessible) or vdw (van der Waals) [ses]",
             options.surface,
             one_of<SurfaceKind>(
@@ -208,14 +207,12 @@ void add_mesh_options(CLI::App& app, MeshOptions& mesh) {
             formatted("take the potential at this distance outside of the\n"
                       "surface, along the normal, >= 0 [{}]",
                       potential.offset),
-            potential.offset,
-            number_between(0, max_finite, "a finite number of at least 0, in angstrom"));
+            potential.offset, at_least_0("angstrom"));
   add_value(app, "--potential-limit", "KT/E",
             formatted("end of the scale from red (negative) over white to\n"
                       "blue (positive), > 0 [{}]",
                       potential.limit),
-            potential.limit,
-            number_between(min_positive, max_finite, "a finite number greater than 0, in kT/e"));
+            potential.limit, greater_than_0("kT/e"));
   add_flag(app, "--mesh-quality",
            "improve the triangles of the mesh: no small angles,\n"
            "and about 0.6 times as many triangles",

@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdint>
 #include <limits>
+#include <system_error>
 
 #include "input/atom_reader.hpp"
 #include "input/other_formats.hpp"
@@ -166,8 +167,13 @@ void add_structure_options(CLI::App& app, StructureOptions& structure, bool* all
             any_text("the identifier of an assembly, such as 1"));
 }
 
+bool is_missing(const std::filesystem::path& input) {
+  std::error_code ignored;
+  return input != "-" && !std::filesystem::exists(input, ignored);
+}
+
 void refuse_xyzr(const InputFile& input, std::string_view option, std::string_view names) {
-  if (eses::detail::format_of(input.path, input.format) == AtomFormat::xyzr)
+  if (format_of(input.path, input.format) == AtomFormat::xyzr && !is_missing(input.path))
     throw UsageError(
         formatted("{} needs a PQR, PDB or mmCIF file; {} is read as xyzr, which has no {} (use "
                   "--format pqr, pdb or mmcif if it is such a file)",
@@ -175,8 +181,8 @@ void refuse_xyzr(const InputFile& input, std::string_view option, std::string_vi
 }
 
 void refuse_structure_options(const CLI::App& app, const InputFile& input) {
-  const AtomFormat format = eses::detail::format_of(input.path, input.format);
-  if (is_structure(format)) return;
+  const AtomFormat format = format_of(input.path, input.format);
+  if (is_structure(format) || is_missing(input.path)) return;
   for (const CLI::Option* const option : app.get_options()) {
     if (option->count() == 0 || option->get_group() != structure_group) continue;
     const std::string name = option->get_name();

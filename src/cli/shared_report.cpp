@@ -2,12 +2,14 @@
 
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <array>
 #include <string_view>
 #include <vector>
 
 #include "cli/messages.hpp"
 #include "input/text_fields.hpp"
+#include "input/text_source.hpp"
 #include "output/area_table_writer.hpp"
 #include "system/formatted.hpp"
 
@@ -174,25 +176,25 @@ std::string structure_text(const StructureReport& report) {
       other_assemblies_text(report));
 }
 
+std::string heading_text(const std::filesystem::path& path, std::size_t atoms, double probe_radius,
+                         const std::optional<StructureReport>& structure,
+                         std::span<const DiagnosticText> diagnostics) {
+  const std::string count = counted(atoms, "atom");
+  std::string text = formatted("{}: {}, probe radius {} angstrom\n", one_line(input_name(path)),
+                               count, probe_radius);
+  if (structure) text += structure_text(*structure);
+  const auto waters =  // of a PQR file
+      std::ranges::find(diagnostics, name_of(DiagnosticKind::water), &DiagnosticText::name);
+  if (waters != diagnostics.end()) text += formatted("read: {}; {}\n", count, waters->short_text);
+  return text;
+}
+
 std::string shown_name(std::string_view name) { return name.empty() ? "no chain" : one_line(name); }
 
 std::uint64_t left_out_atoms(const StructureReport& report) {
   std::uint64_t atoms = 0;
   for (const Count& count : dropped_counts) atoms += report.*count.member;
   return atoms;
-}
-
-std::string message_with_file(const std::exception& error, const std::filesystem::path& path) {
-  const std::string message = message_of(error), name = path.string();
-  const bool has_name = path == "-" || message.find(name) != std::string::npos;
-  return has_name ? message : formatted("{}: {}", name, message);
-}
-
-std::string failure_json(const std::filesystem::path& path, const std::string& error, int model) {
-  Json object{{"file", path.string()}};
-  if (model > 0) object["model"] = model;
-  object["error"] = error;
-  return text_of(object) + "\n";
 }
 
 std::string csv_heading(const Json& record) {

@@ -1,12 +1,14 @@
 #pragma once
 /// Parts of the reports of several commands.
 
+#include <cstddef>
 #include <cstdint>
-#include <exception>
 #include <filesystem>
+#include <optional>
 #include <span>
 #include <string>
 
+#include "cli/diagnostics.hpp"
 #include "cli/json.hpp"
 #include "eses/cavities.hpp"
 #include "eses/read_atoms.hpp"
@@ -28,6 +30,12 @@ namespace eses::detail::cli {
 /// with `read:`, `left out:` and `radii:`.
 std::string structure_text(const StructureReport& report);
 
+/// Returns the first lines of a report on a file: its name, its atoms, and what was read or left
+/// out.
+std::string heading_text(const std::filesystem::path& path, std::size_t atoms, double probe_radius,
+                         const std::optional<StructureReport>& structure,
+                         std::span<const DiagnosticText> diagnostics);
+
 /// Returns the names of the members of a JSON object as the columns of a CSV table (RFC 4180, but
 /// with LF as line end). Those of a vector end with `_x`, `_y` and `_z`.
 std::string csv_heading(const Json& record);
@@ -41,14 +49,6 @@ std::string shown_name(std::string_view name);
 
 /// Returns the number of atoms that were left out.
 std::uint64_t left_out_atoms(const StructureReport& report);
-
-/// Returns the message of an exception that ends the work on a file, with the name of the file.
-std::string message_with_file(const std::exception& error, const std::filesystem::path& path);
-
-/// Returns the JSON object, in a line, of a file that cannot be measured. `model` is the number of
-/// its model; 0 if it is not chosen.
-std::string failure_json(const std::filesystem::path& path, const std::string& error,
-                         int model = 0);
 
 /// Returns the line about filled cavities.
 std::string filling_text(std::span<const FilledCavity> filled);

@@ -1,22 +1,35 @@
 #include "cli/table_command.hpp"
 
+#include <fmt/ranges.h>
 #include <unistd.h>
 
 #include <cstdint>
 #include <map>
-#include <mutex>
 #include <stdexcept>
 #include <utility>
 
 #include "cli/command.hpp"
+#include "cli/json.hpp"
 #include "cli/messages.hpp"
 #include "cli/progress.hpp"
-#include "cli/shared_report.hpp"
 #include "eses/error.hpp"
+#include "output/area_table_writer.hpp"
+#include "system/formatted.hpp"
+#include "system/monitor.hpp"
 #include "system/parallel.hpp"
 
 namespace eses::detail::cli {
 namespace {
+
+/// Number of results that may wait for the result of an earlier input. It bounds their memory.
+constexpr std::size_t max_waiting = 1000;
+
+/// Returns a row of the table of --csv.
+std::string csv_line(const std::vector<std::string>& fields) {
+  std::vector<std::string> quoted;
+  for (const std::string& field : fields) quoted.push_back(csv_field(field));
+  return formatted("{}\n", fmt::join(quoted, ","));
+}
 
 /// Prints outcomes in the order of the inputs, and writes or prints the table of `--csv`.
 class Reporter {
@@ -29,17 +42,23 @@ class Reporter {
         // Lines of several inputs on a terminal show the progress themselves.
         progress_(!options.quiet && (inputs_ == 1 || isatty(STDOUT_FILENO) == 0)) {
     if (inputs_ > 1) progress_.show(0, inputs_, "files");
-    append_csv(command.csv_heading);
+    append_csv(csv_line(command.csv_columns));
     if (!prints_csv_) print(command.heading);
   }
 
+  /// Waits while too many results wait for those of earlier inputs.
+  void wait_before(std::size_t input) {
+    monitor_.wait_until([&] { return input < next_ + max_waiting; });
+  }
+
   void take(std::size_t input, Outcome outcome) {
-    const std::lock_guard lock(mutex_);
-    waiting_.emplace(input, std::move(outcome));
-    for (auto first = waiting_.begin(); first != waiting_.end() && first->first == next_;
-         first = waiting_.erase(first), ++next_)
-      report(first->second);
-    if (inputs_ > 1) progress_.show(static_cast<std::int64_t>(next_), inputs_, "files");
+    monitor_.change([&] {
+      waiting_.emplace(input, std::move(outcome));
+      for (auto first = waiting_.begin(); first != waiting_.end() && first->first == next_;
+           first = waiting_.erase(first), ++next_)
+        report(first->second);
+      if (inputs_ > 1) progress_.show(static_cast<std::int64_t>(next_), inputs_, "files");
+    });
   }
 
   /// Shows how long the work on a single input has taken. Must not be called from two threads at
@@ -49,6 +68,9 @@ class Reporter {
   }
 
   bool has_errors() const { return has_errors_; }
+
+  /// Ends the waits after a failure of a thread.
+  Monitor& monitor() { return monitor_; }
 
  private:
   void append_csv(const std::string& text) {
@@ -74,7 +96,7 @@ class Reporter {
   bool prints_csv_;
   std::int64_t inputs_;
   ProgressBar progress_;
-  std::mutex mutex_;
+  Monitor monitor_;                         // of the members below
   std::map<std::size_t, Outcome> waiting_;  // by index of the input
   std::size_t next_ = 0;                    // index of the input that is reported next
   bool has_errors_ = false;
@@ -83,11 +105,20 @@ class Reporter {
 /// Replaces the text and the rows of an input that cannot be measured, with its first error.
 void set_failure(const TableOptions& options, const TableCommand& command, std::size_t input,
                  Outcome& outcome) {
-  const std::string& error = outcome.errors.front();
+  const std::string file = options.inputs[input].string(), &error = outcome.errors.front();
+  const int model = options.model_of(input);  // 0 for the first one
+  Json object{{"file", file}};
+  if (model > 0) object["model"] = model;
+  object["error"] = error;
   const bool has_object = options.json && options.inputs.size() > 1;
-  outcome.text =
-      has_object ? failure_json(options.inputs[input], error, options.model_of(input)) : "";
-  outcome.rows = command.failure_row(input, error);
+  outcome.text = has_object ? text_of(object) + "\n" : "";
+  std::vector<std::string> fields;
+  for (const std::string& column : command.csv_columns)
+    fields.push_back(column == "file"                 ? file
+                     : column == "model" && model > 0 ? std::to_string(model)
+                     : column == "error"              ? error
+                                                      : "");
+  outcome.rows = csv_line(fields);
 }
 
 Outcome measured(const TableOptions& options, const TableCommand& command, const InputRun& run) {
@@ -105,6 +136,8 @@ Outcome measured(const TableOptions& options, const TableCommand& command, const
   } catch (const std::invalid_argument& error) {
     outcome.errors.push_back(options.message_of_input(error, run.input));
   }
+  for (std::string& note : outcome.notes)
+    note = formatted("{}: {}", options.name_of_input(run.input), note);
   if (!outcome.errors.empty()) set_failure(options, command, run.input, outcome);
   return outcome;
 }
@@ -112,7 +145,7 @@ Outcome measured(const TableOptions& options, const TableCommand& command, const
 /// Returns the outcome that an earlier run has kept, or measures the input.
 Outcome outcome_of(const TableOptions& options, const TableCommand& command, const InputRun& run,
                    TableFiles& files) {
-  const std::vector<std::string> names = command.names_of_tables(run.input);
+  const std::vector<std::string> names = command.tables.of_input(run.input);
   const ResumedInput resumed =
       files.resume(options.inputs[run.input], options.model_of(run.input), names);
   if (resumed.result) return {resumed.result->printed, resumed.result->rows};
@@ -126,8 +159,8 @@ Outcome outcome_of(const TableOptions& options, const TableCommand& command, con
 int run_table_command(const TableOptions& options, const TableCommand& command) {
   std::vector<std::string> tables;
   for (std::size_t input = 0; input < options.inputs.size(); ++input)
-    for (std::string& name : command.names_of_tables(input)) tables.push_back(std::move(name));
-  TableFiles files(options, tables, command.is_table);
+    for (std::string& name : command.tables.of_input(input)) tables.push_back(std::move(name));
+  TableFiles files(options, tables, command.tables.has);
   Reporter reporter(options, command, files.csv());
   const CheckCallback check = [&] {
     files.check();
@@ -140,11 +173,16 @@ int run_table_command(const TableOptions& options, const TableCommand& command) 
   const int input_threads =
       2 * count < threads ? 1 : static_cast<int>(std::min<std::int64_t>(threads, count));
   const int atom_threads = input_threads > 1 ? 1 : threads;
-  parallel_for(count, input_threads, [&](std::int64_t index, int /*thread*/) {
-    const auto input = static_cast<std::size_t>(index);
-    check();
-    reporter.take(input, outcome_of(options, command, {input, atom_threads, check, files}, files));
-  });
+  parallel_for(
+      count, input_threads,
+      [&](std::int64_t index, int /*thread*/) {
+        const auto input = static_cast<std::size_t>(index);
+        reporter.wait_before(input);
+        check();
+        reporter.take(input,
+                      outcome_of(options, command, {input, atom_threads, check, files}, files));
+      },
+      &reporter.monitor());
   files.finish(reporter.has_errors(), options.quiet);
   return reporter.has_errors() ? exit_failure : exit_done;
 }

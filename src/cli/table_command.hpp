@@ -2,6 +2,7 @@
 /// The course of `eses-blocks measure` and `interface`: input files in parallel, results in order.
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <functional>
 #include <string>
@@ -10,15 +11,15 @@
 
 #include "cli/table_files.hpp"
 #include "cli/table_options.hpp"
-#include "eses/surface.hpp"
+#include "eses/check.hpp"
 
 namespace eses::detail::cli {
 
 /// The result of an input.
 struct Outcome {
-  std::string text;  ///< printed, unless the table of --csv is printed
-  std::string rows;  ///< of the table of --csv
-  std::vector<std::string> notes = {};
+  std::string text;                     ///< printed, unless the table of --csv is printed
+  std::string rows;                     ///< of the table of --csv
+  std::vector<std::string> notes = {};  ///< without the name of the input
   std::vector<std::string> warnings = {};
   std::vector<std::string> errors = {};  ///< empty if the input has a result
 };
@@ -31,25 +32,35 @@ struct InputRun {
   const TableFiles& files;
 };
 
+/// The names of the tables of a command.
+struct TableNames {
+  std::function<bool(std::string_view name)> has;  ///< whether a file may be a table
+  std::function<std::vector<std::string>(std::size_t input)> of_input;
+};
+
+/// Returns the names of the tables of `options`, which are some of `tables`. Both must outlive
+/// them.
+template <class Table, std::size_t count>
+TableNames names_of(const std::array<Table, count>& tables, const OptionsOfTables<Table>& options) {
+  return {.has =
+              [&tables](std::string_view name) {
+                return std::ranges::any_of(
+                    tables, [&](const Table& table) { return name.ends_with(table.ending); });
+              },
+          .of_input = [&options](std::size_t input) { return options.names_of_tables(input); }};
+}
+
 /// The parts of a command that depend on what it measures.
 struct TableCommand {
-  std::string heading;      ///< printed before the results; may be empty
-  std::string csv_heading;  ///< first line of the table of --csv
-  std::function<bool(std::string_view name)> is_table;  ///< whether a file may be a table
-  std::function<std::vector<std::string>(std::size_t input)> names_of_tables;
+  std::string heading;  ///< printed before the results; may be empty
+  /// Names of the columns of the table of --csv. The columns `file`, `model` and `error` also have
+  /// values for an input that cannot be measured.
+  std::vector<std::string> csv_columns;
+  TableNames tables;
   /// Writes the tables of an input, and sets its result. Warnings that it has set before an
   /// exception are printed, too. Several threads call it.
   std::function<void(const InputRun& run, Outcome& outcome)> measure;
-  /// Returns the row of the table of --csv of an input that cannot be measured.
-  std::function<std::string(std::size_t input, const std::string& error)> failure_row;
 };
-
-/// Returns whether a file may be one of these tables.
-template <class Tables>
-bool is_one_of(const Tables& tables, std::string_view name) {
-  return std::ranges::any_of(tables,
-                             [&](const auto& table) { return name.ends_with(table.ending); });
-}
 
 /// Measures all inputs. Their messages and results are printed in their order. Returns the exit
 /// code: inputs that cannot be measured are reported, and the others are measured.

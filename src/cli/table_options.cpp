@@ -6,13 +6,14 @@
 #include <utility>
 
 #include "cli/command.hpp"
+#include "cli/messages.hpp"
 #include "cli/shared_options.hpp"
-#include "cli/shared_report.hpp"
 #include "eses/error.hpp"
 #include "eses/version.hpp"
 #include "input/other_formats.hpp"
 #include "input/radii_set.hpp"
 #include "input/read_input.hpp"
+#include "input/text_source.hpp"
 #include "output/result_log.hpp"
 #include "run/request.hpp"
 #include "system/formatted.hpp"
@@ -42,34 +43,53 @@ bool is_null_device(const std::string& path) {
          S_ISCHR(of_path.st_mode) && of_path.st_rdev == of_null.st_rdev;
 }
 
+/// Returns the identity of a run; see identity.hpp.
 std::string identity_of(const CLI::App& app, const std::filesystem::path& radii) {
-  const std::string text = formatted("eses-blocks {} {}\n{}", version, app.get_name(),
-                                     given_options(app, {"--resume", "--csv", "--files-from",
-                                                         "--recursive", "--threads", "--quiet"}));
+  const std::string text = formatted(
+      "the version: eses-blocks {}\nthe command: {}\n{}", version, app.get_name(),
+      given_options(app,
+                    {"--resume", "--csv", "--files-from", "--recursive", "--threads", "--quiet"}));
   const auto file = key_of_input(radii, 0);
-  return file ? text + formatted("radii {} {:08x}\n", file->bytes, file->checksum) : text;
+  return file ? text + formatted("the file of --radii: {} {:08x}\n", file->bytes, file->checksum)
+              : text;
 }
 
 /// Throws UsageError if an input has no models: standard input, and other files than PDB and mmCIF.
 void require_models(const InputFile& input) {
   if (input.path == "-")
     throw UsageError("--model all reads the file once for each model; give its name");
-  if (!is_structure(format_of(input.path, input.format)))
+  if (!is_structure(format_of(input.path, input.format)) && !is_missing(input.path))
     throw UsageError(
         formatted("--model all needs PDB or mmCIF files; {} is read as PQR", input.path.string()));
 }
 
+/// Returns ` (model N)` if each model is measured; empty otherwise, or if its number is not known.
+std::string model_text(const TableOptions& options, std::size_t input) {
+  const bool is_known = !options.models.empty() && options.models[input] > 0;
+  return is_known ? formatted(" (model {})", options.models[input]) : "";
+}
+
 }  // namespace
+
+ReadOptions TableOptions::reading_of(std::size_t input, const CheckCallback& check) const {
+  ReadOptions reading{.format = format, .structure = structure, .check = check};
+  reading.structure.model = model_of(input);
+  return reading;
+}
 
 std::string TableOptions::name_of_table(std::size_t input, std::string_view ending) const {
   const std::string model = models.empty() ? "" : formatted(".model{}", models[input]);
   return table_name(inputs[input], model + std::string(ending));
 }
 
+std::string TableOptions::name_of_input(std::size_t input) const {
+  return input_name(inputs[input]) + model_text(*this, input);
+}
+
 std::string TableOptions::message_of_input(const std::exception& error, std::size_t input) const {
-  const int model = models.empty() ? 0 : models[input];
-  return message_with_file(error, inputs[input]) +
-         (model > 0 ? formatted(" (model {})", model) : "");
+  const std::string message = message_of(error), name = inputs[input].string();
+  const bool has_name = name == "-" || message.find(name) != std::string::npos;
+  return (has_name ? message : formatted("{}: {}", name, message)) + model_text(*this, input);
 }
 
 void add_last_options(CLI::App& app, TableOptions& options, const std::string& csv_description) {
@@ -90,19 +110,18 @@ void add_last_options(CLI::App& app, TableOptions& options, const std::string& c
   add_notices(app);
 }
 
-void complete_table_options(const CLI::App& app, bool writes_tables, bool has_table,
-                            TableOptions& options) {
-  if (app.count("--radii") > 0) find_radii_set(options.structure.radii);  // reports errors once
+void complete_table_options(const CLI::App& app, TableOptions& options) {
+  options.radii = find_radii_set(options.structure.radii);
   options.inputs = options.choice.files(options.quiet);
   if (options.identity) options.identity = identity_of(app, options.structure.radii);
   options.prints_csv = is_standard_output(options.csv);
   if (options.prints_csv || is_null_device(options.csv)) options.csv.clear();
   if (options.output_directory == "-")
     throw UsageError("--output-dir is '-', but tables need a directory; print one with --table");
-  if (options.prints_csv && (options.json || has_table))
+  if (options.prints_csv && (options.json || app.count("--table") > 0))
     throw UsageError(
         formatted("--csv - cannot be combined with {}", options.json ? "--json" : "--table"));
-  if (options.identity && options.csv.empty() && !writes_tables)
+  if (options.identity && options.csv.empty() && app.count("--write") == 0)
     throw UsageError("--resume needs --csv FILE or --write: results are kept beside these files");
 }
 

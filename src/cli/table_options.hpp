@@ -18,6 +18,7 @@
 #include "cli/input_files.hpp"
 #include "eses/read_atoms.hpp"
 #include "eses/surface.hpp"
+#include "input/radii_set.hpp"
 
 namespace eses::detail::cli {
 
@@ -28,6 +29,7 @@ struct TableOptions {
   std::map<std::filesystem::path, std::string> refusals = {};
   AtomFormat format = AtomFormat::automatic;
   StructureOptions structure;  ///< for PDB and mmCIF files
+  RadiiSet radii = {};         ///< of `structure`, read once for all inputs
   bool all_models = false;     ///< whether each model of a file is measured
   /// With `all_models`, the number of the model of each input; 0 if it is not known.
   std::vector<int> models = {};
@@ -35,8 +37,8 @@ struct TableOptions {
   std::filesystem::path output_directory = ".";  ///< of the tables
   std::filesystem::path csv;                     ///< file of --csv; empty if there is none
   bool prints_csv = false;  ///< whether the table of --csv is printed in place of the report
-  /// With --resume, identifies the results: the options of the command that affect them, and the
-  /// content of the file of --radii.
+  /// With --resume, identifies the run (see identity.hpp): the options of the command that affect
+  /// the results, and the content of the file of --radii.
   std::optional<std::string> identity = {};
   int threads = 0;  ///< 0 means all available processors
   bool json = false;
@@ -49,8 +51,14 @@ struct TableOptions {
   /// Returns the number of the model of an input; 0 for the first one.
   int model_of(std::size_t input) const { return models.empty() ? structure.model : models[input]; }
 
+  /// Returns the options for reading an input.
+  ReadOptions reading_of(std::size_t input, const CheckCallback& check) const;
+
   /// Returns the name of a table of an input. Each model has a table, if each is measured.
   std::string name_of_table(std::size_t input, std::string_view ending) const;
+
+  /// Returns the name of an input, with ` (model N)` if each model is measured, for messages.
+  std::string name_of_input(std::size_t input) const;
 
   /// Returns the message of an error, with the name of the input and its model.
   std::string message_of_input(const std::exception& error, std::size_t input) const;
@@ -109,11 +117,9 @@ void add_tables(CLI::App& app, const std::array<Table, count>& tables,
 /// those of messages.
 void add_last_options(CLI::App& app, TableOptions& options, const std::string& csv_description);
 
-/// Sets the members that depend on several options, after the parsing. `has_table` is whether the
-/// table of --table is printed. Throws UsageError if outputs exclude each other, and the errors of
-/// InputChoice::files and find_radii_set.
-void complete_table_options(const CLI::App& app, bool writes_tables, bool has_table,
-                            TableOptions& options);
+/// Sets the members that depend on several options, after the parsing. Throws UsageError if outputs
+/// exclude each other, and the errors of InputChoice::files and find_radii_set.
+void complete_table_options(const CLI::App& app, TableOptions& options);
 
 /// Throws UsageError if the options of PDB and mmCIF files are given with another file.
 void refuse_other_input(const CLI::App& app, const TableOptions& options,

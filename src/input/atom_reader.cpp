@@ -99,7 +99,7 @@ Diagnostic& diagnostic_of(DiagnosticKind kind, AtomFile& file) {
 
 /// Adds the last atom of a PQR file to the diagnostics if it belongs to water.
 void inspect_residue(std::string_view residue, AtomFile& file) {
-  if (!has_word(water_residues, residue)) return;
+  if (!has_word(water_residues, upper_case(std::string(residue)))) return;
   Diagnostic& water = diagnostic_of(DiagnosticKind::water, file);
   const auto atom = static_cast<AtomIndex>(file.atoms.size() - 1);
   if (++water.count <= Diagnostic::max_examples) water.examples.push_back({atom, atom});

@@ -17,6 +17,7 @@
 #include "input/text_fields.hpp"
 #include "input/text_source.hpp"
 #include "system/formatted.hpp"
+#include "system/hints.hpp"
 
 namespace eses::detail {
 namespace {
@@ -39,8 +40,8 @@ void require_valid_options(const StructureOptions& options) {
                                           *radius, max_coordinate));
   const std::optional<RadiiSet> radii = named_radii_set(options.radii);
   if (radius && radii && radii->is_occupancy)
-    throw std::invalid_argument(
-        "the radii 'occupancy' are known for all atoms; omit the unknown radius");
+    throw HintedArgument("the radii 'occupancy' are known for all atoms; omit the unknown radius",
+                         {"unknown_radius"});
   if (options.model < 0)
     throw std::invalid_argument(formatted("model is {}; it must not be negative", options.model));
   if (options.altloc.size() > 1)
@@ -72,12 +73,13 @@ auto with_structure(const std::filesystem::path& path, TextSource& source, bool 
 }  // namespace
 
 AtomFile read_input(const std::filesystem::path& path, ReadOptions options,
-                    const std::function<void(AtomFile& atoms)>& after_part) {
+                    const std::function<void(AtomFile& atoms)>& after_part, const RadiiSet* radii) {
   require_valid_options(options.structure);
   const bool is_chosen = choose_format(path, options);
   TextSource source = TextSource::open_input(path);
   if (is_structure(options.format))
-    return with_structure(path, source, is_chosen, options, [&](const StructureText& text) {
+    return with_structure(path, source, is_chosen, options, [&](StructureText text) {
+      text.radii = radii;
       return read_structure(text, after_part);
     });
   const std::string& name = source.name();

@@ -12,6 +12,8 @@
 
 namespace eses::detail {
 
+struct RadiiSet;
+
 /// The text of a PDB or mmCIF file, and how it is read.
 struct StructureText {
   std::string_view text;
@@ -22,6 +24,7 @@ struct StructureText {
   bool is_chosen = false;  ///< whether the user has chosen the format
   const ReadOptions& options;
   const ReadingLimit& limit;
+  const RadiiSet* radii = nullptr;  ///< null for the set that the options name
 
   void check() const {
     if (options.check) options.check();

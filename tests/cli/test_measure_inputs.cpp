@@ -130,13 +130,13 @@ TEST_CASE("measure: bad requests are refused") {
                     "--at needs --pockets, --cavities, or a table of pockets or cavities");
   check_usage_error(box, {"measure", "two.xyzr", "--pockets", "--large-probe", "1.4"},
                     "the radius of the large probe must be more than that of the probe, 1.4, and "
-                    "at most 1000 angstrom, and is 1.4");
+                    "at most 1000 angstrom, and is 1.4 (--large-probe)");
   check_usage_error(box, {"measure", "two.xyzr", "--write", "pockets", "--spacing", "1.5"},
                     "the spacing must be between 0.04375 and 1.4 angstrom for pockets with a probe "
-                    "radius of 1.4, and is 1.5");
+                    "radius of 1.4, and is 1.5 (--spacing)");
   check_usage_error(box, {"measure", "two.xyzr", "--pockets", "--probe-radius", "0"},
                     "the probe radius must be between 0.01 and 1000 angstrom for pockets, and is "
-                    "0");
+                    "0 (--probe-radius)");
   check_usage_error(box, {"measure", "two.xyzr", "--pockets", "--min-pocket-volume", "-1"},
                     "--min-pocket-volume is '-1', expected a finite number of at least 0, in cubic "
                     "angstrom");

@@ -153,15 +153,17 @@ class Results(FaultTest):
         chosen = ("--radii", radii, "--unknown-radius", "1.5")
         self.fail_once(*chosen)
         before = self.contents()
-        for more in (("--probe-radius", "1.5", *chosen), (), ("--surface", "sas", *chosen),
-                     ("--json", *chosen), ("--strict", *chosen)):
-            self.assertFailed(self.resumed(*more), f"cannot resume: {self.output / LOG} has results of a run with "
-                              "different options or version; remove it to start again")
+        for more, names in ((("--probe-radius", "1.5", *chosen), "--probe-radius"),
+                            ((), "--radii, --unknown-radius, the file of --radii"),
+                            (("--surface", "sas", "--json", *chosen), "--surface, --json"),
+                            (("--strict", "--radii", radii, "--unknown-radius", "1.6"), "--unknown-radius, --strict")):
+            self.assertFailed(self.resumed(*more), f"cannot resume: {self.output / LOG} has results of a run that differs in "
+                              f"{names}; remove it to start again")
             self.assertEqual(self.contents(), before)
         self.assertKept(self.resumed(*chosen, "-t", "1"), COUNT)  # does not affect results
         self.fail_once(*chosen)
         radii.write_text(radii.read_text().replace("2.00", "2.01"))
-        self.assertFailed(self.resumed(*chosen), "cannot resume")
+        self.assertFailed(self.resumed(*chosen), "differs in the file of --radii; remove")
 
     def test_runs_without_resume_start_again(self):
         self.fail_once()

@@ -269,14 +269,15 @@ TEST_CASE("mesh: errors leave no mesh and name the path", "[mesh][cli]") {
     check({"pair.xyzr", "--mesh", file, "--color", "atom"}, 2, "--color needs --mesh");
   check({"pair.xyzr", "--mesh", "a.ply", "--color", "red"}, 2,
         "--color is 'red', expected patch, atom, chain, potential or component");
-  for (const char* file : {"pair.xyzr", "missing.xyzr", "-"})
+  for (const char* file : {"pair.xyzr", "-"})
     check({file, "--mesh", "a.ply", "--color", "chain"}, 2,
           "--color chain needs a PQR, PDB or mmCIF file");
-  check({"missing.PQR.gz", "--mesh", "a.ply", "--color", "chain"}, 1, "missing.PQR.gz");
+  for (const char* file : {"missing.xyzr", "missing.PQR.gz"})
+    check({file, "--mesh", "a.ply", "--color", "chain"}, 1, std::string("cannot open ") + file);
   check({"missing.xyzr", "--format", "pqr", "--mesh", "a.ply", "--color", "chain"}, 1,
         "missing.xyzr");
-  check({"missing.pqr", "--format", "xyzr", "--mesh", "a.ply", "--color", "chain"}, 2,
-        "--color chain needs a PQR, PDB or mmCIF file");
+  check({"missing.pqr", "--format", "xyzr", "--mesh", "a.ply", "--color", "chain"}, 1,
+        "cannot open missing.pqr");
   check({"pair.xyzr", "--mesh", "pair.xyzr/a.ply"}, 1, "cannot write into pair.xyzr");
   fs::create_directory(sandbox.directory() / "taken.ply");
   check({"pair.xyzr", "--mesh", "taken.ply"}, 1, "taken.ply");

@@ -9,6 +9,7 @@
 #include <gemmi/model.hpp>
 #include <gemmi/version.hpp>
 #include <map>
+#include <optional>
 #include <set>
 #include <string>
 #include <unordered_map>
@@ -319,7 +320,9 @@ AtomFile read_structure(StructureText text,
   if (options.chain_names == ChainNames::label && text.format == AtomFormat::pdb)
     throw Error(formatted("{}: PDB files have no chain names label_asym_id; use the mmCIF file",
                           text.name));
-  const RadiiSet radii = find_radii_set(options.radii);
+  std::optional<RadiiSet> found;
+  const RadiiSet& radii =
+      text.radii != nullptr ? *text.radii : found.emplace(find_radii_set(options.radii));
   text.require_memory(expected_bytes(text.text, text.format));
   text.check();
   ParsedStructure parsed = parse(text, radii.is_occupancy);
