@@ -3,7 +3,6 @@
 /// parsing, and messages for usage errors.
 
 #include <CLI/CLI.hpp>
-#include <charconv>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -16,6 +15,7 @@
 #include <vector>
 
 #include "cli/command.hpp"
+#include "system/read_number.hpp"
 
 namespace eses::detail::cli {
 
@@ -151,7 +151,7 @@ template <typename Number>
 std::optional<Number> whole_text(std::string_view text) {
   Number value{};
   const char* const end = text.data() + text.size();
-  const auto [rest, error] = std::from_chars(text.data(), end, value);
+  const auto [rest, error] = read_number(text, value);
   if (error != std::errc() || rest != end) return std::nullopt;
   return value;
 }

@@ -15,8 +15,12 @@ constexpr unsigned grace = 1;                // seconds that a run has for an or
 constexpr timespec settling{0, 20'000'000};  // time in which all threads ask whether a run goes on
 
 // Signals that cannot be handled, and signals whose default action does not end the process.
-constexpr std::array not_ending{SIGKILL, SIGSTOP, SIGTSTP, SIGTTIN, SIGTTOU,
-                                SIGCONT, SIGCHLD, SIGURG,  SIGWINCH};
+constexpr std::array not_ending{
+    SIGKILL, SIGSTOP, SIGTSTP, SIGTTIN, SIGTTOU, SIGCONT, SIGCHLD, SIGURG, SIGWINCH,
+#ifdef SIGINFO  // macOS and BSD
+    SIGINFO, SIGIO,
+#endif
+};
 // Signals whose default action is a core dump, except SIGXCPU, which is a time limit.
 constexpr std::array crashes{SIGQUIT, SIGABRT, SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGSYS, SIGTRAP};
 
@@ -76,7 +80,7 @@ bool has_default_action(int signal) {
 }  // namespace
 
 void end_on_signals() {
-  for (int signal = 1; signal <= SIGRTMAX; ++signal) {
+  for (int signal = 1; signal < NSIG; ++signal) {
     if (std::ranges::count(not_ending, signal) > 0 || !has_default_action(signal)) continue;
     const bool is_crash = std::ranges::count(crashes, signal) > 0;
     handle(signal, is_crash ? end_with_core_dump : take_signal);

@@ -1,7 +1,6 @@
 // The parts of the communication that do not depend on MPI.
 #include "distributed/processes.hpp"
 
-#include <sched.h>
 #include <unistd.h>
 
 #include <array>
@@ -11,6 +10,7 @@
 #include <stdexcept>
 
 #include "system/formatted.hpp"
+#include "system/resources.hpp"
 
 namespace eses::detail {
 namespace {
@@ -75,22 +75,21 @@ Processes::Machine Processes::machine(int processors) const {
   if (count_ == 1) return {1, processors};
   struct Process {
     std::array<char, 256> machine{};
-    cpu_set_t allowed{};
+    ProcessorSet allowed;
   } self;
   gethostname(self.machine.data(), self.machine.size() - 1);
-  sched_getaffinity(0, sizeof self.allowed, &self.allowed);
+  self.allowed = allowed_processors();
   Machine machine{0, 0};
-  int all = 0;  // sum of the numbers of allowed processors
-  cpu_set_t together{};
+  std::size_t all = 0;  // sum of the numbers of allowed processors
+  ProcessorSet together;
   for (const Process& process : gather(std::span<const Process>(&self, 1))) {
     if (process.machine != self.machine) continue;
     ++machine.processes;
-    all += std::max(1, CPU_COUNT(&process.allowed));
-    CPU_OR(&together, &together, &process.allowed);
+    all += process.allowed.count();
+    together |= process.allowed;
   }
-  const int own = std::max(1, CPU_COUNT(&self.allowed));
-  machine.processors =
-      std::min(processors, std::max(1, own * std::max(1, CPU_COUNT(&together)) / all));
+  const std::size_t share = self.allowed.count() * together.count() / all;
+  machine.processors = std::min(processors, std::max(1, static_cast<int>(share)));
   return machine;
 }
 

@@ -1,7 +1,6 @@
 #include "grid/make_grid.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
@@ -9,6 +8,7 @@
 
 #include "system/formatted.hpp"
 #include "system/hints.hpp"
+#include "system/read_number.hpp"
 
 namespace eses::detail {
 namespace {
@@ -52,7 +52,7 @@ bool is_possible(const Box& bounds, double spacing, double margin) {
 double three_digits(int digits, int exponent) {
   const std::string text = formatted("{}e{}", digits, exponent);
   double value = 0;
-  std::from_chars(text.data(), text.data() + text.size(), value);
+  read_number(text, value);
   return value;
 }
 

@@ -2,15 +2,12 @@
 
 #include "eses/error.hpp"
 #include "system/formatted.hpp"
+#include "system/read_number.hpp"
 
 namespace eses::detail {
 namespace {
 
 constexpr std::size_t max_quotation_length = 40;  // characters of input text in a message
-
-std::from_chars_result convert(std::string_view text, double& value) {
-  return std::from_chars(text.data(), text.data() + text.size(), value);
-}
 
 std::errc outcome_of(std::string_view text, std::from_chars_result result) {
   if (result.ec == std::errc::invalid_argument || result.ptr != text.data() + text.size()) {
@@ -23,7 +20,7 @@ std::errc outcome_of(std::string_view text, std::from_chars_result result) {
 std::errc parse_fortran(std::string_view text, std::size_t exponent_letter, double& value) {
   std::string with_e(text);
   with_e[exponent_letter] = 'e';
-  return outcome_of(with_e, convert(with_e, value));
+  return outcome_of(with_e, read_number(with_e, value));
 }
 
 }  // namespace
@@ -99,7 +96,7 @@ std::errc parse_number(std::string_view text, double& value) {
     text.remove_prefix(1);
     if (text.starts_with('-')) return std::errc::invalid_argument;
   }
-  const std::from_chars_result result = convert(text, value);
+  const std::from_chars_result result = read_number(text, value);
   const auto stop = static_cast<std::size_t>(result.ptr - text.data());
   if (stop < text.size() && (text[stop] == 'd' || text[stop] == 'D')) {
     return parse_fortran(text, stop, value);

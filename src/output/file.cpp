@@ -75,9 +75,11 @@ ScratchFile::ScratchFile() : ScratchFile(temporary_directory()) {}
 
 ScratchFile::ScratchFile(const std::filesystem::path& directory)
     : File(temporary_file_in(directory)) {
+#ifdef O_TMPFILE
   file_ = FileDescriptor(open(directory.c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, 0600));
   if (file_.is_open()) return;
-  // Some file systems do not support O_TMPFILE.
+#endif
+  // Some systems and file systems do not support O_TMPFILE.
   std::string path = directory.native() + "/.eses-blocks-XXXXXX";
   file_ = FileDescriptor(mkostemp(path.data(), O_CLOEXEC));
   if (!file_.is_open()) fail("create", errno);

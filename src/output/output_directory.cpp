@@ -20,6 +20,13 @@ namespace {
 constexpr std::string_view lock_name = ".eses-blocks.lock";
 constexpr std::string_view temporary_suffix = ".part";
 
+// Opens a directory that need not be readable, because only names in it are used.
+#ifdef O_PATH
+constexpr int names_only = O_PATH;
+#else
+constexpr int names_only = O_SEARCH;
+#endif
+
 // Returns the beginning of a message.
 std::string refusal(const std::filesystem::path& directory) {
   return formatted("cannot write into {}", directory.string());
@@ -29,7 +36,7 @@ FileDescriptor open_directory(const std::filesystem::path& path) {
   std::error_code error;
   std::filesystem::create_directories(path, error);
   if (error) throw FileError(refusal(path), error);
-  FileDescriptor directory(open(path.c_str(), O_PATH | O_DIRECTORY | O_CLOEXEC));
+  FileDescriptor directory(open(path.c_str(), names_only | O_DIRECTORY | O_CLOEXEC));
   if (!directory.is_open()) throw FileError(refusal(path), errno);
   return directory;
 }

@@ -1,7 +1,8 @@
 #include "run/layer.hpp"
 
-#include <atomic>
 #include <bit>
+
+#include "system/relaxed_reference.hpp"
 
 namespace eses::detail {
 
@@ -34,7 +35,7 @@ void LayerBits::add(const BlockTiling& tiling, const BlockBounds& block, const P
   const auto set = [](std::uint64_t* word, std::uint64_t more, bool is_shared_word) {
     if (more == 0) return;
     if (is_shared_word)
-      std::atomic_ref(*word).fetch_or(more, std::memory_order_relaxed);
+      RelaxedReference(*word).set_bits(more);
     else
       *word |= more;
   };

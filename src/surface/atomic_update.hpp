@@ -1,7 +1,7 @@
 #pragma once
 /// Atomic minima and maxima.
 
-#include <atomic>
+#include "system/relaxed_reference.hpp"
 
 namespace eses::detail {
 
@@ -9,10 +9,9 @@ namespace eses::detail {
 /// bound at the same time.
 template <class Value, class Before>
 void atomic_update(Value& bound, Value value, Before is_before) {
-  const std::atomic_ref<Value> shared(bound);
-  Value seen = shared.load(std::memory_order_relaxed);
-  while (is_before(value, seen) &&
-         !shared.compare_exchange_weak(seen, value, std::memory_order_relaxed)) {
+  const RelaxedReference<Value> shared(bound);
+  Value seen = shared.load();
+  while (is_before(value, seen) && !shared.try_replace(seen, value)) {
   }
 }
 

@@ -1,7 +1,6 @@
 #include "surface/patches.hpp"
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <cstddef>
 #include <functional>
@@ -14,6 +13,7 @@
 #include "geometry/patch_boxes.hpp"
 #include "surface/atomic_update.hpp"
 #include "surface/cavity_map.hpp"
+#include "system/relaxed_reference.hpp"
 
 namespace eses::detail {
 namespace {
@@ -246,7 +246,7 @@ void Patches::extend_face(AtomIndex atom, const Box& directions) {
 void Patches::mark_exposed(AtomIndex atom) {
   const auto [cluster, member] = clusters_.position_of(atom);
   if (!is_open(cluster)) return;
-  std::atomic_ref(patches_of(cluster).found.has_arc[member]).store(1, std::memory_order_relaxed);
+  RelaxedReference(patches_of(cluster).found.has_arc[member]).store(1);
 }
 
 void Patches::record_placements(std::span<const PlacementKey> keys) {

@@ -1,5 +1,5 @@
 #pragma once
-/// Parallel loops. Only this folder uses OpenMP.
+/// Parallel loops. Only this folder uses OpenMP, or threads in its place.
 
 #include <cstdint>
 #include <functional>
@@ -25,8 +25,8 @@ void require_threads(int chosen);
 /// std::invalid_argument as `require_threads`.
 int chosen_threads(int chosen);
 
-/// Starts the threads of OpenMP. OpenMP ends the process if it cannot start them, so this must be
-/// called before any file is written.
+/// Starts the threads of OpenMP, if the build has it. OpenMP ends the process if it cannot start
+/// them, so this must be called before any file is written.
 void start_threads(int threads);
 
 /// Calls `body(index, thread)` once for every index in [0, count) from `threads` threads; `thread`

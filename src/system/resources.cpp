@@ -1,9 +1,16 @@
 #include "system/resources.hpp"
 
-#include <malloc.h>
 #include <pthread.h>
 #include <sys/resource.h>
 #include <sys/statvfs.h>
+#ifdef __GLIBC__
+#include <malloc.h>
+#endif
+#ifdef __APPLE__
+#include <mach/mach.h>
+#else
+#include <sched.h>
+#endif
 
 #include <algorithm>
 #include <cmath>
@@ -11,6 +18,7 @@
 #include <limits>
 #include <optional>
 #include <string_view>
+#include <thread>
 #include <vector>
 
 #include "eses/error.hpp"
@@ -88,7 +96,50 @@ std::uint64_t remaining_memory(const std::string& group, const char* limit_file,
   return *limit > held ? *limit - held : 0;
 }
 
+#ifdef __APPLE__
+mach_task_basic_info memory_of_process() {
+  mach_task_basic_info info{};
+  mach_msg_type_number_t count = MACH_TASK_BASIC_INFO_COUNT;
+  auto* const words = reinterpret_cast<task_info_t>(&info);
+  const bool is_known =
+      task_info(mach_task_self(), MACH_TASK_BASIC_INFO, words, &count) == KERN_SUCCESS;
+  return is_known ? info : mach_task_basic_info{};
+}
+#endif
+
+// Returns the memory that the system can give to processes without swapping.
+std::uint64_t memory_of_system(const std::string& root) {
+  if (const auto free = memory_entry(root + "proc/meminfo", "MemAvailable:")) return *free;
+#ifdef __APPLE__
+  vm_statistics64 pages{};
+  mach_msg_type_number_t count = HOST_VM_INFO64_COUNT;
+  const mach_port_t host = mach_host_self();
+  auto* const words = reinterpret_cast<host_info64_t>(&pages);
+  const bool is_known = host_statistics64(host, HOST_VM_INFO64, words, &count) == KERN_SUCCESS;
+  mach_port_deallocate(mach_task_self(), host);
+  // Inactive pages have not been used lately. The system writes or drops them before it swaps.
+  if (is_known)
+    return (std::uint64_t{pages.free_count} + pages.inactive_count) * vm_kernel_page_size;
+#endif
+  return unlimited;
+}
+
 }  // namespace
+
+ProcessorSet allowed_processors() {
+  ProcessorSet processors;
+#ifdef __APPLE__
+  const std::size_t count = std::thread::hardware_concurrency();
+  for (std::size_t i = 0; i < std::min(count, processors.size()); ++i) processors.set(i);
+#else
+  static_assert(CPU_SETSIZE == ProcessorSet().size());
+  cpu_set_t allowed{};
+  sched_getaffinity(0, sizeof(allowed), &allowed);
+  for (std::size_t i = 0; i < processors.size(); ++i) processors[i] = CPU_ISSET(i, &allowed) != 0;
+#endif
+  if (processors.none()) processors.set(0);
+  return processors;
+}
 
 int processor_quota(const std::string& root) {
   double processors = 1 << 20;
@@ -106,8 +157,7 @@ int processor_quota(const std::string& root) {
 }
 
 std::uint64_t available_memory(const std::string& root) {
-  std::uint64_t available =
-      memory_entry(root + "proc/meminfo", "MemAvailable:").value_or(unlimited);
+  std::uint64_t available = memory_of_system(root);
   for (const auto& group : control_groups(root, "memory"))
     available =
         std::min({available, remaining_memory(group, "memory.max", "memory.current"),
@@ -115,6 +165,11 @@ std::uint64_t available_memory(const std::string& root) {
   return available;
 }
 
+#ifdef __APPLE__
+std::uint64_t resident_memory() { return memory_of_process().resident_size; }
+
+std::uint64_t peak_memory() { return memory_of_process().resident_size_max; }
+#else
 std::uint64_t resident_memory() { return memory_entry("/proc/self/status", "VmRSS:").value_or(0); }
 
 // Reads VmHWM first, as ru_maxrss of Linux includes the memory of the parent process before exec.
@@ -124,6 +179,7 @@ std::uint64_t peak_memory() {
   if (getrusage(RUSAGE_SELF, &usage) != 0) return 0;
   return static_cast<std::uint64_t>(usage.ru_maxrss) * 1024;
 }
+#endif
 
 void release_free_memory() {
 #ifdef __GLIBC__

@@ -1,11 +1,19 @@
 #pragma once
 /// Processors, memory, stack and disk space that are available to this process.
 
+#include <bitset>
 #include <cstdint>
 #include <filesystem>
 #include <string>
 
 namespace eses::detail {
+
+/// A set of processors of a machine; bit i is processor i.
+using ProcessorSet = std::bitset<1024>;
+
+/// Returns the processors to which this process is bound, or all of them if the system does not
+/// bind processes. There is at least one.
+ProcessorSet allowed_processors();
 
 /// Returns the processor quota of the control group, rounded up to whole processors, or a large
 /// number if there is no quota. `root` is the directory below which proc/ and sys/ are mounted; it

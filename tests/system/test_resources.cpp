@@ -152,6 +152,7 @@ TEST_CASE("a program has no more threads than processors to which it is bound", 
   cpu_set_t allowed;
   CPU_ZERO(&allowed);
   REQUIRE(sched_getaffinity(0, sizeof(allowed), &allowed) == 0);
+  CHECK(allowed_processors().count() == static_cast<std::size_t>(CPU_COUNT(&allowed)));
   const Sandbox sandbox;
   // There are many blocks, so that there is work for many threads.
   const std::string run =
