@@ -13,6 +13,9 @@ import pytest
 
 import eses_blocks as eses
 
+needs_thread_list = pytest.mark.skipif(not pathlib.Path("/proc/self/task").is_dir(),
+                                       reason="this system does not list threads in /proc")
+
 
 def thread_count():
     with open("/proc/self/status", encoding="ascii") as status:
@@ -109,6 +112,7 @@ def test_totals_wait_for_the_last_block(slow):
         blocks.atom_areas
 
 
+@needs_thread_list
 @pytest.mark.parametrize("leave", ["break", "raise", "close", "with", "delete", "unused"])
 def test_loops_that_end_early_leave_no_threads(slow, leave):
     surface, grid = slow
@@ -216,6 +220,7 @@ print(next(blocks).inside.size > 0)
     assert (done.returncode, done.stdout, done.stderr) == (0, "True\n", "")
 
 
+@needs_thread_list
 def test_queue_is_bounded(slow):
     """The thread that computes the blocks waits in its middle, until more blocks are taken."""
     surface, grid = slow

@@ -5,6 +5,7 @@ import os
 import re
 import signal
 import subprocess
+import sys
 import tempfile
 import time
 
@@ -36,6 +37,18 @@ def delayed_signals():
 def argument_of(item):
     """Returns an item of a command as text. Paths are files, and never options."""
     return file_argument(item) if isinstance(item, os.PathLike) else str(item)
+
+
+def processor_count():
+    """Returns the number of processors that this process may use."""
+    if hasattr(os, "sched_getaffinity"):  # Linux
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
+
+
+def peak_bytes(usage):
+    """Returns the largest memory of a process and its children, of which `usage` tells."""
+    return usage.ru_maxrss * (1 if sys.platform == "darwin" else 1024)
 
 
 def run(command, stdout, stderr, **how):

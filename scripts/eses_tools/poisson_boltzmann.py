@@ -326,7 +326,7 @@ def run_apbs(apbs, calculations, folder):
         if not math.isfinite(energy):
             raise Failed(f"APBS gives the energy {energy} for {calculation.name}; its solver does "
                          "not converge")
-    return Result(energies, seconds, usage.ru_maxrss * 1024)
+    return Result(energies, seconds, measuring.peak_bytes(usage))
 
 
 def compute(program, apbs, molecules, calculations, grids, settings, folder,

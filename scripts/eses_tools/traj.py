@@ -40,6 +40,7 @@ import warnings
 
 from eses_tools.common import (IS_INSTALLED, NAME, PROJECT, Failed, Parser, at_least, complete_file, counted, end_with,
                                input_file, positive, printable, require_kind, require_output, say, show)
+from eses_tools import measuring
 
 LEVELS = ("frame", "chain", "residue")
 MAX_VALUES = 2_000_000  # atoms by frames that are measured at a time
@@ -462,7 +463,7 @@ def show_warning(message, category, filename, *_):
 
 def measure_all(eses, universe, plan, frames, options, finished):
     """Measures the frames that are left. Reads the next ones meanwhile."""
-    threads = options.threads or len(os.sched_getaffinity(0))
+    threads = options.threads or measuring.processor_count()
     batch = max(1, min(FRAMES_OF_THREAD * threads, MAX_VALUES // len(plan.radii)))
     if plan.find_pockets:
         batch = 1  # a frame takes long

@@ -4,7 +4,6 @@ matplotlib."""
 import datetime
 import importlib.util
 import json
-import os
 import pathlib
 import platform
 
@@ -29,7 +28,7 @@ def machine():
                 break
     except OSError:
         pass
-    return {"cpu": model, "cores": len(os.sched_getaffinity(0)), "system": platform.system()}
+    return {"cpu": model, "cores": measuring.processor_count(), "system": platform.system()}
 
 
 def run_program(program, arguments, directory):
