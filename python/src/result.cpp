@@ -162,7 +162,7 @@ std::shared_ptr<ComputedResult> result_of_state(const py::tuple& state) {
                      StateArray<double>, std::optional<InsideArray>, std::optional<py::tuple>>>(
           state);
   require_shape(atom_areas, surface.atoms().size());
-  const RunOptions options = make_options(grid, {threads, block_size, {}, range, max_memory});
+  const RunOptions options = make_options(grid, {{threads}, block_size, {}, range, max_memory});
   const GridRegion region = *options.region;
   std::optional<std::vector<std::uint8_t>> points;
   if (inside) points = inside_of_state(*inside, region);
