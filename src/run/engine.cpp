@@ -223,10 +223,11 @@ SweepSums sweep_range(const PlannedRun& run, const SweepRange& range, PatchSched
     summary.seconds.verify += drawing.seconds();
     sinks.add(*verifier);
   }
+  const PieceMaker pieces(run.plan.grid, schedule.tiling, contents_of(run.request.outputs),
+                          run.slab.file_indices());
   std::optional<MeshPieceMaker> mesh;
   if (run.request.outputs.mesh) mesh.emplace(run, schedule.tiling);
-  Sweep sweep(patches, run.plan, schedule, contents_of(run.request.outputs),
-              run.slab.file_indices(), mesh ? &*mesh : nullptr, sinks, report);
+  Sweep sweep(patches, run.plan, schedule, pieces, mesh ? &*mesh : nullptr, sinks, report);
   if (range.planes.begin > run.plan.region.begin[2]) sweep.solve_plane_below();
   SweepSums sums = sweep.run();
   add_seconds(sums.seconds, summary.seconds);

@@ -71,8 +71,9 @@ class ProbeSweep {
     Schedule schedule = run_.slab.schedule;
     schedule.tiling = make_tiling(run_.plan.grid, schedule.tiling.block_size,
                                   with_planes(run_.plan.region, planes));
-    Sweep sweep(surface_->schedule, run_.plan, schedule,
-                {.maps = std::move(maps), .extras = extras_}, {}, nullptr, sink, report);
+    const PieceMaker pieces(run_.plan.grid, schedule.tiling,
+                            {.maps = std::move(maps), .extras = extras_}, {});
+    Sweep sweep(surface_->schedule, run_.plan, schedule, pieces, nullptr, sink, report);
     sweep.solve_plane_below();
     sweep.run();
   }

@@ -32,23 +32,22 @@ WorkList work_of(const Schedule& schedule, const RowBatches& batches) {
 }  // namespace
 
 Sweep::Sweep(PatchSchedule& patches, const Plan& plan, const Schedule& schedule,
-             SweepContents contents, FileIndices file_indices, MeshPieceMaker* mesh, Sink& sink,
-             ProgressReport& progress)
+             const PieceMaker& pieces, MeshPieceMaker* mesh, Sink& sink, ProgressReport& progress)
     : patches_(patches),
       plan_(plan),
       schedule_(schedule),
       tiling_(schedule.tiling),
+      pieces_(pieces),
       mesh_(mesh),
       sink_(sink),
       progress_(progress),
-      piece_maker_(plan.grid, tiling_, std::move(contents), file_indices),
       workers_(static_cast<std::size_t>(schedule.threads)),
-      work_(work_of(schedule, piece_maker_.batches())),
+      work_(work_of(schedule, pieces_.batches())),
       atom_shares_(patches.patches().surface().atoms.size()) {
   const std::int64_t blocks = tiling_.blocks[0] * tiling_.blocks[1];
   for (std::size_t thread = 0; thread < workers_.size(); ++thread) {
     workers_[thread].thread = thread;
-    workers_[thread].block.extras = piece_maker_.contents().extras;
+    workers_[thread].block.extras = pieces_.contents().extras;
   }
   for (Layer& layer : layers_) layer.blocks.resize(static_cast<std::size_t>(blocks));
   // The sweep starts at the plane below the region, as it may be solved first.
@@ -222,9 +221,8 @@ void Sweep::pass(std::int64_t layer) {
 void Sweep::make_piece(const WorkItem& batch, Worker& worker) {
   const Stopwatch watch;
   const Layer& layer = layer_at(batch.layer);
-  const RowRange rows =
-      piece_maker_.batches().rows(batch.index, planes_of_layer(tiling_, batch.layer));
-  piece_maker_.make(layer, rows, worker.piece_maker, worker.piece);
+  const RowRange rows = pieces_.batches().rows(batch.index, planes_of_layer(tiling_, batch.layer));
+  pieces_.make(layer, rows, worker.piece_maker, worker.piece);
   if (mesh_ != nullptr)
     mesh_->make(layer, batch.index, work_.batches_of(batch.layer), worker.mesh, worker.piece.mesh);
   RegionTotals& totals = worker.block.tally.totals;

@@ -64,11 +64,10 @@ struct SweepSums {
 /// makes pieces of each layer.
 class Sweep {
  public:
-  /// Keeps references to all arguments but `contents`. `mesh` is null without a mesh. Several
-  /// sweeps may use the same patches, one after the other, in ascending order of their planes.
-  /// `file_indices` are those of the atoms of the surface.
-  Sweep(PatchSchedule& patches, const Plan& plan, const Schedule& schedule, SweepContents contents,
-        FileIndices file_indices, MeshPieceMaker* mesh, Sink& sink, ProgressReport& progress);
+  /// Keeps references to all arguments. `mesh` is null without a mesh. Several sweeps may use the
+  /// same patches, one after the other, in ascending order of their planes.
+  Sweep(PatchSchedule& patches, const Plan& plan, const Schedule& schedule,
+        const PieceMaker& pieces, MeshPieceMaker* mesh, Sink& sink, ProgressReport& progress);
 
   /// Solves the plane below the region, if the grid has it. It is required before `run` if the
   /// region continues the region of another sweep: its points are neighbours of the first plane,
@@ -110,10 +109,10 @@ class Sweep {
   const Plan& plan_;
   const Schedule& schedule_;
   const BlockTiling& tiling_;
+  const PieceMaker& pieces_;
   MeshPieceMaker* mesh_;
   Sink& sink_;
   ProgressReport& progress_;
-  PieceMaker piece_maker_;
   std::vector<Worker> workers_;       // by thread
   std::array<Layer, 2> layers_;       // the current layer and the next one; see layer_at
   std::vector<std::uint64_t> below_;  // inside bits of the plane below the current layer
