@@ -6,6 +6,21 @@
 #include "geometry/arc_sector.hpp"
 
 namespace eses::detail {
+namespace {
+
+// Returns the box relative to a point, with slack and the rounding errors of single precision.
+FloatBox to_floats(const Box& box, Vec3 point) {
+  constexpr double max_error = 0x1p-23;  // relative
+  FloatBox floats;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const double low = box.low[axis] - point[axis], high = box.high[axis] - point[axis];
+    floats.low[axis] = static_cast<float>(low - box_slack - max_error * std::fabs(low));
+    floats.high[axis] = static_cast<float>(high + box_slack + max_error * std::fabs(high));
+  }
+  return floats;
+}
+
+}  // namespace
 
 Box cap_box(Vec3 center, double radius, Vec3 pole, double cosine) {
   const double sine = std::sqrt((1 - cosine) * (1 + cosine));
@@ -55,6 +70,16 @@ Box saddle_box(const ContactCircle& circle, const Box& directions,
   include_arc(box, first_center, min_radius, directions);
   include_arc(box, second_center, min_radius, directions);
   return box;
+}
+
+ArcBoxes arc_boxes(Vec3 first_center, const ContactCircle& circle, const Box& directions,
+                   const std::array<double, 2>& atom_radii, double probe_radius) {
+  Box box = saddle_box(circle, directions, atom_radii, probe_radius);
+  ArcBoxes boxes;
+  boxes.surface = to_floats(box, first_center);
+  include_arc(box, circle.center, circle.radius, directions);
+  boxes.solid = to_floats(box, first_center);
+  return boxes;
 }
 
 }  // namespace eses::detail

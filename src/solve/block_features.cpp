@@ -10,24 +10,14 @@
 namespace eses::detail {
 namespace {
 
-void bound_saddle(const SurfaceModel& surface, ArcFeature& arc) {
-  const ContactCircle& circle = arc.circle;
-  const Box directions = direction_bounds(arc.sector, circle.axis);
-  Box box = saddle_box(circle, directions,
-                       {surface.atoms[arc.atoms[0]].radius, surface.atoms[arc.atoms[1]].radius},
-                       surface.probe_radius);
-  arc.surface_box = grown(box, box_slack);
-  include_arc(box, circle.center, circle.radius, directions);
-  arc.solid_box = grown(box, box_slack);
-}
-
-ArcFeature make_arc(const SurfaceModel& surface, const Arc& arc) {
+ArcFeature make_arc(const SurfaceModel& surface, const Arc& arc, const ArcBoxes& boxes) {
   ArcFeature feature;
+  feature.solid_box = boxes.solid.around(surface.atoms[arc.first].center);
+  feature.surface_box = boxes.surface.around(surface.atoms[arc.first].center);
   feature.atoms = {arc.first, arc.second};
   feature.circle =
       make_contact_circle(surface.sas_sphere(arc.first), surface.sas_sphere(arc.second));
   feature.sector = make_arc_sector(feature.circle.axis, arc.kind, arc.start, arc.end);
-  bound_saddle(surface, feature);
   return feature;
 }
 
@@ -68,7 +58,7 @@ const ListedPatches& listed_patches(const ClusterPatches& cluster, BlockFeatures
 }
 
 void add_face(const SurfaceModel& surface, AtomIndex i, const AtomPatches& patches,
-              const ListedPatches& listed, BlockFeatures& features) {
+              const ListedPatches& listed, const Box& block, BlockFeatures& features) {
   const SasSphere sphere = surface.sas_sphere(i);
   FaceFeature face;
   face.atom = i;
@@ -80,6 +70,7 @@ void add_face(const SurfaceModel& surface, AtomIndex i, const AtomPatches& patch
   face.surface_box = grown(box, box_slack);
   include_arc(box, face.center, face.sas_radius, directions);
   face.shell_box = grown(box, box_slack);
+  if (!overlap(face.shell_box, block)) return;
   face.cone_begin = static_cast<std::uint32_t>(features.cones.size());
   const ClusterPatches& cluster = *patches.cluster;
   for_each_patch(cluster.face_begin, patches.member, listed.face_neighbours, [&](std::uint32_t k) {
@@ -209,19 +200,14 @@ void collect_features(const Patches& patches, const Box& box, BlockFeatures& fea
     if (distance <= sas_radius * sas_radius) {
       features.balls.push_back({atom.center, atom.radius, atom.radius + surface.probe_radius});
       if (of_atom.exposure() == AtomExposure::exposed)
-        add_face(surface, i, of_atom, listed, features);
+        add_face(surface, i, of_atom, listed, box, features);
     }
     // Without a probe there are neither saddle nor concave patches.
     if (surface.probe_radius == 0) continue;
-    // The points between an arc and its saddle patch lie in one of the two SAS balls.
-    const auto meets_ball = [&](AtomIndex k) {
-      const double reach = surface.atoms[k].radius + probe;
-      return squared_distance(box, surface.atoms[k].center) <= reach * reach;
-    };
     for_each_patch(cluster.arc_begin, of_atom.member, listed.arcs, [&](std::uint32_t a) {
-      if (distance > sas_radius * sas_radius && !meets_ball(cluster.arcs[a].second)) return;
-      const ArcFeature arc = make_arc(surface, cluster.arcs[a]);
-      if (overlap(arc.solid_box, box)) features.arcs.push_back(arc);
+      const ArcBoxes& boxes = cluster.arc_boxes[a];
+      if (overlap(boxes.solid.around(atom.center), box))
+        features.arcs.push_back(make_arc(surface, cluster.arcs[a], boxes));
     });
     // The slack includes all placements that are merged with one near the block.
     constexpr double slack = 2 * tolerance::same_placement;

@@ -10,14 +10,12 @@
 #include "eses/grid.hpp"
 #include "geometry/arc_sector.hpp"
 #include "geometry/box.hpp"
+#include "geometry/patch_boxes.hpp"
 #include "grid/tiling.hpp"
 #include "surface/cavity_map.hpp"
 #include "surface/survey.hpp"
 
 namespace eses::detail {
-
-/// Boxes of patches are extended by this, so that they contain the seams (angstrom).
-inline constexpr double box_slack = 1e-5;
 
 /// The points of a block in space. Coordinates are computed from global indices, so they are the
 /// same in all blocks that share a point.

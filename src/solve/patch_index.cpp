@@ -15,32 +15,36 @@ constexpr double max_cells = 64;
 PatchIndex::CellIndex PatchIndex::cell_index(Vec3 point) const {
   CellIndex index{};
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    const double cell = (point[axis] - box_.low[axis]) / cell_side_;
+    const double cell = (point[axis] - box_.low[axis]) * inverse_side_;
     index[axis] =
-        static_cast<std::size_t>(std::clamp(cell, 0.0, static_cast<double>(size_[axis] - 1)));
+        static_cast<std::uint32_t>(std::clamp(cell, 0.0, static_cast<double>(size_[axis] - 1)));
   }
   return index;
 }
 
 template <class Feature, class BoxOf>
 void PatchIndex::fill(std::span<const Feature> features, BoxOf&& box_of, Lists& lists) {
-  const auto for_each_cell = [&](const Feature& feature, auto&& action) {
+  ranges_.clear();
+  for (const Feature& feature : features) {
     const Box box = box_of(feature);
-    if (!overlap(box, box_)) return;
-    const CellIndex low = cell_index(box.low), high = cell_index(box.high);
-    for (std::size_t z = low[2]; z <= high[2]; ++z)
-      for (std::size_t y = low[1]; y <= high[1]; ++y)
-        for (std::size_t x = low[0]; x <= high[0]; ++x) action((z * size_[1] + y) * size_[0] + x);
+    ranges_.push_back(overlap(box, box_) ? CellRange{cell_index(box.low), cell_index(box.high)}
+                                         : CellRange{{1, 1, 1}, {0, 0, 0}});
+  }
+  const auto for_each_cell = [&](const CellRange& range, auto&& action) {
+    for (std::size_t z = range.low[2]; z <= range.high[2]; ++z)
+      for (std::size_t y = range.low[1]; y <= range.high[1]; ++y)
+        for (std::size_t x = range.low[0]; x <= range.high[0]; ++x)
+          action((z * size_[1] + y) * size_[0] + x);
   };
   // Counts are stored one element further, so that filling the lists moves each begin to its final
   // value.
   lists.begin.assign(size_[0] * size_[1] * size_[2] + 2, 0);
-  for (const Feature& feature : features)
-    for_each_cell(feature, [&](std::size_t cell) { ++lists.begin[cell + 2]; });
+  for (const CellRange& range : ranges_)
+    for_each_cell(range, [&](std::size_t cell) { ++lists.begin[cell + 2]; });
   for (std::size_t i = 1; i < lists.begin.size(); ++i) lists.begin[i] += lists.begin[i - 1];
   lists.items.resize(lists.begin.back());
   for (std::uint32_t i = 0; i < features.size(); ++i)
-    for_each_cell(features[i], [&](std::size_t cell) { lists.items[lists.begin[cell + 1]++] = i; });
+    for_each_cell(ranges_[i], [&](std::size_t cell) { lists.items[lists.begin[cell + 1]++] = i; });
 }
 
 void PatchIndex::reset(const BlockFeatures& features, const Box& box) {
@@ -49,6 +53,7 @@ void PatchIndex::reset(const BlockFeatures& features, const Box& box) {
   const Vec3 sides = box.high - box.low;
   cell_side_ = std::max({min_cell_side, 2 * features.probe_radius,
                          std::max({sides.x, sides.y, sides.z}) / max_cells});
+  inverse_side_ = 1 / cell_side_;
   for (std::size_t axis = 0; axis < 3; ++axis)
     size_[axis] = std::max<std::size_t>(
         1, static_cast<std::size_t>((box.high[axis] - box.low[axis]) / cell_side_));

@@ -38,7 +38,10 @@ class PatchIndex {
       return std::span(items).subspan(begin[cell], begin[cell + 1] - begin[cell]);
     }
   };
-  using CellIndex = std::array<std::size_t, 3>;
+  using CellIndex = std::array<std::uint32_t, 3>;
+  struct CellRange {
+    CellIndex low, high;
+  };
 
   CellIndex cell_index(Vec3 point) const;
   template <class Feature, class BoxOf>
@@ -46,8 +49,9 @@ class PatchIndex {
 
   const BlockFeatures* features_ = nullptr;
   Box box_;
-  double cell_side_ = 1;
-  CellIndex size_{};
+  double cell_side_ = 1, inverse_side_ = 1;
+  std::array<std::size_t, 3> size_{};
+  std::vector<CellRange> ranges_;  // scratch memory: the cells of each patch of one kind
   Lists placements_, arcs_, faces_;
 };
 

@@ -165,19 +165,24 @@ std::vector<PlacementKey> sorted_by_member(std::span<const PlacementKey> keys, s
   return sorted;
 }
 
-// Removes the items for which `is_dropped` holds. The items of member m are [begin[m], begin[m +
-// 1]).
-template <class Item, class IsDropped>
-void drop_items(std::vector<Item>& items, std::vector<std::uint32_t>& begin,
-                IsDropped&& is_dropped) {
+// Removes the items for which `is_dropped` holds, and their elements of `of_items`, which may be
+// empty. The items of member m are [begin[m], begin[m + 1]).
+template <class Item, class OfItem, class IsDropped>
+void drop_items(std::vector<Item>& items, std::vector<OfItem>& of_items,
+                std::vector<std::uint32_t>& begin, IsDropped&& is_dropped) {
   std::uint32_t kept = 0, next = 0;
   for (std::size_t m = 0; m + 1 < begin.size(); ++m) {
     const std::uint32_t end = begin[m + 1];
-    for (; next < end; ++next)
-      if (!is_dropped(items[next])) items[kept++] = items[next];
+    for (; next < end; ++next) {
+      if (is_dropped(items[next])) continue;
+      items[kept] = items[next];
+      if (!of_items.empty()) of_items[kept] = of_items[next];
+      ++kept;
+    }
     begin[m + 1] = kept;
   }
   items.resize(kept);
+  of_items.resize(of_items.empty() ? 0 : kept);
 }
 
 }  // namespace
@@ -216,13 +221,14 @@ void Patches::find_arcs(ClusterIndex cluster, Scratch& scratch) {
   patches.arc_begin = begins_of(built.arc_count);
   patches.arcs = built.arcs;
   patches.is_regular = end_arcs_only(built);
-  for (const Arc& arc : patches.arcs) record_arc(arc);
+  if (has_bounds_) patches.arc_boxes.reserve(patches.arcs.size());
+  for (const Arc& arc : patches.arcs) record_arc(arc, patches);
   record_placements(built.placements);
 }
 
-// Extends the bounds of the two faces at an arc. The extreme points of a face lie on the arcs that
-// bound it, or at the poles of its sphere.
-void Patches::record_arc(const Arc& arc) {
+// Adds the boxes of an arc to `patches`, and extends the bounds of its two faces. The extreme
+// points of a face lie on the arcs that bound it, or at the poles of its sphere.
+void Patches::record_arc(const Arc& arc, ClusterPatches& patches) {
   mark_exposed(arc.first);
   mark_exposed(arc.second);
   if (!has_bounds_) return;
@@ -230,6 +236,9 @@ void Patches::record_arc(const Arc& arc) {
   const ContactCircle circle = make_contact_circle(first, second);
   const Box radial =
       direction_bounds(make_arc_sector(circle.axis, arc.kind, arc.start, arc.end), circle.axis);
+  const Atom &a = surface_.atoms[arc.first], &b = surface_.atoms[arc.second];
+  patches.arc_boxes.push_back(
+      arc_boxes(a.center, circle, radial, {a.radius, b.radius}, surface_.probe_radius));
   const auto seen_from = [&](const SasSphere& sphere, double height) {
     return arc_box((height / sphere.radius) * circle.axis, circle.radius / sphere.radius, radial);
   };
@@ -345,12 +354,14 @@ void Patches::drop_filled_patches(std::span<const AtomIndex> members,
   const CavityMap& cavities = *surface_.cavities;
   for (std::size_t m = 0; m < members.size(); ++m)
     if (cavities.is_filled(cavities.find(members[m]))) patches.exposure[m] = AtomExposure::buried;
-  drop_items(patches.arcs, patches.arc_begin, [&](const Arc& arc) {
+  drop_items(patches.arcs, patches.arc_boxes, patches.arc_begin, [&](const Arc& arc) {
     return cavities.is_filled(cavities.component_of(surface_, arc));
   });
-  drop_items(patches.placements, patches.placement_begin, [&](const ProbePlacement& placement) {
-    return cavities.is_filled(cavities.component_of(surface_.atoms, placement));
-  });
+  std::vector<ArcBoxes> none;
+  drop_items(patches.placements, none, patches.placement_begin,
+             [&](const ProbePlacement& placement) {
+               return cavities.is_filled(cavities.component_of(surface_.atoms, placement));
+             });
 }
 
 }  // namespace eses::detail

@@ -14,6 +14,7 @@
 
 #include "geometry/box.hpp"
 #include "geometry/circle_arcs.hpp"
+#include "geometry/patch_boxes.hpp"
 #include "surface/atom_clusters.hpp"
 #include "surface/atom_patches.hpp"
 #include "surface/crowded_atoms.hpp"
@@ -52,6 +53,7 @@ struct ClusterPatches {
   std::vector<AtomIndex> face_neighbours;       ///< atoms whose caps bound the exposed face
   std::vector<std::uint32_t> arc_begin;         ///< indices into arcs
   std::vector<Arc> arcs;
+  std::vector<ArcBoxes> arc_boxes;             ///< of the arcs, if there are bounds
   std::vector<std::uint32_t> placement_begin;  ///< indices into placements
   /// Placements. If a probe touches more than three atoms, each triple of them has a placement.
   std::vector<ProbePlacement> placements;
@@ -141,7 +143,7 @@ class Patches {
   ClusterPatches& patches_of(ClusterIndex cluster) {
     return *clusters_patches_[as_number(cluster)];
   }
-  void record_arc(const Arc& arc);
+  void record_arc(const Arc& arc, ClusterPatches& patches);
   void mark_exposed(AtomIndex atom);
   void extend_face(AtomIndex atom, const Box& directions);
   void record_placements(std::span<const PlacementKey> keys);

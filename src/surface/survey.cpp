@@ -125,7 +125,8 @@ void SurfaceSurvey::take_samples() {
   for (std::size_t i = 0; i < count; ++i)
     if (size_of(i) > large)
       visit(patched_[i], 1, scratch, patches);
-    else if (std::fmod(static_cast<double>(i) * std::numbers::phi, 1) < share)
+    else if (const double multiple = static_cast<double>(i) * std::numbers::phi;
+             multiple - std::floor(multiple) < share)
       visit(patched_[i], 1 / share, scratch, patches);
   // From the differences between consecutive bins to the sums up to each bin.
   for (int i = 0; i < 2; ++i) std::partial_sum(area_.begin(), area_.end(), area_.begin());
@@ -219,7 +220,7 @@ double SurfaceSurvey::patch_bytes(double height, int threads) const {
                               sizeof(FaceDirections) +
                               sizeof(ClusterPatches) / double{AtomClusters::atoms_per_cluster};
   const double all_patches =
-      sizeof(Arc) * totals_.arcs +
+      (sizeof(Arc) + sizeof(ArcBoxes)) * totals_.arcs +
       (sizeof(ProbePlacement) + list_growth * sizeof(PlacementKey)) * totals_.placements +
       sizeof(AtomIndex) * totals_.face_neighbours + sizeof(PatchListing) * totals_.crowded_patches +
       per_atom * static_cast<double>(patched_count());
