@@ -10,23 +10,6 @@
 namespace eses::detail {
 namespace {
 
-void add_to_tally(const SurfaceModel& surface, const BlockGrid& grid, const BlockResult& result,
-                  Tally& tally) {
-  const auto rows_y = static_cast<std::size_t>(result.block.owned[1]);
-  for (std::size_t row = 0; row + 1 < result.row_begin.size(); ++row) {
-    const double y = grid.coordinates[1][row % rows_y], z = grid.coordinates[2][row / rows_y];
-    for (std::uint32_t c = result.row_begin[row]; c < result.row_begin[row + 1]; ++c) {
-      const BlockCrossing& crossing = result.crossings[c];
-      Vec3 point{grid.coordinates[0][crossing.x], y, z};
-      const double start = point[crossing.axis];
-      point[crossing.axis] = crossing.coordinate;
-      tally.add(surface, crossing, point);
-      const double above = (crossing.coordinate - start) * grid.inverse_spacing;
-      tally.add_length(crossing.lower_is_inside ? above : 1 - above);
-    }
-  }
-}
-
 // Sets the bits of the points within `ion_radius` of a van der Waals sphere.
 void cover_points(const SurfaceModel& surface, double ion_radius, BlockWorkspace& workspace,
                   PointBits& covered) {
@@ -62,8 +45,8 @@ void fill_cavities(const SurfaceModel& surface, BlockWorkspace& workspace, Block
   add_to(result.covered);
 }
 
-// Finds inside points and crossings without adding them to the sums. Inside lengths are found for
-// the edges that start at the `owned` points.
+// Finds inside points and crossings, and adds these to the sums. Inside lengths are found for the
+// edges that start at the `owned` points.
 BlockResult find_crossings(const Patches& patches, const Grid& grid, const BlockBounds& block,
                            const GridIndex& owned, BlockWorkspace& workspace) {
   BlockResult result;
@@ -88,21 +71,13 @@ BlockResult find_crossings(const Patches& patches, const Grid& grid, const Block
   workspace.classify_seconds += classifying.seconds();
   const Stopwatch intersecting;
   workspace.intersect.finds_doubtful = workspace.extras.inside_fractions;
-  intersect_edges(workspace.grid, workspace.features, result.inside, workspace.intersect,
-                  result.crossings, result.row_begin);
+  intersect_edges(surface, workspace.grid, workspace.features, result.inside, workspace.intersect,
+                  workspace.tally, result.crossings, result.row_begin);
   if (workspace.extras.inside_fractions)
     find_inside_fractions(workspace.grid, workspace.features, result.inside, result.crossings,
                           result.row_begin, owned, workspace.intersect, result.fractions);
   workspace.intersect_seconds += intersecting.seconds();
   return result;
-}
-
-void count_crossings(const SurfaceModel& surface, const BlockResult& result,
-                     BlockWorkspace& workspace) {
-  if (result.row_begin.empty()) return;
-  const Stopwatch counting;
-  add_to_tally(surface, workspace.grid, result, workspace.tally);
-  workspace.intersect_seconds += counting.seconds();
 }
 
 // Moves the crossings that `block` does not own from `crossings` to `halo_crossings`. The result
@@ -135,6 +110,21 @@ void split_off_halo_crossings(const BlockBounds& block, BlockResult& result) {
   result.halo_row_begin.push_back(static_cast<std::uint32_t>(result.halo_crossings.size()));
 }
 
+// Removes the halo crossings from the sums.
+void remove_halo_crossings(const SurfaceModel& surface, const BlockResult& result,
+                           BlockWorkspace& workspace) {
+  const BlockGrid& grid = workspace.grid;
+  const auto rows_y = static_cast<std::size_t>(result.block.points[1]);
+  for (std::size_t row = 0; row + 1 < result.halo_row_begin.size(); ++row) {
+    const double y = grid.coordinates[1][row % rows_y], z = grid.coordinates[2][row / rows_y];
+    for (std::uint32_t c = result.halo_row_begin[row]; c < result.halo_row_begin[row + 1]; ++c) {
+      const BlockCrossing& crossing = result.halo_crossings[c];
+      workspace.tally.add_edge(surface, crossing, {grid.coordinates[0][crossing.x], y, z},
+                               grid.inverse_spacing, -1);
+    }
+  }
+}
+
 }  // namespace
 
 double BlockResult::memory_bytes(const GridIndex& points, const BlockExtras& extras) {
@@ -162,16 +152,14 @@ double BlockWorkspace::memory_bytes(const SurfaceSurvey& survey, const Grid& gri
 
 BlockResult solve_block(const Patches& patches, const Grid& grid, const BlockBounds& block,
                         BlockWorkspace& workspace) {
-  BlockResult result = find_crossings(patches, grid, block, block.owned, workspace);
-  count_crossings(patches.surface(), result, workspace);
-  return result;
+  return find_crossings(patches, grid, block, block.owned, workspace);
 }
 
 BlockResult solve_block_for_mesh(const Patches& patches, const Grid& grid, const BlockBounds& block,
                                  const BlockBounds& wider, BlockWorkspace& workspace) {
   BlockResult result = find_crossings(patches, grid, wider, block.owned, workspace);
   split_off_halo_crossings(block, result);
-  count_crossings(patches.surface(), result, workspace);
+  remove_halo_crossings(patches.surface(), result, workspace);
   return result;
 }
 

@@ -9,6 +9,7 @@
 #include "grid/point_bits.hpp"
 #include "solve/block_features.hpp"
 #include "solve/intersect.hpp"
+#include "solve/tally.hpp"
 #include "system/lanes-inl.hpp"
 
 #if defined(ESES_SOLVE_CANDIDATES_INL_) == defined(HWY_TARGET_TOGGLE)
@@ -28,6 +29,8 @@ struct Candidates {
   const PointBits& inside;
   IntersectScratch& scratch;
   std::vector<BlockCrossing>& crossings;
+  const SurfaceModel& surface;
+  Tally& tally;
 
   // Returns the key of the edge along an axis that starts at a point of a word.
   static std::uint64_t key_of(std::size_t word, int bit, std::size_t axis) {
@@ -35,7 +38,8 @@ struct Candidates {
   }
 
   // Adds a candidate for the crossing of the edge with this key. The candidate needs no edge.
-  void add_candidate(std::uint64_t key, BlockCrossing candidate, bool needs_proof = false) {
+  // Returns whether it is the crossing, unless another candidate is added.
+  bool add_candidate(std::uint64_t key, BlockCrossing candidate, bool needs_proof = false) {
     const std::uint32_t edge = rank_of(key);
     BlockCrossing& first = crossings[edge];
     candidate.x = first.x;
@@ -43,9 +47,10 @@ struct Candidates {
     candidate.lower_is_inside = first.lower_is_inside;
     if (first.atom_count == 0 && !needs_proof) {
       first = candidate;
-    } else {
-      scratch.more_candidates.push_back({edge, needs_proof, candidate});
+      return true;
     }
+    scratch.more_candidates.push_back({edge, needs_proof, candidate});
+    return false;
   }
 
  private:

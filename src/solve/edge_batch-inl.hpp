@@ -16,18 +16,23 @@ namespace eses::detail::HWY_NAMESPACE {
 /// Edges, one in each lane.
 struct LaneEdges {
   LaneAxes axes;
+  Points outside;         ///< outside ends
   Points start;           ///< outside ends, relative to the centre of the patch
   DoubleVector from, to;  ///< coordinates of the outside and inside ends along the axes
 
-  /// The edges of a batch from `first` on.
-  HWY_INLINE LaneEdges(const EdgeBatch& batch, std::size_t first)
-      : axes(load(batch.axis.data() + first)),
-        start{load(batch.x.data() + first), load(batch.y.data() + first),
-              load(batch.z.data() + first)},
-        from(load(batch.from.data() + first)),
-        to(load(batch.to.data() + first)) {}
-  HWY_INLINE LaneEdges(LaneAxes along, const Points& outside, DoubleVector first, DoubleVector last)
-      : axes(along), start{outside.x, outside.y, outside.z}, from(first), to(last) {}
+  /// The edges of a batch from `first` on, for a patch around `center`.
+  HWY_INLINE LaneEdges(const EdgeBatch& batch, std::size_t first, Vec3 center)
+      : LaneEdges(LaneAxes(load(batch.axis.data() + first)),
+                  {load(batch.x.data() + first), load(batch.y.data() + first),
+                   load(batch.z.data() + first)},
+                  load(batch.to.data() + first), center) {}
+  HWY_INLINE LaneEdges(LaneAxes along, const Points& ends, DoubleVector last, Vec3 center)
+      : axes(along),
+        outside(ends),
+        start{ends.x - broadcast(center.x), ends.y - broadcast(center.y),
+              ends.z - broadcast(center.z)},
+        from(along.of(ends)),
+        to(last) {}
 
   /// Signed steps along the axes to the inside ends.
   HWY_INLINE DoubleVector step() const { return to - from; }

@@ -15,15 +15,15 @@ struct EdgeBatch {
   template <class Value>
   using List = std::array<Value, capacity + vector_padding>;
 
-  List<double> x{}, y{}, z{};  ///< the outside ends, relative to the centre of the patch
-  List<double> from{}, to{};   ///< coordinates of the outside and inside ends along the axis
+  List<double> x{}, y{}, z{};  ///< the outside ends
+  List<double> to{};           ///< coordinate of the inside end along the axis
   List<double> axis{};         ///< 0, 1 or 2
   List<std::uint64_t> key{};   ///< any number by which the caller knows the edge
   std::size_t count = 0;
 
   /// Copies the edge at one index to another index.
   void move(std::size_t index, std::size_t copy) {
-    for (auto* values : {&x, &y, &z, &from, &to, &axis}) (*values)[copy] = (*values)[index];
+    for (auto* values : {&x, &y, &z, &to, &axis}) (*values)[copy] = (*values)[index];
     key[copy] = key[index];
   }
 };

@@ -67,7 +67,7 @@ HWY_INLINE void keep_near_saddle(const ArcFeature& arc, double probe, double len
   const Doubles doubles;
   std::size_t kept = 0;
   for (std::size_t i = 0; i < batch.count; i += hn::Lanes(doubles)) {
-    const LaneEdges edges(batch, i);
+    const LaneEdges edges(batch, i, arc.circle.center);
     auto is_off = misses_saddle(arc, probe, length, edges);
     if (arc.sector.kind == ArcKind::minor)
       is_off = hn::Or(is_off, hn::Or(passes_beyond(arc.sector.start_normal, edges),
@@ -101,26 +101,29 @@ HWY_INLINE LanePoints saddle_normals(const ArcFeature& arc, const Points& offset
 }
 
 /// Calls `found(key, coordinate, normal)` for each point in which an edge of the batch crosses
-/// the patch. `coordinate` is that along the edge's axis. Empties the batch.
-template <class Found>
+/// the patch. `coordinate` is that along the edge's axis. Then calls `count(edges, coordinates,
+/// normals, lanes)` for the lanes for which it returned true. Empties the batch.
+template <class Found, class Count>
 void meet_saddle(const ArcFeature& arc, double probe, double length, EdgeBatch& batch,
-                 Found&& found) {
+                 Found&& found, Count&& count) {
   keep_near_saddle(arc, probe, length, batch);
   const Doubles doubles;
   const ContactCircle& circle = arc.circle;
   constexpr double low = -tolerance::edge_end, high = 1 + tolerance::edge_end;
   for (std::size_t i = 0; i < batch.count; i += hn::Lanes(doubles)) {
-    const LaneEdges edges(batch, i);
+    const LaneEdges edges(batch, i, circle.center);
     const auto report = [&](DoubleVector parameter, DoubleMask exits) {
       const auto fraction = hn::Min(hn::Max(parameter, broadcast(0)), broadcast(1));
       const Points point = edges.axes.moved(edges.start, fraction * edges.step());
       exits = hn::And(exits, is_in_wedge(arc, point));
       if (hn::AllFalse(doubles, exits)) return;
-      const LaneValues coordinates(edges.from + fraction * edges.step());
+      const auto on_edge = edges.from + fraction * edges.step();
+      const LaneValues coordinates(on_edge);
       const LanePoints normals = saddle_normals(arc, point, exits);
-      for_each_lane(exits, [&](std::size_t lane) {
-        found(batch.key[i + lane], coordinates[lane], normals[lane]);
+      const auto counted = lanes_where(exits, [&](std::size_t lane) {
+        return found(batch.key[i + lane], coordinates[lane], normals[lane]);
       });
+      count(edges, on_edge, normals.points(), counted);
     };
     const auto in_batch = hn::FirstN(doubles, batch.count - i);
     const OnlyTubeExits only = only_tube_exits(edges.axes, edges.start, edges.step(), circle.axis,
@@ -129,9 +132,11 @@ void meet_saddle(const ArcFeature& arc, double probe, double length, EdgeBatch& 
     for_each_lane(hn::And(in_batch, only.may_be_several), [&](std::size_t lane) {
       const std::size_t k = i + lane;
       Vec3 step;
-      step[static_cast<std::size_t>(batch.axis[k])] = batch.to[k] - batch.from[k];
-      const TubeExits several = tube_exits({batch.x[k], batch.y[k], batch.z[k]}, step, circle.axis,
-                                           circle.radius, probe, low, high);
+      const auto axis = static_cast<std::size_t>(batch.axis[k]);
+      const Vec3 outside{batch.x[k], batch.y[k], batch.z[k]};
+      step[axis] = batch.to[k] - outside[axis];
+      const TubeExits several =
+          tube_exits(outside - circle.center, step, circle.axis, circle.radius, probe, low, high);
       const auto this_lane = hn::Eq(hn::Iota(doubles, 0), broadcast(static_cast<double>(lane)));
       for (int e = 0; e < several.count; ++e)
         report(broadcast(several.parameters[static_cast<std::size_t>(e)]), this_lane);

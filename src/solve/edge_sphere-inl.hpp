@@ -17,14 +17,15 @@ namespace eses::detail::HWY_NAMESPACE {
 
 /// Calls `found(key, coordinate, direction)` for each edge of the batch that meets the part of the
 /// sphere on its way out: at the end of the chord that lies towards the outside end if `side` is 1,
-/// and towards the inside end if it is -1. `coordinate` is that along the edge's axis. See
+/// and towards the inside end if it is -1. `coordinate` is that along the edge's axis. Then calls
+/// `count(edges, coordinates, directions, lanes)` for the lanes for which it returned true. See
 /// meet_lines() for the other arguments. Empties the batch.
-template <class IsOnPatch, class Found>
+template <class IsOnPatch, class Found, class Count>
 HWY_INLINE void meet_sphere(const SpherePart& sphere, double side, EdgeBatch& batch,
-                            IsOnPatch&& is_on_patch, Found&& found) {
+                            IsOnPatch&& is_on_patch, Found&& found, Count&& count) {
   const Doubles doubles;
   for (std::size_t i = 0; i < batch.count; i += hn::Lanes(doubles)) {
-    const LaneEdges edges(batch, i);
+    const LaneEdges edges(batch, i, sphere.center);
     const LaneAxes& axes = edges.axes;
     const Points across = axes.with(edges.start, hn::Zero(doubles));
     const auto squared = broadcast(sphere.radius * sphere.radius) - squared_norm(across);
@@ -43,11 +44,14 @@ HWY_INLINE void meet_sphere(const SpherePart& sphere, double side, EdgeBatch& ba
     const auto length = hn::Sqrt(squared_norm(offset));
     met = is_on_patch(met, offset, length);
     if (hn::AllFalse(doubles, met)) continue;
-    const LaneValues coordinates(hn::Min(hn::Max(coordinate, low), high));
-    const LanePoints directions(broadcast(1) / length * offset);
-    for_each_lane(met, [&](std::size_t lane) {
-      found(batch.key[i + lane], coordinates[lane], directions[lane]);
+    const auto on_edge = hn::Min(hn::Max(coordinate, low), high);
+    const Points direction = broadcast(1) / length * offset;
+    const LaneValues coordinates(on_edge);
+    const LanePoints directions(direction);
+    const auto counted = lanes_where(met, [&](std::size_t lane) {
+      return found(batch.key[i + lane], coordinates[lane], directions[lane]);
     });
+    count(edges, on_edge, direction, counted);
   }
   batch.count = 0;
 }

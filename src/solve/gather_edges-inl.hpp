@@ -45,7 +45,7 @@ struct BoxRange {
 // Appends the edges along an axis that start at the points `changes` of a word to the batch.
 template <std::size_t axis>
 HWY_INLINE void append_edges(const Candidates& candidates, const WordPosition& word,
-                             std::uint64_t changes, Vec3 center, EdgeBatch& batch) {
+                             std::uint64_t changes, EdgeBatch& batch) {
   const auto& coordinates = candidates.grid.coordinates;
   const std::uint64_t inside = candidates.inside.words[word.word];
   const double* const x = coordinates[0].data() + word.column * PointBits::column_step;
@@ -57,10 +57,9 @@ HWY_INLINE void append_edges(const Candidates& candidates, const WordPosition& w
     const double* const ends = axis == 0 ? x + bit : axis == 1 ? y : z;
     const std::size_t outside = inside >> bit & 1;  // 1 if the upper end is outside
     const double from = ends[outside];
-    batch.x[n] = (axis == 0 ? from : x[bit]) - center.x;
-    batch.y[n] = (axis == 1 ? from : *y) - center.y;
-    batch.z[n] = (axis == 2 ? from : *z) - center.z;
-    batch.from[n] = from;
+    batch.x[n] = axis == 0 ? from : x[bit];
+    batch.y[n] = axis == 1 ? from : *y;
+    batch.z[n] = axis == 2 ? from : *z;
     batch.to[n] = ends[1 - outside];
     batch.axis[n] = axis;
     batch.key[n] = Candidates::key_of(word.word, bit, axis);
@@ -71,8 +70,7 @@ HWY_INLINE void append_edges(const Candidates& candidates, const WordPosition& w
 // Gathers the edges with one end inside and one outside that may meet a box. Calls `meet()`, which
 // empties the batch, when it is full and at the end.
 template <class Meet>
-HWY_INLINE void for_edges_near(const Candidates& candidates, const Box& box, Vec3 center,
-                               Meet&& meet) {
+HWY_INLINE void for_edges_near(const Candidates& candidates, const Box& box, Meet&& meet) {
   const Words lanes;
   const PointBits& inside = candidates.inside;
   EdgeBatch& batch = candidates.scratch.batch;
@@ -111,9 +109,9 @@ HWY_INLINE void for_edges_near(const Candidates& candidates, const Box& box, Vec
         hn::StoreU(along_z, lanes, found[2].data());
         for_each_lane(lanes, has_edges, [&](std::size_t lane) {
           const WordPosition position{column, j + static_cast<std::int64_t>(lane), k, word + lane};
-          append_edges<0>(candidates, position, found[0][lane], center, batch);
-          append_edges<1>(candidates, position, found[1][lane], center, batch);
-          append_edges<2>(candidates, position, found[2][lane], center, batch);
+          append_edges<0>(candidates, position, found[0][lane], batch);
+          append_edges<1>(candidates, position, found[1][lane], batch);
+          append_edges<2>(candidates, position, found[2][lane], batch);
           if (batch.count + 3 * PointBits::column_points > EdgeBatch::capacity) meet();
         });
       }

@@ -107,8 +107,9 @@ void list_edges(const BlockGrid& grid, const PointBits& inside, const EdgeTable&
 }
 
 // Decides the crossings of edges that have no candidate, or more than one.
-void decide_remaining(const BlockGrid& grid, const BlockFeatures& features,
-                      IntersectScratch& scratch, std::span<const std::uint32_t> row_begin,
+void decide_remaining(const SurfaceModel& surface, const BlockGrid& grid,
+                      const BlockFeatures& features, IntersectScratch& scratch,
+                      std::span<const std::uint32_t> row_begin, Tally& tally,
                       std::vector<BlockCrossing>& crossings) {
   bool is_indexed = false;
   const auto edge_of = [&](std::uint32_t rank) {
@@ -127,8 +128,14 @@ void decide_remaining(const BlockGrid& grid, const BlockFeatures& features,
     }
     if (!is_indexed) scratch.patches.reset(features, grid.box);
     is_indexed = true;
-    crossings[rank] = decide_crossing(scratch.patches, edge_of(rank), scratch.of_edge, needs_proof);
+    const CrossedEdge edge = edge_of(rank);
+    const auto count = [&](int sign) {
+      tally.add_edge(surface, crossings[rank], edge.lower, grid.inverse_spacing, sign);
+    };
+    if (crossings[rank].atom_count != 0) count(-1);
+    crossings[rank] = decide_crossing(scratch.patches, edge, scratch.of_edge, needs_proof);
     crossings[rank].x = x;
+    count(1);
   };
   auto& more = scratch.more_candidates;
   std::sort(more.begin(), more.end(), [](const auto& a, const auto& b) { return a.edge < b.edge; });
@@ -148,15 +155,15 @@ void decide_remaining(const BlockGrid& grid, const BlockFeatures& features,
     if (crossings[rank].atom_count == 0) decide(rank, false);
 }
 
-void intersect(const BlockGrid& grid, const BlockFeatures& features, const PointBits& inside,
-               IntersectScratch& scratch, std::vector<BlockCrossing>& crossings,
-               std::vector<std::uint32_t>& row_begin) {
+void intersect(const SurfaceModel& surface, const BlockGrid& grid, const BlockFeatures& features,
+               const PointBits& inside, IntersectScratch& scratch, Tally& tally,
+               std::vector<BlockCrossing>& crossings, std::vector<std::uint32_t>& row_begin) {
   tabulate_edges(grid, inside, scratch.edges);
   list_edges(grid, inside, scratch.edges, crossings, row_begin);
   scratch.more_candidates.clear();
   scratch.doubtful.clear();
-  search_all({grid, features, inside, scratch, crossings});
-  decide_remaining(grid, features, scratch, row_begin, crossings);
+  search_all({grid, features, inside, scratch, crossings, surface, tally});
+  decide_remaining(surface, grid, features, scratch, row_begin, tally, crossings);
 }
 
 }  // namespace eses::detail::HWY_NAMESPACE
@@ -164,10 +171,12 @@ HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
 namespace eses::detail {
-void intersect_edges(const BlockGrid& grid, const BlockFeatures& features, const PointBits& inside,
-                     IntersectScratch& scratch, std::vector<BlockCrossing>& crossings,
+void intersect_edges(const SurfaceModel& surface, const BlockGrid& grid,
+                     const BlockFeatures& features, const PointBits& inside,
+                     IntersectScratch& scratch, Tally& tally, std::vector<BlockCrossing>& crossings,
                      std::vector<std::uint32_t>& row_begin) {
-  ESES_BEST_VERSION(intersect)(grid, features, inside, scratch, crossings, row_begin);
+  ESES_BEST_VERSION(intersect)
+  (surface, grid, features, inside, scratch, tally, crossings, row_begin);
 }
 
 }  // namespace eses::detail

@@ -8,6 +8,7 @@
 #include "solve/crossing.hpp"
 #include "solve/edge_batch.hpp"
 #include "solve/edge_table.hpp"
+#include "solve/tally.hpp"
 
 namespace eses::detail {
 
@@ -38,10 +39,12 @@ struct IntersectScratch {
   std::vector<BlockCrossing> of_edge;  ///< candidates of the current edge
 };
 
-/// Appends the crossings to `crossings` in canonical order. Appends to `row_begin` the number of
-/// crossings before each row (z, y) of owned points, and finally the total number.
-void intersect_edges(const BlockGrid& grid, const BlockFeatures& features, const PointBits& inside,
-                     IntersectScratch& scratch, std::vector<BlockCrossing>& crossings,
+/// Appends the crossings to `crossings` in canonical order, and adds them to the tally. Appends to
+/// `row_begin` the number of crossings before each row (z, y) of owned points, and finally the
+/// total number.
+void intersect_edges(const SurfaceModel& surface, const BlockGrid& grid,
+                     const BlockFeatures& features, const PointBits& inside,
+                     IntersectScratch& scratch, Tally& tally, std::vector<BlockCrossing>& crossings,
                      std::vector<std::uint32_t>& row_begin);
 
 }  // namespace eses::detail

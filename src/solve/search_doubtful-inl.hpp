@@ -119,30 +119,28 @@ struct DoubtfulSearch : Candidates {
     const Vec3 center = arc.circle.center;
     const double spacing = grid.grid.spacing;
     for (std::int64_t i = x.begin; i < x.end; i += lanes) {
-      const LaneEdges edges(
-          LaneAxes(broadcast(axis)),
-          {load(grid.coordinates[0].data() + i) - broadcast(center.x),
-           broadcast(coordinate(1, y) - center.y), broadcast(coordinate(2, z) - center.z)},
-          broadcast(0), broadcast(spacing));
+      const Points lower{load(grid.coordinates[0].data() + i), broadcast(coordinate(1, y)),
+                         broadcast(coordinate(2, z))};
+      const LaneAxes along(broadcast(axis));
+      const LaneEdges edges(along, lower, along.of(lower) + broadcast(spacing), center);
       const auto is_off = misses_saddle(arc, features.probe_radius, spacing, edges);
       const auto may_cross =
           hn::AndNot(is_off, hn::FirstN(doubles, static_cast<std::size_t>(x.end - i)));
       if (hn::AllFalse(doubles, may_cross)) continue;
       for_each_lane(may_cross, [&](std::size_t lane) {
-        append({i + static_cast<std::int64_t>(lane), y, z}, axis, center, batch);
+        append({i + static_cast<std::int64_t>(lane), y, z}, axis, batch);
       });
       if (batch.count + hn::Lanes(doubles) > EdgeBatch::capacity) meet_arc(arc);
     }
   }
 
   // Appends the edge that starts at `lower`, if its ends are on one side.
-  void append(const GridIndex& lower, std::size_t axis, Vec3 center, EdgeBatch& batch) const {
+  void append(const GridIndex& lower, std::size_t axis, EdgeBatch& batch) const {
     if (is_change(lower, axis)) return;
     const std::size_t n = batch.count++;
-    batch.x[n] = coordinate(0, lower[0]) - center.x;
-    batch.y[n] = coordinate(1, lower[1]) - center.y;
-    batch.z[n] = coordinate(2, lower[2]) - center.z;
-    batch.from[n] = coordinate(axis, lower[axis]);
+    batch.x[n] = coordinate(0, lower[0]);
+    batch.y[n] = coordinate(1, lower[1]);
+    batch.z[n] = coordinate(2, lower[2]);
     batch.to[n] = coordinate(axis, lower[axis] + 1);
     batch.axis[n] = static_cast<double>(axis);
     batch.key[n] =
@@ -152,12 +150,15 @@ struct DoubtfulSearch : Candidates {
   }
 
   void meet_arc(const ArcFeature& arc) {
-    meet_saddle(arc, features.probe_radius, grid.grid.spacing, scratch.batch,
-                [&](std::uint64_t key, double, Vec3) {
-                  scratch.doubtful.push_back({static_cast<std::uint32_t>(key >> 18),
-                                              static_cast<std::uint16_t>(key >> 2),
-                                              static_cast<std::uint8_t>(key % 4)});
-                });
+    meet_saddle(
+        arc, features.probe_radius, grid.grid.spacing, scratch.batch,
+        [&](std::uint64_t key, double, Vec3) {
+          scratch.doubtful.push_back({static_cast<std::uint32_t>(key >> 18),
+                                      static_cast<std::uint16_t>(key >> 2),
+                                      static_cast<std::uint8_t>(key % 4)});
+          return false;
+        },
+        [](const auto&...) {});
   }
 };
 

@@ -8,6 +8,7 @@
 #include "solve/edge_saddle-inl.hpp"
 #include "solve/edge_sphere-inl.hpp"
 #include "solve/gather_edges-inl.hpp"
+#include "solve/patch_tally-inl.hpp"
 
 #if defined(ESES_SOLVE_SEARCH_PATCHES_INL_) == defined(HWY_TARGET_TOGGLE)
 #ifdef ESES_SOLVE_SEARCH_PATCHES_INL_
@@ -55,33 +56,45 @@ struct PatchSearch : Candidates {
   // Edges leave an atom.
   void search(const FaceFeature& face) {
     FacePart part(features, face);
-    for_edges_near(*this, face.surface_box, face.center, [&] {
-      meet_sphere(part.sphere, 1, scratch.batch, part,
-                  [&](std::uint64_t key, double met, Vec3 direction) {
-                    if (features.is_filled(face, direction)) return;
-                    add_candidate(key, {met, direction, {face.atom}, 0, 0, 1, false});
-                  });
+    PatchTally<1> sums(surface, {face.atom}, grid.inverse_spacing, tally);
+    for_edges_near(*this, face.surface_box, [&] {
+      meet_sphere(
+          part.sphere, 1, scratch.batch, part,
+          [&](std::uint64_t key, double met, Vec3 direction) {
+            return !features.is_filled(face, direction) &&
+                   add_candidate(key, {met, direction, {face.atom}, 0, 0, 1, false});
+          },
+          sums);
+      sums.flush();
     });
   }
 
   void search(const ArcFeature& arc) {
-    for_edges_near(*this, arc.surface_box, arc.circle.center, [&] {
-      meet_saddle(arc, features.probe_radius, grid.grid.spacing, scratch.batch,
-                  [&](std::uint64_t key, double met, Vec3 normal) {
-                    add_candidate(key, {met, normal, {arc.atoms[0], arc.atoms[1]}, 0, 0, 2, false});
-                  });
+    PatchTally<2> sums(surface, arc.atoms, grid.inverse_spacing, tally);
+    for_edges_near(*this, arc.surface_box, [&] {
+      meet_saddle(
+          arc, features.probe_radius, grid.grid.spacing, scratch.batch,
+          [&](std::uint64_t key, double met, Vec3 normal) {
+            return add_candidate(key, {met, normal, {arc.atoms[0], arc.atoms[1]}, 0, 0, 2, false});
+          },
+          sums);
+      sums.flush();
     });
   }
 
   // Edges enter a probe. If the normal cone is not known, each crossing needs a proof.
   void search(const PlacementFeature& placement) {
     const PlacementPart part(features, placement);
-    for_edges_near(*this, placement.box, placement.center, [&] {
-      meet_sphere(part.sphere, -1, scratch.batch, part,
-                  [&](std::uint64_t key, double met, Vec3 direction) {
-                    add_candidate(key, {met, -direction, placement.atoms, 0, 0, 3, false},
-                                  !placement.is_regular);
-                  });
+    PatchTally<3> sums(surface, placement.atoms, grid.inverse_spacing, tally);
+    for_edges_near(*this, placement.box, [&] {
+      meet_sphere(
+          part.sphere, -1, scratch.batch, part,
+          [&](std::uint64_t key, double met, Vec3 direction) {
+            return add_candidate(key, {met, -direction, placement.atoms, 0, 0, 3, false},
+                                 !placement.is_regular);
+          },
+          sums);
+      sums.flush();
     });
   }
 };

@@ -21,12 +21,20 @@ struct Tally {
   RegionTotals totals;
 
   /// Adds the edge of a crossing; `fraction` is the fraction of the edge between its inside end and
-  /// the crossing.
-  void add_length(double fraction);
+  /// the crossing. If `sign` is -1, removes it.
+  void add_length(double fraction, int sign = 1);
   /// Adds a crossing at `point`. Its share is divided among its atoms in proportion to
-  /// 1 / (|point - center| - radius). A distance of zero takes the limit.
-  void add(const SurfaceModel& surface, const BlockCrossing& crossing, Vec3 point);
+  /// 1 / (|point - center| - radius). A distance of zero takes the limit. If `sign` is -1, removes
+  /// it. PatchTally does the same for several crossings.
+  void add(const SurfaceModel& surface, const BlockCrossing& crossing, Vec3 point, int sign = 1);
+  /// Adds a crossing and its edge, whose lower end is `lower`; or removes both.
+  void add_edge(const SurfaceModel& surface, const BlockCrossing& crossing, Vec3 lower,
+                double inverse_spacing, int sign = 1);
 };
+
+/// Shorter distances of crossings from atoms count as this one. Their quotients are lost in
+/// rounding (angstrom).
+inline constexpr double min_gap = 1e-12;
 
 /// Rounds a number. It is faster than std::llround.
 inline std::int64_t rounded_units(double value) {
@@ -34,17 +42,25 @@ inline std::int64_t rounded_units(double value) {
       value + std::copysign(0.5, value));
 }
 
-// Both functions are compiled into the loop over all crossings.
-inline void Tally::add_length(double fraction) {
-  totals.inside_lengths += rounded_units((fraction - 0.5) / area_share_unit);
+inline void Tally::add_length(double fraction, int sign) {
+  totals.inside_lengths += sign * rounded_units((fraction - 0.5) / area_share_unit);
 }
 
-inline void Tally::add(const SurfaceModel& surface, const BlockCrossing& crossing, Vec3 point) {
+inline void Tally::add_edge(const SurfaceModel& surface, const BlockCrossing& crossing, Vec3 lower,
+                            double inverse_spacing, int sign) {
+  const double above = (crossing.coordinate - lower[crossing.axis]) * inverse_spacing;
+  lower[crossing.axis] = crossing.coordinate;
+  add(surface, crossing, lower, sign);
+  add_length(crossing.lower_is_inside ? above : 1 - above, sign);
+}
+
+inline void Tally::add(const SurfaceModel& surface, const BlockCrossing& crossing, Vec3 point,
+                       int sign) {
   const std::size_t count = crossing.atom_count;
-  ++totals.crossings[count - 1];
+  totals.crossings[count - 1] += sign;
   const double share = std::fabs(crossing.normal[crossing.axis]) / area_share_unit;
   const auto give = [&](AtomIndex atom, double part) {
-    const std::int64_t units = rounded_units(part);
+    const std::int64_t units = sign * rounded_units(part);
     atom_shares.add(atom, units);
     totals.kind_shares[count - 1] += units;
   };
@@ -52,8 +68,6 @@ inline void Tally::add(const SurfaceModel& surface, const BlockCrossing& crossin
     give(crossing.atoms[0], share);
     return;
   }
-  // Shorter distances count as this one. Their quotients are lost in rounding.
-  constexpr double min_gap = 1e-12;  // angstrom
   std::array<double, 3> gaps{1, 1, 1};
   for (std::size_t q = 0; q < count; ++q) {
     const Atom& atom = surface.atoms[crossing.atoms[q]];

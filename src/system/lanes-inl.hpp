@@ -77,6 +77,18 @@ HWY_INLINE void for_each_lane(DoubleMask mask, Action&& action) {
   for_each_lane(Doubles(), mask, action);
 }
 
+/// Returns the lanes of a mask for which `predicate(lane)` holds, which is called in ascending
+/// order.
+template <class Predicate>
+HWY_INLINE DoubleMask lanes_where(DoubleMask mask, Predicate&& predicate) {
+  std::array<std::uint8_t, 8> bytes{};  // no more than 8 lanes are set
+  static_assert(HWY_MAX_BYTES / sizeof(double) <= 8);
+  for_each_lane(mask, [&](std::size_t lane) {
+    bytes[0] |= static_cast<std::uint8_t>(predicate(lane) ? 1U << lane : 0U);
+  });
+  return hn::LoadMaskBits(Doubles(), bytes.data());
+}
+
 #if HWY_TARGET == HWY_AVX2 || HWY_TARGET == HWY_SSE4 || \
     (HWY_ARCH_ARM_A64 && HWY_TARGET != HWY_SCALAR)
 // Stores the elements of a block of eight that are set in `bits` one after another, and returns

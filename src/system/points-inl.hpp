@@ -74,6 +74,9 @@ struct LanePoints {
   LaneValues x, y, z;
 
   HWY_INLINE explicit LanePoints(const Points& points) : x(points.x), y(points.y), z(points.z) {}
+  HWY_INLINE Points points() const {
+    return {load(x.values.data()), load(y.values.data()), load(z.values.data())};
+  }
   Vec3 operator[](std::size_t lane) const { return {x[lane], y[lane], z[lane]}; }
   void set(std::size_t lane, Vec3 point) {
     x.values[lane] = point.x;

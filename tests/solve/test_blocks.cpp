@@ -26,9 +26,9 @@ HWY_BEFORE_NAMESPACE();
 namespace eses::detail::HWY_NAMESPACE {
 void classify(const BlockGrid& grid, const BlockFeatures& features, ClassifyScratch& scratch,
               PointBits& inside);
-void intersect(const BlockGrid& grid, const BlockFeatures& features, const PointBits& inside,
-               IntersectScratch& scratch, std::vector<BlockCrossing>& crossings,
-               std::vector<std::uint32_t>& row_begin);
+void intersect(const SurfaceModel& surface, const BlockGrid& grid, const BlockFeatures& features,
+               const PointBits& inside, IntersectScratch& scratch, Tally& tally,
+               std::vector<BlockCrossing>& crossings, std::vector<std::uint32_t>& row_begin);
 }  // namespace eses::detail::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
@@ -38,8 +38,8 @@ namespace {
 
 using eses::detail::BlockCrossing;
 using Classify = void (*)(const BlockGrid&, const BlockFeatures&, ClassifyScratch&, PointBits&);
-using Intersect = void (*)(const BlockGrid&, const BlockFeatures&, const PointBits&,
-                           IntersectScratch&, std::vector<BlockCrossing>&,
+using Intersect = void (*)(const SurfaceModel&, const BlockGrid&, const BlockFeatures&,
+                           const PointBits&, IntersectScratch&, Tally&, std::vector<BlockCrossing>&,
                            std::vector<std::uint32_t>&);
 
 // --- the nearest accessible probe centre -------------------------------------------------------
@@ -467,7 +467,26 @@ struct EdgeCounts {
   std::array<std::size_t, 3> by_atoms{};
 };
 
-EdgeCounts require_plain_edges(const SolvedBlock& block) {
+// Checks that a tally has the sums of all crossings of a block.
+void require_plain_tally(const SurfaceModel& surface, const BlockGrid& grid,
+                         const std::vector<BlockCrossing>& crossings,
+                         const std::vector<std::uint32_t>& row_begin, const Tally& tally) {
+  Tally plain;
+  const auto rows_y = static_cast<std::size_t>(grid.block.owned[1]);
+  for (std::size_t row = 0; row + 1 < row_begin.size(); ++row)
+    for (std::uint32_t c = row_begin[row]; c < row_begin[row + 1]; ++c)
+      plain.add_edge(surface, crossings[c],
+                     {grid.coordinates[0][crossings[c].x], grid.coordinates[1][row % rows_y],
+                      grid.coordinates[2][row / rows_y]},
+                     grid.inverse_spacing);
+  REQUIRE(tally.totals.crossings == plain.totals.crossings);
+  REQUIRE((tally.totals.kind_shares == plain.totals.kind_shares));
+  REQUIRE((tally.totals.inside_lengths == plain.totals.inside_lengths));
+  for (AtomIndex i = 0; i < surface.atoms.size(); ++i)
+    REQUIRE((tally.atom_shares[i] == plain.atom_shares[i]));
+}
+
+EdgeCounts require_plain_edges(const SurfaceModel& surface, const SolvedBlock& block) {
   const PlainEdges plain = plain_edges(block);
   EdgeCounts counts;
   for (const PlainEdge& edge : plain.edges) {
@@ -480,7 +499,10 @@ EdgeCounts require_plain_edges(const SolvedBlock& block) {
     IntersectScratch scratch;
     std::vector<BlockCrossing> crossings;
     std::vector<std::uint32_t> row_begin;
-    intersect(block.grid, block.features, block.inside, scratch, crossings, row_begin);
+    Tally tally;
+    intersect(surface, block.grid, block.features, block.inside, scratch, tally, crossings,
+              row_begin);
+    require_plain_tally(surface, block.grid, crossings, row_begin, tally);
     REQUIRE(crossings.size() == plain.edges.size());
     REQUIRE((row_begin == plain.row_begin));
     for (std::size_t i = 0; i < crossings.size(); ++i)
@@ -497,7 +519,7 @@ EdgeCounts require_plain_blocks(const Case& molecule) {
     for_each_version(ESES_VERSIONS(classify), [&](Classify classify) {
       REQUIRE((classified(classify, block).words == block.inside.words));
     });
-    const EdgeCounts of_block = require_plain_edges(block);
+    const EdgeCounts of_block = require_plain_edges(surface, block);
     counts.edges += of_block.edges;
     counts.several += of_block.several;
     counts.none += of_block.none;
@@ -554,7 +576,9 @@ TEST_CASE("an atom of radius 0 on a grid point has crossings outward along each 
       IntersectScratch scratch;
       std::vector<BlockCrossing> crossings;
       std::vector<std::uint32_t> row_begin;
-      intersect(block.grid, block.features, block.inside, scratch, crossings, row_begin);
+      Tally tally;
+      intersect(all.surface, block.grid, block.features, block.inside, scratch, tally, crossings,
+                row_begin);
       // Poles of the sphere are grid points. Their edges end exactly on the surface and count as
       // crossed there.
       std::size_t poles = 0;

@@ -123,10 +123,13 @@ void meet_sphere(const HalfSphere& half, double side, EdgeBatch& edges,
                            kernel::DoubleVector) {
     return hn::And(met, kernel::dot(half.normal, offset) >= kernel::broadcast(0));
   };
-  kernel::meet_sphere({half.center, half.radius, half.box}, side, edges, is_kept,
-                      [&](std::uint64_t edge, double coordinate, Vec3 direction) {
-                        hits.push_back({edge, coordinate, direction});
-                      });
+  kernel::meet_sphere(
+      {half.center, half.radius, half.box}, side, edges, is_kept,
+      [&](std::uint64_t edge, double coordinate, Vec3 direction) {
+        hits.push_back({edge, coordinate, direction});
+        return false;
+      },
+      [](const auto&...) {});
 }
 
 void meet_lines(const BlockGrid& grid, const HalfSphere& half, std::vector<LineHit>& hits) {
@@ -435,11 +438,11 @@ EdgeBatch edges_near(const HalfSphere& half, std::size_t count, Random& random) 
     const double step = (random.chance(0.5) ? 1 : -1) * random.uniform(0.1, 1);
     Vec3 start = half.radius * random_direction(random);
     start[axis] -= (random.chance(0.1) ? 0 : random.uniform(-1, 2)) * step;
-    edges.x[n] = start.x;
-    edges.y[n] = start.y;
-    edges.z[n] = start.z;
-    edges.from[n] = half.center[axis] + start[axis];
-    edges.to[n] = edges.from[n] + step;
+    const Vec3 outside = half.center + start;
+    edges.x[n] = outside.x;
+    edges.y[n] = outside.y;
+    edges.z[n] = outside.z;
+    edges.to[n] = outside[axis] + step;
     edges.axis[n] = static_cast<double>(axis);
     edges.key[n] = n;
   }
@@ -456,14 +459,16 @@ struct PlainMeeting {
 PlainMeeting plain_meeting(const HalfSphere& half, double side, const EdgeBatch& edges,
                            std::size_t n) {
   const auto axis = static_cast<std::size_t>(edges.axis[n]);
-  Vec3 offset{edges.x[n], edges.y[n], edges.z[n]};
+  const Vec3 outside{edges.x[n], edges.y[n], edges.z[n]};
+  const double from = outside[axis];
+  Vec3 offset = outside - half.center;
   offset[axis] = 0;
   const double squared = half.radius * half.radius - squared_norm(offset);
   if (squared < 0) return {squared, 0, {}};
-  const double outwards = edges.from[n] > edges.to[n] ? side : -side;
+  const double outwards = from > edges.to[n] ? side : -side;
   offset[axis] = outwards * std::sqrt(squared);
   const double coordinate = half.center[axis] + offset[axis];
-  const auto [low, high] = std::minmax(edges.from[n], edges.to[n]);
+  const auto [low, high] = std::minmax(from, edges.to[n]);
   const double depth =
       std::min({squared, coordinate - low, high - coordinate, coordinate - half.box.low[axis],
                 half.box.high[axis] - coordinate, dot(half.normal, offset)});

@@ -37,10 +37,13 @@ namespace kernel = eses::detail::HWY_NAMESPACE;
 
 void meet_saddle(const ArcFeature& arc, double probe, double length, EdgeBatch& batch,
                  std::vector<SaddleHit>& hits) {
-  kernel::meet_saddle(arc, probe, length, batch,
-                      [&](std::uint64_t place, double coordinate, Vec3 normal) {
-                        hits.push_back({place, coordinate, normal});
-                      });
+  kernel::meet_saddle(
+      arc, probe, length, batch,
+      [&](std::uint64_t place, double coordinate, Vec3 normal) {
+        hits.push_back({place, coordinate, normal});
+        return false;
+      },
+      [](const auto&...) {});
 }
 
 }  // namespace eses::detail::test::HWY_NAMESPACE
@@ -119,9 +122,10 @@ struct PlainExit {
 
 std::vector<PlainExit> plain_exits(const Saddle& saddle, const EdgeBatch& batch, std::size_t i) {
   const ContactCircle& circle = saddle.arc.circle;
-  const Vec3 start{batch.x[i], batch.y[i], batch.z[i]};
-  const double length = batch.to[i] - batch.from[i];
-  const Vec3 step = length * unit_vector(static_cast<std::size_t>(batch.axis[i]));
+  const Vec3 outside{batch.x[i], batch.y[i], batch.z[i]}, start = outside - circle.center;
+  const auto axis = static_cast<std::size_t>(batch.axis[i]);
+  const double from = outside[axis], length = batch.to[i] - from;
+  const Vec3 step = length * unit_vector(axis);
   const TubeExits exits = tube_exits(start, step, circle.axis, circle.radius, saddle.probe,
                                      -tolerance::edge_end, 1 + tolerance::edge_end);
   std::vector<PlainExit> result;
@@ -129,7 +133,7 @@ std::vector<PlainExit> plain_exits(const Saddle& saddle, const EdgeBatch& batch,
     const double share = std::clamp(exits.parameters[static_cast<std::size_t>(e)], 0.0, 1.0);
     const Vec3 point = start + share * step;
     const Vec3 radial = point - dot(point, circle.axis) * circle.axis;
-    result.push_back({batch.from[i] + share * length, depth_in_saddle(saddle.arc, point),
+    result.push_back({from + share * length, depth_in_saddle(saddle.arc, point),
                       normalized((circle.radius / norm(radial)) * radial - point)});
   }
   return result;
@@ -163,11 +167,11 @@ EdgeBatch edges_near(const Saddle& saddle, double length, std::size_t count, Ran
     const double before = place == 0 ? 0 : place == 1 ? 1 : random.uniform(-1, 2);
     Vec3 start = random_saddle_point(saddle, random);
     start[axis] -= before * step;
-    batch.x[n] = start.x;
-    batch.y[n] = start.y;
-    batch.z[n] = start.z;
-    batch.from[n] = start[axis] + 10;
-    batch.to[n] = batch.from[n] + step;
+    const Vec3 outside = saddle.arc.circle.center + start;
+    batch.x[n] = outside.x;
+    batch.y[n] = outside.y;
+    batch.z[n] = outside.z;
+    batch.to[n] = outside[axis] + step;
     batch.axis[n] = static_cast<double>(axis);
     batch.key[n] = n;
   }
