@@ -423,7 +423,7 @@ def parse_options():
                         help="atoms of --select whose areas are written (default: all)")
     parser.add_argument("--pockets", action="store_true", help="also find pockets, in rows of frames")
     parser.add_argument("--at", type=place, metavar="PLACE",
-                        help="only pockets at ligand:NAME, atoms of a selection, a point or a box (see above)")
+                        help="only pockets at ligand:NAME, atoms of a selection, a point or a box")
     parser.add_argument("--large-probe", type=at_least(0), default=3.0, metavar="A",
                         help="radius of the probe that closes pockets (default: 3)")
     parser.add_argument("--spacing", type=at_least(0), default=0.4, metavar="A",
@@ -433,8 +433,9 @@ def parse_options():
     parser.add_argument("--start", type=int, metavar="N", help="first frame, from 0; -10 is the tenth from the end")
     parser.add_argument("--stop", type=int, metavar="N", help="frame before which to stop (default: the end)")
     parser.add_argument("--stride", type=positive, default=1, metavar="N", help="take every N-th frame (default: 1)")
-    parser.add_argument("--radii", metavar="SET", help="protor, bondi, msms, naccess, oons, also with +shannon, protor+ccd, or a file in FreeSASA's format "
-                        "(default: protor, or bondi without names of residues)")
+    parser.add_argument("--radii", metavar="SET",
+                        help="protor, protor+ccd, bondi, msms, naccess or oons, each also with +shannon, or a file in "
+                             "FreeSASA's format (default: protor, or bondi without names of residues)")
     parser.add_argument("--unknown-radius", type=at_least(0), metavar="A",
                         help="radius of atoms without one in the set")
     parser.add_argument("--probe-radius", type=at_least(0), default=1.4, metavar="A",
