@@ -81,7 +81,8 @@ class PatchTally {
       const Atom& atom = surface_.atoms[atoms_[q]];
       const Points offset{points.x - broadcast(atom.center.x), points.y - broadcast(atom.center.y),
                           points.z - broadcast(atom.center.z)};
-      return hn::Max(hn::Sqrt(squared_norm(offset)) - broadcast(atom.radius), broadcast(min_gap));
+      return hn::Max(hn::Sqrt(squared_norm(offset)) - broadcast(atom.radius),
+                     broadcast(Tally::min_gap));
     };
     const auto gap0 = gap(0), gap1 = gap(1);
     std::array<DoubleVector, count> weights;

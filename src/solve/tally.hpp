@@ -17,6 +17,10 @@ namespace eses::detail {
 /// spacing^2 |n_axis| over all crossings (Liu et al., J. Comput. Chem. 38, 446, 2017,
 /// doi:10.1002/jcc.24682).
 struct Tally {
+  /// Shorter distances of crossings from atoms count as this one. Their quotients are lost in
+  /// rounding (angstrom).
+  static constexpr double min_gap = 1e-12;
+
   AreaShares atom_shares;
   RegionTotals totals;
 
@@ -31,10 +35,6 @@ struct Tally {
   void add_edge(const SurfaceModel& surface, const BlockCrossing& crossing, Vec3 lower,
                 double inverse_spacing, int sign = 1);
 };
-
-/// Shorter distances of crossings from atoms count as this one. Their quotients are lost in
-/// rounding (angstrom).
-inline constexpr double min_gap = 1e-12;
 
 /// Rounds a number. It is faster than std::llround.
 inline std::int64_t rounded_units(double value) {
