@@ -45,9 +45,9 @@ void remove_result_log(const std::string& path);
 /// results before the first damaged one remain. All failures throw Error.
 class ResultLog : public File {
  public:
-  /// Opens the log, or creates it. The directory must be locked. `identity`
-  /// identifies the run, see identity.hpp. Throws Error if the log has results of a run with
-  /// another identity, or if another file has its name.
+  /// Opens the log, or creates it. The directory must be locked. `identity` identifies the run, see
+  /// identity.hpp. Throws Error if the log has results of a run with another identity, or if another
+  /// file has its name.
   ResultLog(const std::string& path, std::string_view identity);
 
   /// Returns the result that an earlier run has kept.
