@@ -70,8 +70,8 @@ void write_atom_table(std::span<const double> areas, const PlannedRun& run, Outp
 RunFiles::RunFiles(PlannedRun& run) : run_(run) {
   const Outputs& outputs = run.request.outputs;
   const bool has_files = run.checkpoint || outputs.mesh || !file_names(outputs).empty();
-  if (has_files && run.request.map_sink == nullptr)
-    files_.emplace(outputs, run.request.output_directory, run.plan.files);
+  if (!has_files || run.request.map_sink != nullptr) return;
+  files_.emplace(outputs, run.request.output_directory, run.plan.files);
   if (outputs.mesh) mesh_.emplace(run, *files_);
 }
 

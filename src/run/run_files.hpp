@@ -15,7 +15,7 @@
 
 namespace eses::detail {
 
-/// The output files of a run. Only the first process has them, and no part of a run.
+/// The output files of a run. Only the first process has them. A part of a run has none.
 class RunFiles {
  public:
   /// Opens the files. Keeps a reference to `run`.
