@@ -103,20 +103,19 @@ Grid make_grid(const Box& bounds, double spacing, double margin) {
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const double cells = cells_along(box, spacing, axis);
     if (!(cells < max_cells_along_axis))
-      throw HintedArgument(formatted("a spacing of {} angstrom needs {:.3g} grid points along {}; "
-                                     "the limit is {:g}; {}",
-                                     spacing, cells, "xyz"[axis], max_cells_along_axis,
-                                     spacing_advice(bounds, spacing, margin)),
-                           {"spacing", "margin"});
+      throw std::invalid_argument(
+          formatted("a spacing of {} angstrom needs {:.3g} grid points along {}; "
+                    "the limit is {:g}; {}",
+                    spacing, cells, "xyz"[axis], max_cells_along_axis,
+                    spacing_advice(bounds, spacing, margin)));
     grid.size[axis] = static_cast<std::int64_t>(cells) + 1;
     grid.origin[axis] = box.low[axis];
   }
   const double points = points_in(box, spacing);
   if (points > max_point_count)
-    throw HintedArgument(
+    throw std::invalid_argument(
         formatted("a spacing of {} angstrom needs {:.3g} grid points; the limit is {:g}; {}",
-                  spacing, points, max_point_count, spacing_advice(bounds, spacing, margin)),
-        {"spacing", "margin"});
+                  spacing, points, max_point_count, spacing_advice(bounds, spacing, margin)));
   return grid;
 }
 

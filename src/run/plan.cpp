@@ -56,6 +56,14 @@ void require_valid_mesh(const MeshOptions& mesh, const Molecule& molecule) {
   require_valid_potential(mesh);
 }
 
+// Makes the grid around the atoms. Errors name the options of a run, which searches for pockets and
+// the command msms do not have.
+Grid make_grid_of_run(const Box& bounds, const GridOptions& grid) try {
+  return make_grid(bounds, grid.spacing, grid.margin);
+} catch (const std::invalid_argument& error) {
+  throw HintedArgument(error.what(), {"spacing", "margin"});
+}
+
 void require_enclosing_margin(double depth, const GridOptions& grid) {
   if (depth < 0 || grid.margin >= 0.5 * grid.spacing) return;
   throw HintedArgument(
@@ -353,8 +361,8 @@ Plan plan_grid(const Box& bounds, const Parameters& parameters) {
   Plan plan;
   plan.parameters = parameters;
   const auto* const options = std::get_if<GridOptions>(&parameters.grid);
-  plan.grid = options != nullptr ? make_grid(bounds, options->spacing, options->margin)
-                                 : std::get<Grid>(parameters.grid);
+  plan.grid =
+      options != nullptr ? make_grid_of_run(bounds, *options) : std::get<Grid>(parameters.grid);
   plan.cut_depths = depths_inside(plan.grid, bounds);
   if (options != nullptr) require_enclosing_margin(plan.cut_depth(), *options);
   plan.region = region_of(plan.grid, parameters);
