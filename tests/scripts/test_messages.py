@@ -60,6 +60,11 @@ class Messages(TestCase):
         spheres.write_text("0 0 0 1.5\n1 0 0 1.5\n-999.999 -999.999 -999.999 1.5\n")
         self.assertIn("1 atom is far from all others: line 3\n", self.call("measure", spheres).stderr)
         self.assertIn("1 atom is far from all others: line 3\n", self.call("measure", spheres, "--strict", code=1).stderr)
+        # Copies of a molecule may be far from each other.
+        copies = self.folder / "copies.xyzr"
+        copies.write_text("".join(f"{250 * copy + 1.4 * i} {250 * copy} {250 * copy} 1.7\n"
+                                  for copy in range(2) for i in range(20)))
+        self.assertEqual(self.call("measure", copies, "--strict").stderr, "")
         # The search for pockets says the same with the size of its grid.
         self.assertEqual(self.call("measure", spheres, "--pockets", "--spacing", "1.4").stderr.count("far from"), 1)
 
