@@ -51,8 +51,10 @@ class PatchTally {
     }
   }
 
-  /// Adds the sums to the tally. They are exact for all edges of a batch.
+  /// Adds the sums to the tally. They are exact for the edges of a batch, each of which is added
+  /// once at most: doubles hold all integers up to 2^53.
   HWY_INLINE void flush() {
+    static_assert(EdgeBatch::capacity / area_share_unit < 0x1p53);
     if (crossings_ == 0) return;
     tally_.totals.crossings[count - 1] += crossings_;
     tally_.totals.inside_lengths += sum_of(lengths_);
