@@ -153,7 +153,7 @@ TEST_CASE("mesh: the meshes of blocks make up the mesh of the grid", "[mesh][reg
     Parameters parameters;
     parameters.block_size = block_size;
     const PartRun whole = run_part(atoms, parameters, true);
-    const GridIndex blocks = make_plan(atoms, parameters, {}).tiling.blocks;
+    const GridIndex blocks = make_plan(atoms, parameters, {}).schedule.tiling.blocks;
     REQUIRE(blocks[0] * blocks[1] * blocks[2] > 1);
     for (const std::int64_t step : {1, 2}) {
       INFO("blocks of " << block_size << ", " << step << " along an axis");

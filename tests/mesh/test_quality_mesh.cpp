@@ -223,7 +223,7 @@ TEST_CASE("quality mesh: parts of the grid meet at the same border", "[mesh][qua
   const std::vector<Atom> atoms = make_chain(120, 31);
   Parameters parameters;
   parameters.block_size = 16;
-  const GridIndex blocks = make_plan(atoms, parameters, {}).tiling.blocks;
+  const GridIndex blocks = make_plan(atoms, parameters, {}).schedule.tiling.blocks;
   REQUIRE(blocks[2] > 1);
   // Each edge of a triangle occurs once in each direction in all parts together.
   std::map<std::array<double, 6>, int> edges;
