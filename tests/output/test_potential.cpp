@@ -188,11 +188,11 @@ TEST_CASE("potential: the estimated memory includes the map", "[plan][potential]
   write_file(map, map_text());
   Outputs outputs = Outputs::none();
   outputs.mesh = MeshOptions{directory.path() / "a.ply", MeshColor::patch};
-  const std::uint64_t without = make_plan(molecule, {.threads = 1}, outputs).memory_bytes;
+  const std::uint64_t without = make_plan(molecule, {.threads = 1}, outputs).schedule.memory_bytes;
   outputs.mesh->color = MeshColor::potential;
   outputs.mesh->potential = MeshPotential{map};
   const std::uint64_t values = 4ULL * 25 * 31 * 49;
-  CHECK(make_plan(molecule, {.threads = 1}, outputs).memory_bytes == without + values);
+  CHECK(make_plan(molecule, {.threads = 1}, outputs).schedule.memory_bytes == without + values);
   // The values of a map are refused before they are read if they do not fit.
   const std::string header =
       replaced(replaced(map_text().substr(0, map_text().find("data follows\n") + 13), "items 37975",

@@ -120,8 +120,9 @@ Region outside_of(const std::vector<Hidden>& all) {
   const Point from = -1 * (std::cos(0.01L) * axis + std::sin(0.01L) * turned);
   for (std::size_t k = 0; k < caps.size(); ++k)
     for (Piece piece : visible_pieces(caps, k)) {
-      const auto [u, c] = caps[k];
-      const Real s = std::sqrt((1 - c) * (1 + c)), angle = piece.end - piece.begin;
+      const Point u = caps[k].axis;
+      const Real c = caps[k].cosine, s = std::sqrt((1 - c) * (1 + c));
+      const Real angle = piece.end - piece.begin;
       const int steps = 1 + static_cast<int>(angle);
       const auto at = [&](int step) {
         return c * u + s * piece.along(piece.begin + angle * step / steps);
