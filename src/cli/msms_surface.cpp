@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 #include <numeric>
+#include <stdexcept>
 
 #include "eses/compute.hpp"
 #include "eses/error.hpp"
@@ -111,6 +112,8 @@ ComputedMesh make_mesh(const Surface& surface, const MsmsOptions& options,
   }
 } catch (const GridTooLarge& error) {
   throw GridTooLarge(error.need(), "use a lower -density");
+} catch (const HintedArgument& error) {  // whose hints are options of other commands
+  throw std::invalid_argument(formatted("{} (-density)", error.what()));
 }
 
 }  // namespace

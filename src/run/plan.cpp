@@ -56,8 +56,8 @@ void require_valid_mesh(const MeshOptions& mesh, const Molecule& molecule) {
   require_valid_potential(mesh);
 }
 
-// Makes the grid around the atoms. Errors name the options of a run, which searches for pockets and
-// the command msms do not have.
+// Makes the grid around the atoms. Errors name the options of a run, which searches for pockets do
+// not have.
 Grid make_grid_of_run(const Box& bounds, const GridOptions& grid) try {
   return make_grid(bounds, grid.spacing, grid.margin);
 } catch (const std::invalid_argument& error) {

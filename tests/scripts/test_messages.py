@@ -40,9 +40,10 @@ class Messages(TestCase):
     def test_limits_do_not_name_options_of_other_commands(self):
         spheres = self.folder / "spheres.xyzr"
         spheres.write_text("0 0 0 1.5\n1 0 0 1.5\n-9e5 -9e5 -9e5 1.5\n")
-        for arguments in (("measure", spheres, "--pockets", "--spacing", "0.05"), ("msms", "-if", spheres, "-of", "m")):
+        for arguments, options in ((("measure", spheres, "--pockets", "--spacing", "0.05"), ""),
+                                   (("msms", "-if", spheres, "-of", "m"), r" \(-density\)")):
             error = self.call(*arguments, "--allow-far-atoms", code=1).stderr.splitlines()[-1]
-            self.assertRegex(error, r"grid points; .*; use a spacing of at least [\d.]+( and a margin of at least [\d.]+)?$")
+            self.assertRegex(error, rf"; use a spacing of at least [\d.]+( and a margin of at least [\d.]+)?{options}$")
 
     def test_atoms_far_from_all_others_are_named(self):
         line = "ATOM  {:5d}  {:3} ALA A   1    {:8.3f}{:8.3f}{:8.3f}  1.00  0.00           {}\n"
