@@ -46,8 +46,8 @@ void remove_result_log(const std::string& path);
 class ResultLog : public File {
  public:
   /// Opens the log, or creates it. The directory must be locked. `identity` identifies the run, see
-  /// identity.hpp. Throws Error if the log has results of a run with another identity, or if another
-  /// file has its name.
+  /// identity.hpp. Throws Error if the log has results of a run with another identity, or if
+  /// another file has its name.
   ResultLog(const std::string& path, std::string_view identity);
 
   /// Returns the result that an earlier run has kept.
