@@ -152,10 +152,12 @@ class Examples(TestCase):
                 self.assertEqual(line, expected)
 
     def test_every_option_is_documented(self):
-        done = report_of("--help-all")
-        self.assertDone(done)
-        options = set(re.findall(r"^ +(?:-\w, )?(--[a-z][a-z-]*)", done.stdout, re.MULTILINE))
-        self.assertGreater(len(options), 20)
+        options = set()
+        for command in ([], ["measure"], ["interface"], ["diff"]):
+            done = report_of(*command, "--help-all")
+            self.assertDone(done)
+            options.update(re.findall(r"^ +(?:-\w, )?(--[a-z][a-z-]*)", done.stdout, re.MULTILINE))
+        self.assertGreater(len(options), 70)
         text = "\n".join(read(path) for path in pages() if path.parent in
                          (PROJECT, PROJECT / "doc") and path.name != "CHANGELOG.md")
         documented = set(re.findall(r"(?<![\w-])(--[a-z][a-z-]*)", text))
@@ -175,6 +177,20 @@ class Examples(TestCase):
         self.assertEqual(len(files), 4)
         keys.update(key for entry in files for key in entry)
         self.assertEqual(sorted(key for key in keys if f"`{key}`" not in text), [])
+
+    @needs_gemmi
+    def test_json_keys_of_measure_and_interface_are_documented(self):
+        text = "".join(read(PROJECT / "doc" / name) for name in ("measure.md", "cavities.md", "input.md", "output.md"))
+        for arguments in (["interface", "tests/data/1a8o.cif.gz", "--assembly", "1"],
+                          ["measure", "data/boxb.pqr", "--report", "10", "--write", "derivatives", "-o", self.folder],
+                          ["measure", "data/fas2.pqr", "--cavities", "--pockets", "--at", "550"],
+                          ["measure", "tests/data/1a8o.cif.gz", "--assembly", "1", "--parts", "chains"]):
+            with self.subTest(arguments=arguments):
+                done = report_of(*arguments, "--json")
+                self.assertDone(done)
+                keys = keys_of(json.loads(done.stdout))
+                self.assertGreater(len(keys), 10)
+                self.assertEqual(sorted(key for key in keys if f"`{key}`" not in text), [])
 
     def test_code_in_the_library_page_is_from_examples(self):
         sources = [lines_of(read(path)) for folder in ("examples", "tests/downstream")
