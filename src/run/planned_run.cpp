@@ -9,6 +9,7 @@
 #include <system_error>
 #include <utility>
 #include <variant>
+#include <vector>
 
 #include "eses/error.hpp"
 #include "grid/make_grid.hpp"
@@ -99,10 +100,12 @@ FoundCavities find_cavities_of(const Molecule& molecule, const Request& request,
                           .max_filled_void = request.parameters.max_filled_void,
                           .kept_component = kept},
                          keeps_patches);
-  } catch (const HintedError& error) {
+  } catch (const Error& error) {
     const auto* const file = std::get_if<InputFile>(&request.atoms);
     if (file == nullptr) throw;
-    throw HintedError(formatted("{}: {}", file->path.string(), error.what()), error.hints());
+    const auto* const hinted = dynamic_cast<const Hints*>(&error);
+    throw HintedError(formatted("{}: {}", file->path.string(), error.what()),
+                      hinted != nullptr ? hinted->hints() : std::vector<std::string>());
   }
 }
 
