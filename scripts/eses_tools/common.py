@@ -336,8 +336,9 @@ def require_file(path):
 
 def input_file(text):
     """Returns the path of an input, for the `type` of arguments: a missing file is reported before missing options
-    and packages. `-` is standard input."""
-    if text != "-" and not os.path.exists(text):
+    and packages, but not in place of the help. `-` is standard input."""
+    asks_for_help = not {"-h", "--help", "--help-all"}.isdisjoint(sys.argv)
+    if text != "-" and not os.path.exists(text) and not asks_for_help:
         raise Failed(f"{text}: no such file")
     return pathlib.Path(text)
 

@@ -118,6 +118,7 @@ class WithoutPackages(TestCase):
                 done = run(script, self.folder / "nothing")
                 self.assertDone(done, 1)
                 self.assertIn(f"{self.folder / 'nothing'}: no such file", done.stderr)
+                self.assertDone(run(script, self.folder / "nothing", "--help"))
 
 
 @unittest.skipUnless(can_import(SCRIPT, "numpy"), "needs python3-numpy")
