@@ -74,6 +74,12 @@ class Parser(argparse.ArgumentParser):
         self.add_argument("--program", type=lambda path: pathlib.Path(path).absolute(), default=PROGRAM.absolute(),
                           metavar="FILE", help=f"path of eses-blocks{what} (default: {place})")
 
+    def parse_known_args(self, args=None, namespace=None):
+        """Shows the help, if it is asked for, whatever the other arguments are."""
+        words = sys.argv[1:] if args is None else list(args)
+        asked = [word for word in words if word in ("-h", "--help", "--help-all")]
+        return super().parse_known_args(asked or words, namespace)
+
     def parse_before_dashes(self):
         """Returns the options, and the arguments after --."""
         arguments = sys.argv[1:]
@@ -336,9 +342,8 @@ def require_file(path):
 
 def input_file(text):
     """Returns the path of an input, for the `type` of arguments: a missing file is reported before missing options
-    and packages, but not in place of the help. `-` is standard input."""
-    asks_for_help = not {"-h", "--help", "--help-all"}.isdisjoint(sys.argv)
-    if text != "-" and not os.path.exists(text) and not asks_for_help:
+    and packages. `-` is standard input."""
+    if text != "-" and not os.path.exists(text):
         raise Failed(f"{text}: no such file")
     return pathlib.Path(text)
 

@@ -176,8 +176,8 @@ void add_measure_options(CLI::App& app, MeasureCommandOptions& options) {
             "and more, such as 'A,B|C', '//A|//B/1-50', 'A|ligand:STI'",
             options.parts,
             Format<PartChoice>{
-                parts_in,
-                formatted("chains, or two parts and more, such as 'A,B|C': each {}", part_texts)});
+                parts_in, formatted("chains, or two parts and more, such as 'A,B|C'; a part is {}",
+                                    part_texts)});
   add_parts(app, "--report", "ATOMS",
             "report also the areas of these atoms, while all atoms block:\n"
             "A+B, ligand:STI, ligand (all ligands), or a selection such\n"

@@ -156,11 +156,14 @@ std::optional<FarAtomsWarning> require_dense_grid(std::span<const Atom> atoms, d
       warning.examples.emplace_back(i, lines[i]);
   }
   warning.message = formatted("{}: {}", file, sentence(*far, "line", lines_of_atoms));
-  if (!are_allowed && far->is_refused())
-    throw HintedError(
-        formatted("{}; remove atoms that do not belong to the molecule, {}or allow far atoms",
-                  warning.message, other_way),
-        {"allow_far_atoms"});
+  if (!are_allowed && far->is_refused()) {
+    // Without atoms far from others, the grid has its points around all of them.
+    const std::string_view advice = far->points_without < far->points
+                                        ? "remove atoms that do not belong to the molecule"
+                                        : "use a smaller margin";
+    throw HintedError(formatted("{}; {}, {}or allow far atoms", warning.message, advice, other_way),
+                      {"allow_far_atoms"});
+  }
   return warning;
 }
 

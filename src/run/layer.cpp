@@ -18,41 +18,31 @@ void LayerBits::reset(const BlockTiling& tiling, std::int64_t planes) {
   words_.assign(static_cast<std::size_t>(rows_ * planes) * row_words_, 0);
 }
 
-// A word of which two blocks have bits contains a border of each of them, between two of its bits.
-// Threads share only such words; all others belong to one block and so to one thread.
+// Words at the borders of blocks have bits of several blocks.
 void LayerBits::add(const BlockTiling& tiling, const BlockBounds& block, const PointBits& bits) {
   if (bits.words.empty()) return;
+  const auto set = [](std::uint64_t& word, std::uint64_t more) {
+    if (more != 0) RelaxedReference(word).set_bits(more);
+  };
   GridIndex owned = block.owned;
   for (std::size_t axis = 0; axis < 2; ++axis)
     if (block.first[axis] + owned[axis] == tiling.region.end[axis])
       owned[axis] = tiling.region_with_halo.end[axis] - block.first[axis];
   const std::int64_t first_y = block.first[1] - tiling.region.begin[1];
-  const std::int64_t begin_x = block.first[0] - tiling.region.begin[0];
-  const std::int64_t end_x = begin_x + owned[0];
-  const auto is_shared = [&](std::int64_t word) {
-    return (begin_x % 64 != 0 && word == begin_x / 64) || (end_x % 64 != 0 && word == end_x / 64);
-  };
-  const auto set = [](std::uint64_t* word, std::uint64_t more, bool is_shared_word) {
-    if (more == 0) return;
-    if (is_shared_word)
-      RelaxedReference(*word).set_bits(more);
-    else
-      *word |= more;
-  };
   for (std::int64_t column = 0; column < bits.columns; ++column) {
-    const std::int64_t x = begin_x + column * PointBits::column_step;
+    const std::int64_t x =
+        block.first[0] - tiling.region.begin[0] + column * PointBits::column_step;
     const std::uint64_t mask = low_bits(bits.owned_in_column(column, owned[0]));
     const auto word = static_cast<std::size_t>(x / 64);
     const int shift = static_cast<int>(x % 64);
-    const bool is_first_shared = is_shared(x / 64), is_second_shared = is_shared(x / 64 + 1);
     for (std::int64_t z = 0; z < bits.size[2]; ++z)
       for (std::int64_t y = 0; y < owned[1]; ++y) {
         const std::uint64_t points = bits.words[bits.word_index(column, y, z)] & mask;
         if (points == 0) continue;
         std::uint64_t* const row =
             &words_[static_cast<std::size_t>(z * rows_ + first_y + y) * row_words_ + word];
-        set(row, points << shift, is_first_shared);
-        if (shift > 0) set(row + 1, points >> (64 - shift), is_second_shared);
+        set(row[0], points << shift);
+        if (shift > 0 && points >> (64 - shift) != 0) set(row[1], points >> (64 - shift));
       }
   }
 }

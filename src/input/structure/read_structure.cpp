@@ -63,10 +63,11 @@ void require_model(const ParsedStructure& parsed, std::string_view file) {
   if (models.wanted == 0)
     throw Error(formatted("{}: model {} has no atoms; choose another one with --model N", file,
                           printable(models.chosen)));
-  throw Error(formatted(
-      "{}: there is no model {} (--model); the file has {}, from {} to {}", file, models.wanted,
-      models.names.size() == 1 ? "one model" : formatted("{} models", models.names.size()),
-      printable(models.names.front()), printable(models.names.back())));
+  const std::string first = printable(models.names.front()), last = printable(models.names.back());
+  throw Error(formatted("{}: there is no model {} (--model); the file has {}", file, models.wanted,
+                        models.names.size() == 1 ? formatted("model {} only", first)
+                                                 : formatted("{} models, from {} to {}",
+                                                             models.names.size(), first, last)));
 }
 
 /// Throws Error if an assembly file of the PDB has several models. They are copies, of which only
