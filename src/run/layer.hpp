@@ -12,7 +12,8 @@
 
 namespace eses::detail {
 
-/// Returns whether a point of the block is inside the surface.
+/// Returns whether a point of the block is inside the surface. Blocks of a Layer have lost their
+/// points to it.
 inline bool is_inside(const BlockResult& block, const GridIndex& point) {
   const GridIndex& first = block.block.first;
   return block.inside.test({point[0] - first[0], point[1] - first[1], point[2] - first[2]});
@@ -132,7 +133,7 @@ class LayerBits {
 
 /// The results of a layer of blocks.
 struct Layer {
-  std::vector<BlockResult> blocks;  ///< [by][bx]; the layer has the bits of their points
+  std::vector<BlockResult> blocks;  ///< [by][bx], without their points, which `inside` has
   LayerBits inside;
   LayerBits covered;  ///< see BlockResult; empty unless it is needed
 

@@ -33,8 +33,8 @@ struct Plan {
   Grid grid;
   GridRegion region;                   ///< the points to compute
   std::array<double, 6> cut_depths{};  ///< see depths_inside
-  /// The largest schedule: threads, blocks and memory are maxima over the processes. The crossings
-  /// are those of the whole region.
+  /// The largest schedule, for reports and sizes of files: threads, blocks and memory are maxima
+  /// over the processes, and the crossings are those of the whole region. No process sweeps it.
   Schedule schedule;
   FileSizes files = {};
 
