@@ -275,7 +275,7 @@ class Program(TestCase):
         self.assertIn("lines 21, 22", done.stderr)
         self.assertIn("; remove atoms that do not belong to the molecule", done.stderr)
         self.assertIn("(--allow-far-atoms)", done.stderr)
-        self.assertIn("; use a smaller margin", self.call(DATA / "c60.xyzr", 1.4, 0.4, 1e5, "--write", "none", code=1).stderr)
+        self.assertIn("; use a smaller margin", self.call(DATA / "c60.xyzr", "1.4", "0.4", "1e5", "--write", "none", code=1).stderr)
         done = self.call(far, "--write", "none", "--dry-run", "--allow-far-atoms")
         self.assertIn("warning: ", done.stderr)
         self.assertIn("lines 21, 22", done.stderr)
