@@ -465,6 +465,13 @@ void require_plain_crossing(const BlockCrossing& crossing, const PlainEdge& plai
 struct EdgeCounts {
   std::size_t edges = 0, several = 0, none = 0;
   std::array<std::size_t, 3> by_atoms{};
+
+  void add(const EdgeCounts& other) {
+    edges += other.edges;
+    several += other.several;
+    none += other.none;
+    for (std::size_t i = 0; i < 3; ++i) by_atoms[i] += other.by_atoms[i];
+  }
 };
 
 // Checks that a tally has the sums of all crossings of a block.
@@ -519,11 +526,7 @@ EdgeCounts require_plain_blocks(const Case& molecule) {
     for_each_version(ESES_VERSIONS(classify), [&](Classify classify) {
       REQUIRE((classified(classify, block).words == block.inside.words));
     });
-    const EdgeCounts of_block = require_plain_edges(surface, block);
-    counts.edges += of_block.edges;
-    counts.several += of_block.several;
-    counts.none += of_block.none;
-    for (std::size_t i = 0; i < 3; ++i) counts.by_atoms[i] += of_block.by_atoms[i];
+    counts.add(require_plain_edges(surface, block));
   });
   return counts;
 }
@@ -541,11 +544,7 @@ TEST_CASE("blocks have the points and crossings of a plain computation") {
         molecule.block_size = 11;
       }
       INFO(kind_name(kind) << " " << seed);
-      const EdgeCounts of_molecule = require_plain_blocks(molecule);
-      counts.edges += of_molecule.edges;
-      counts.several += of_molecule.several;
-      counts.none += of_molecule.none;
-      for (std::size_t i = 0; i < 3; ++i) counts.by_atoms[i] += of_molecule.by_atoms[i];
+      counts.add(require_plain_blocks(molecule));
     }
   for (const std::size_t count : counts.by_atoms) CHECK(count > 2000);
   CHECK(counts.several > 200);
@@ -563,8 +562,7 @@ TEST_CASE("a block of several columns has the crossings of a plain computation")
 TEST_CASE("an atom of radius 0 on a grid point has crossings outward along each edge") {
   // The other atom is far away, so that the point itself is the surface.
   for (const double radius : {0.0, 0.5}) {
-    const Vec3 center{0, 0, 0};
-    const Case molecule{{{center, radius}, {{8, 8, 8}, 1}}, 1.4, 0.25, 20};
+    const Case molecule{{{{0, 0, 0}, radius}, {{8, 8, 8}, 1}}, 1.4, 0.25, 20};
     const Grid grid = make_grid(molecule.atoms, molecule.spacing, 2 * molecule.spacing);
     const AllPatches all(molecule.atoms, molecule.probe);
     SolvedBlock block;
@@ -579,8 +577,7 @@ TEST_CASE("an atom of radius 0 on a grid point has crossings outward along each 
       Tally tally;
       intersect(all.surface, block.grid, block.features, block.inside, scratch, tally, crossings,
                 row_begin);
-      // Poles of the sphere are grid points. Their edges end exactly on the surface and count as
-      // crossed there.
+      // Edges that end at a pole of the sphere, which is a grid point, count as crossed there.
       std::size_t poles = 0;
       for (const BlockCrossing& crossing : crossings) {
         const double outward = crossing.lower_is_inside ? 1 : -1;
