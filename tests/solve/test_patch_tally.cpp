@@ -135,12 +135,14 @@ TEST_CASE("removing crossings restores the sums") {
   Tally tally;
   static_cast<void>(make_edges(surface, random, tally));
   const Tally before = tally;
-  BlockCrossing crossing;
-  crossing.coordinate = 1.1;
-  crossing.normal = random_direction(random);
-  crossing.atoms = {0, 1, 2};
-  for (const std::uint8_t count : {1, 2, 3}) {
-    crossing.atom_count = count & 3;
+  std::array<BlockCrossing, 3> crossings;
+  crossings[0].atom_count = 1;
+  crossings[1].atom_count = 2;
+  crossings[2].atom_count = 3;
+  for (BlockCrossing& crossing : crossings) {
+    crossing.coordinate = 1.1;
+    crossing.normal = random_direction(random);
+    crossing.atoms = {0, 1, 2};
     for (const int sign : {1, -1})
       tally.add_edge(surface, crossing, {1, 0.3, 0.2}, 1 / spacing, sign);
     CHECK(tally.totals.crossings == before.totals.crossings);
