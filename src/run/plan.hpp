@@ -27,7 +27,8 @@ struct Schedule {
   std::uint64_t memory_bytes = 0;
 };
 
-/// What a run computes, in all processes, and what it needs.
+/// The grid and the parameters of a run, the same in all processes, with the memory and the files
+/// that it needs.
 struct Plan {
   Parameters parameters;
   Grid grid;
