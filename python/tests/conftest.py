@@ -34,6 +34,8 @@ HETATM   16  O   HOH B   2       2.104   1.134  -1.504  1.00  0.00           O
 END
 """
 
+KEPT = [0, 1, 2, 3, 4, 5, 6, 7, 8, 10, 12, 13]  # of the 15 atoms of PDB: location B, no water
+
 sys.path.append(str(PROJECT / "scripts/lib"))  # for notebook_page
 
 
@@ -46,6 +48,21 @@ def needs_gemmi(tmp_path):
         eses.read_atoms(path)
     if "this build reads" in str(error.value):
         pytest.skip("this build has no gemmi")
+
+
+@pytest.fixture(name="pdb")
+def fixture_pdb(tmp_path):
+    path = tmp_path / "two.pdb"
+    path.write_text(PDB)
+    return path
+
+
+@pytest.fixture(name="expected")
+def fixture_expected(pdb):
+    """Returns the areas by the program's own reader."""
+    atoms = eses.read_atoms(pdb)
+    assert len(atoms) == len(KEPT)
+    return eses.Surface(atoms.centers, atoms.radii).measure(by_atom=True)
 
 
 @pytest.fixture(scope="session")
