@@ -3,11 +3,21 @@
 from __future__ import annotations
 
 import difflib
+import importlib
 import inspect
 import os
 from typing import Any, Callable, Iterable, NoReturn
 
 import numpy as np
+
+
+def imported(name: str, caller: Any) -> Any:
+    """Returns a module of another package, which only `caller` needs."""
+    try:
+        return importlib.import_module(name)
+    except ModuleNotFoundError as error:
+        package = name.partition(".")[0]
+        raise ImportError(f"{caller} needs {package}; install it, for example with `pip install {package}`") from error
 
 
 def _is_text(value: Any) -> bool:

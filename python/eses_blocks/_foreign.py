@@ -1,17 +1,10 @@
 """Files that other libraries read: BinaryCIF by Biotite, SDF, MOL and MOL2 by RDKit."""
 
 import gzip
-import importlib
 import pathlib
 from typing import Any
 
-
-def _import(name: str, path: pathlib.Path) -> Any:
-    try:
-        return importlib.import_module(name)
-    except ModuleNotFoundError as error:
-        package = name.partition(".")[0]
-        raise ImportError(f"{path} needs {package}; install it, for example with `pip install {package}`") from error
+from . import _arguments
 
 
 def _opened(path: pathlib.Path) -> Any:
@@ -19,13 +12,13 @@ def _opened(path: pathlib.Path) -> Any:
 
 
 def _read_binary_cif(path: pathlib.Path, frame: int) -> Any:
-    pdbx = _import("biotite.structure.io.pdbx", path)
+    pdbx = _arguments.imported("biotite.structure.io.pdbx", path)
     with _opened(path) as source:
         return pdbx.get_structure(pdbx.BinaryCIFFile.read(source), model=frame + 1, altloc="occupancy")
 
 
 def _read_sdf(path: pathlib.Path, frame: int) -> Any:
-    chem = _import("rdkit.Chem", path)
+    chem = _arguments.imported("rdkit.Chem", path)
     with _opened(path) as source:
         for number, molecule in enumerate(chem.ForwardSDMolSupplier(source, removeHs=False)):
             if number == frame:
@@ -34,7 +27,7 @@ def _read_sdf(path: pathlib.Path, frame: int) -> Any:
 
 
 def _read_mol2(path: pathlib.Path, frame: int) -> Any:
-    chem = _import("rdkit.Chem", path)
+    chem = _arguments.imported("rdkit.Chem", path)
     with _opened(path) as source:
         blocks = source.read().decode("utf-8", "replace").split("@<TRIPOS>MOLECULE")[1:]
     return chem.MolFromMol2Block("@<TRIPOS>MOLECULE" + blocks[frame], removeHs=False) if frame < len(blocks) else None

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import difflib
-import importlib
 import os
 from typing import Any, Iterable
 
 import numpy as np
 import numpy.typing as npt
 
-from . import _core
+from . import _arguments, _core
 
 _Texts = npt.NDArray[np.str_]
 _Bools = npt.NDArray[np.bool_]
@@ -101,11 +100,7 @@ def find_dummies(positions: Any, occupancies: Any) -> _Bools:
 def radii_by_bonds(residue: _Texts, name: _Texts, element: _Texts, chosen: _Bools) -> Any:
     """Returns ProtOr radii of the chosen atoms by element, number of bonds and number of hydrogens in the Chemical
     Component Dictionary; not a number for other atoms, and for those that the dictionary or ProtOr does not have."""
-    try:
-        info: Any = importlib.import_module("biotite.structure.info")
-    except ImportError as error:
-        raise ImportError("radii='protor+ccd' needs Biotite; install it, for example with "
-                          "`pip install biotite`") from error
+    info = _arguments.imported("biotite.structure.info", "radii='protor+ccd'")
     found: dict[tuple[str, str], float] = {}
     radii = np.full(len(name), np.nan)
     # Biotite takes the element from the first letter of the name.

@@ -1,7 +1,6 @@
 """Methods of Atoms, Mesh, Result and Surface that need other Python packages, and pages for notebooks."""
 
 import html
-import importlib
 import inspect
 
 import numpy as np
@@ -10,18 +9,11 @@ from eses_tools import page as _page
 
 from . import _arguments, _core
 from ._files import output_path
+from ._locations import first_of_runs
 
 # The endings of names that no page has.
 _OTHER_SUFFIXES = (".pdb", ".ent", ".cif", ".mmcif", ".mcif", ".pdbx", ".pqr", ".xyzr", ".gz", ".csv", ".dx",
                    ".png", ".jpg", ".jpeg", ".gif", ".svg", ".tif", ".tiff", ".bmp", ".webp", ".pdf")
-
-
-def _require(name, caller):
-    try:
-        return importlib.import_module(name)
-    except ModuleNotFoundError as error:
-        raise ImportError(f"{caller} needs {name}; install it, for example with "
-                          f"`pip install {name}`") from error
 
 
 class Page:
@@ -76,7 +68,7 @@ def _make_page(mesh, atoms, color, style, title, height):
 
 
 def _k3d_plot(mesh):
-    k3d = _require("k3d", "show(backend='k3d')")
+    k3d = _arguments.imported("k3d", "show(backend='k3d')")
     colors = _page.PATCH_COLORS
     plot = k3d.plot()
     codes = np.array([(r << 16) + (g << 8) + b for r, g, b in colors], np.uint32)
@@ -197,7 +189,7 @@ def mesh_to_trimesh(self):
     ImportError
         If trimesh is not installed.
     """
-    trimesh = _require("trimesh", "to_trimesh")
+    trimesh = _arguments.imported("trimesh", "to_trimesh")
     return trimesh.Trimesh(self.vertices.copy(), self.faces.copy(),
                            vertex_normals=self.normals.copy(), process=False,
                            vertex_attributes={name: values.copy()
@@ -218,7 +210,7 @@ def mesh_to_pyvista(self):
     ImportError
         If PyVista is not installed.
     """
-    pyvista = _require("pyvista", "to_pyvista")
+    pyvista = _arguments.imported("pyvista", "to_pyvista")
     faces = np.column_stack([np.full(len(self.faces), 3), self.faces])
     mesh = pyvista.PolyData(self.vertices.copy(), faces.ravel())
     mesh.point_data["Normals"] = self.normals
@@ -243,7 +235,7 @@ def result_to_xarray(self):
         If the surface was computed with ``inside=False``.
     """
     inside = self.inside
-    xarray = _require("xarray", "to_xarray")
+    xarray = _arguments.imported("xarray", "to_xarray")
     low, high = self.region
     coordinates = {name: self.grid.coordinates(axis)[low[axis]:high[axis]]
                    for axis, name in enumerate("xyz")}
@@ -292,7 +284,7 @@ def atoms_to_dataframe(self):
     ImportError
         If pandas is not installed.
     """
-    pandas = _require("pandas", "to_dataframe")
+    pandas = _arguments.imported("pandas", "to_dataframe")
     columns = {**_name_columns(len(self), self), **dict(zip("xyz", self.centers.T)), "radius": self.radii}
     if self.charge is not None:
         columns["charge"] = self.charge
@@ -324,7 +316,7 @@ def result_atom_table(self, atoms=None):
     if atoms is not None:
         _require_atoms(atoms)
         _require_order(self, atoms)
-    pandas = _require("pandas", "atom_table")
+    pandas = _arguments.imported("pandas", "atom_table")
     radii = _core._spheres_of(self)[1]
     return pandas.DataFrame({**_name_columns(len(radii), atoms), "radius": radii, "area": self.atom_areas})
 
@@ -357,11 +349,9 @@ def result_residue_table(self, atoms):
     labels = atoms.labels
     if labels is None:
         raise ValueError("the atoms have no names of residues")
-    pandas = _require("pandas", "residue_table")
+    pandas = _arguments.imported("pandas", "residue_table")
     names = [labels.chain, labels.residue_number, labels.residue]
-    is_first = np.ones(len(areas), bool)
-    is_first[1:] = np.any([name[1:] != name[:-1] for name in names], axis=0)
-    starts = np.flatnonzero(is_first)
+    starts = first_of_runs(*names)
     return pandas.DataFrame({
         "chain": names[0][starts], "residue_number": names[1][starts], "residue": names[2][starts],
         "atoms": np.diff(np.append(starts, len(areas))), "area": np.add.reduceat(areas, starts)})

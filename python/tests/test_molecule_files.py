@@ -107,7 +107,7 @@ def test_radii_of_ligands_follow_from_their_bonds():
     text = "".join(f"HETATM{i:5d}  {name:3} GOL A   1    {4.0 * i:8.3f}   0.000   0.000  1.00  0.00           {name[0]}\n"
                    for i, name in enumerate(("C1", "O1", "C2", "C9"), 1))
     if importlib.util.find_spec("biotite") is None:
-        with pytest.raises(ImportError, match="needs Biotite"):
+        with pytest.raises(ImportError, match="needs biotite"):
             eses.measure(text, radii="protor+ccd")
         return
     by_element, by_bonds = eses.measure(text), eses.measure(text, radii="protor+ccd")
