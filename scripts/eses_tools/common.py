@@ -5,6 +5,7 @@ import contextlib
 import difflib
 import errno
 import gzip
+import importlib
 import io
 import math
 import os
@@ -186,6 +187,14 @@ def end_on_signals():
         # A signal that is ignored stays ignored.
         if signal.getsignal(number) in (signal.SIG_DFL, signal.default_int_handler):
             signal.signal(number, end_on_signal)
+
+
+def imported(name, advice):
+    """Returns a module that only this tool needs."""
+    try:
+        return importlib.import_module(name)
+    except ImportError as error:
+        raise Failed(f"the Python package {name.partition('.')[0]} is missing ({error}); {advice}") from None
 
 
 def end_with(main):

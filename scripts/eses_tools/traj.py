@@ -39,7 +39,7 @@ import time
 import warnings
 
 from eses_tools.common import (IS_INSTALLED, NAME, PROJECT, Failed, Parser, at_least, complete_file, counted, end_with,
-                               input_file, positive, printable, require_kind, require_output, say, show)
+                               imported, input_file, positive, printable, require_kind, require_output, say, show)
 from eses_tools import measuring
 
 LEVELS = ("frame", "chain", "residue")
@@ -51,14 +51,6 @@ DECIMALS = {"relative_sas": 4, "pockets": 0}  # of columns; 3 for others
 # number of rows, for atoms that are not reported. labels: by row. maximum: the area that a relative area of 1
 # stands for, by row. is_polar: by atom. find_pockets: see pocket_finder, None without --pockets. note: for the user.
 Plan = collections.namedtuple("Plan", "group radii row labels rows maximum is_polar columns find_pockets note")
-
-
-def imported(name, advice):
-    """Returns a module that only this tool needs."""
-    try:
-        return importlib.import_module(name)
-    except ImportError as error:
-        raise Failed(f"the Python package {name.partition('.')[0]} is missing ({error}); {advice}") from None
 
 
 # --------------------------------------------------------------------------------------- reading
