@@ -6,7 +6,6 @@
 #include <array>
 #include <cstdlib>
 #include <new>
-#include <optional>
 #include <stdexcept>
 
 #include "system/formatted.hpp"
@@ -32,7 +31,7 @@ int Processes::launched_count() {
   return count;
 }
 
-void Processes::all_or_throw(const std::function<void()>& action) const {
+void Processes::share_failure(const std::function<void()>& action) const {
   if (count_ == 1) {
     action();
     return;

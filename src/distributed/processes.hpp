@@ -7,10 +7,12 @@
 #include <cstring>
 #include <functional>
 #include <numeric>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
 #include <type_traits>
+#include <utility>
 #include <vector>
 
 #include "system/hints.hpp"
@@ -71,11 +73,21 @@ class Processes {
   /// Returns when all processes have called it.
   void wait_for_all() const { sum(0); }
 
-  /// Performs an action that does not communicate. If it throws Error, std::invalid_argument or
-  /// std::bad_alloc in any process, all processes throw SharedError with the message and hints of
-  /// the lowest such rank. Other exceptions are thrown only in their process. A single process just
-  /// performs the action.
-  void all_or_throw(const std::function<void()>& action) const;
+  /// Performs an action that does not communicate, and returns its result. If it throws Error,
+  /// std::invalid_argument or std::bad_alloc in any process, all processes throw SharedError with
+  /// the message and hints of the lowest such rank. Other exceptions are thrown only in their
+  /// process. A single process just performs the action.
+  template <class Action>
+  auto all_or_throw(Action&& action) const {
+    using Result = decltype(action());
+    if constexpr (std::is_void_v<Result>) {
+      share_failure(action);
+    } else {
+      std::optional<Result> result;
+      share_failure([&] { result.emplace(action()); });
+      return std::move(*result);
+    }
+  }
 
   /// The processes on this machine, and the number of processors for each of them.
   struct Machine {
@@ -101,6 +113,8 @@ class Processes {
   [[noreturn]] void abort(int exit_code) const;
 
  private:
+  // Performs the action of all_or_throw.
+  void share_failure(const std::function<void()>& action) const;
   // Returns the bytes of all processes in the order of ranks.
   std::vector<char> gather_bytes(std::span<const char> bytes) const;
 
