@@ -8,6 +8,12 @@
 
 namespace eses::detail {
 
+GridRegion with_halo(GridRegion region, const GridIndex& grid_size) {
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    region.end[axis] = std::min(region.end[axis] + 1, grid_size[axis]);
+  return region;
+}
+
 BlockTiling make_tiling(const Grid& grid, std::int64_t block_size) {
   return make_tiling(grid, block_size, grid.whole());
 }
@@ -25,9 +31,9 @@ BlockTiling make_tiling(const Grid& grid, const GridIndex& block_size, const Gri
   BlockTiling tiling;
   tiling.block_size = block_size;
   tiling.grid_size = grid.size;
-  tiling.region = tiling.region_with_halo = region;
+  tiling.region = region;
+  tiling.region_with_halo = with_halo(region, grid.size);
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    tiling.region_with_halo.end[axis] = std::min(region.end[axis] + 1, grid.size[axis]);
     const std::int64_t points = region.end[axis] - region.begin[axis];
     const std::int64_t shared = region.end[axis] < grid.size[axis] ? 1 : 0;
     // A single plane of points, which has no cells, is one block.

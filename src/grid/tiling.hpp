@@ -31,13 +31,10 @@ struct BlockBounds {
 struct BlockTiling {
   /// Number of points on the sides of a block along x, y and z.
   GridIndex block_size{default_block_size, default_block_size, default_block_size};
-  GridIndex blocks{};     ///< number of blocks along x, y and z
-  GridIndex grid_size{};  ///< number of points of the grid along x, y and z
-  GridRegion region;      ///< points that blocks own
-  /// The region and its halo: the corners of all cells that belong to the region. For make_tiling
-  /// these are the cells whose lowest corner is in the region. So the halo is the next plane of
-  /// points along each axis if the grid has one.
-  GridRegion region_with_halo;
+  GridIndex blocks{};           ///< number of blocks along x, y and z
+  GridIndex grid_size{};        ///< number of points of the grid along x, y and z
+  GridRegion region;            ///< points that blocks own
+  GridRegion region_with_halo;  ///< see with_halo
 
   /// Returns the points that these blocks own. Throws std::invalid_argument if there are no such
   /// blocks.
@@ -49,6 +46,10 @@ struct BlockTiling {
   /// points of the halo and the edges between them.
   BlockBounds block_with_halo(std::int64_t bx, std::int64_t by, std::int64_t bz) const;
 };
+
+/// Returns a region and its halo: the corners of all cells whose lowest corner is in the region. So
+/// the halo is the next plane of points along each axis if the grid, of this size, has one.
+GridRegion with_halo(GridRegion region, const GridIndex& grid_size);
 
 /// Divides a region that is not empty into cubes. There are `(n - 2) / (b - 1) + 1` blocks along an
 /// axis with n points, for the block size b. Throws std::invalid_argument if `block_size` is not

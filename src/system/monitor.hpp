@@ -21,7 +21,15 @@ class Monitor {
     }
     changed_.notify_all();
   }
-  /// Waits until `condition()` returns true, which may change the state as well.
+  /// Waits until `try_take()` returns a value, and returns it. Returns nothing if `is_over()`.
+  /// `try_take` may change the state, so that no other thread takes the same.
+  template <class TryTake, class IsOver>
+  auto take(TryTake&& try_take, IsOver&& is_over) {
+    decltype(try_take()) taken;
+    wait_until([&] { return (taken = try_take()) || is_over(); });
+    return taken;
+  }
+  /// Waits until `condition()` returns true.
   template <class Condition>
   void wait_until(Condition&& condition) {
     std::unique_lock lock(mutex_);
