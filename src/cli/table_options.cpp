@@ -14,6 +14,7 @@
 #include "input/radii_set.hpp"
 #include "input/read_input.hpp"
 #include "input/text_source.hpp"
+#include "output/identity.hpp"
 #include "output/result_log.hpp"
 #include "run/request.hpp"
 #include "system/formatted.hpp"
@@ -45,13 +46,15 @@ bool is_null_device(const std::string& path) {
 
 /// Returns the identity of a run; see identity.hpp.
 std::string identity_of(const CLI::App& app, const std::filesystem::path& radii) {
-  const std::string text = formatted(
-      "the version: eses-blocks {}\nthe command: {}\n{}", version, app.get_name(),
-      given_options(app,
-                    {"--resume", "--csv", "--files-from", "--recursive", "--threads", "--quiet"}));
-  const auto file = key_of_input(radii, 0);
-  return file ? text + formatted("the file of --radii: {} {:08x}\n", file->bytes, file->checksum)
-              : text;
+  std::string identity;
+  add_property(identity, "the version", formatted("eses-blocks {}", version));
+  add_property(identity, "the command", app.get_name());
+  identity += given_options(
+      app, {"--resume", "--csv", "--files-from", "--recursive", "--threads", "--quiet"});
+  if (const auto file = key_of_input(radii, 0))
+    add_property(identity, "the file of --radii",
+                 formatted("{} {:08x}", file->bytes, file->checksum));
+  return identity;
 }
 
 /// Throws UsageError if an input has no models: standard input, and other files than PDB and mmCIF.

@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "input/text_fields.hpp"
-#include "system/formatted.hpp"
 
 namespace eses::detail {
 namespace {
