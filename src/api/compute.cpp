@@ -83,7 +83,10 @@ PlannedRun plan_run(const Surface& surface, const Grid& grid, const Outputs& out
 }
 
 detail::Callbacks callbacks_of(const RunOptions& options) {
-  return {.progress = options.progress, .block = {}, .verification = options.verification_progress};
+  return {.locked = {},
+          .progress = options.progress,
+          .block = {},
+          .verification = options.verification_progress};
 }
 
 // Performs a run, which writes the outputs of its request.
@@ -148,7 +151,7 @@ void clear_points(const PlannedRun& run, const RunOptions& options, std::vector<
   values.reserve(points);
   while (values.size() < points) {
     values.resize(std::min(points, values.size() + points_between_calls));
-    if (options.progress) options.progress(0, run.plan.schedule.tiling.block_count());
+    if (options.progress) options.progress(0, run.largest_schedule.tiling.block_count());
   }
 }
 
@@ -271,7 +274,7 @@ Result ResultBuilder::compute(const eses::Surface& surface, const Grid& grid,
   result.grid_ = grid;
   result.region_ = run.plan.region;
   result.parts_ = parts;
-  const std::int64_t blocks = run.plan.schedule.tiling.block_count();
+  const std::int64_t blocks = run.largest_schedule.tiling.block_count();
   if (has_inside) clear_points(run, options, result.inside_);
   Callbacks callbacks = callbacks_of(options);
   callbacks.block = [&](const BlockResult& solved) {
@@ -446,22 +449,24 @@ Summary write_files(const Surface& surface, const Grid& grid,
 
 Estimate estimate(const Surface& surface, const Grid& grid, const Outputs& outputs,
                   const RunOptions& options) {
-  const detail::Plan plan = plan_run(surface, grid, outputs, options).plan;
-  return {.memory_bytes = plan.schedule.memory_bytes,
-          .threads = plan.schedule.threads,
-          .block_size = plan.schedule.tiling.block_size,
-          .blocks = plan.schedule.tiling.blocks,
-          .crossings = plan.schedule.crossings,
-          .cut_depth = plan.cut_depth(),
-          .box_bytes = plan.files.box,
-          .grid_bytes = plan.files.grid,
-          .edges_bytes = plan.files.edges,
-          .areas_bytes = plan.files.areas,
-          .residues_bytes = plan.files.residues,
-          .atoms_bytes = plan.files.atoms,
-          .map_bytes = plan.files.maps,
-          .mesh_bytes = plan.files.mesh,
-          .scratch_bytes = plan.files.scratch()};
+  const PlannedRun run = plan_run(surface, grid, outputs, options);
+  const detail::Schedule& schedule = run.largest_schedule;
+  const detail::FileSizes& sizes = run.file_sizes;
+  return {.memory_bytes = schedule.memory_bytes,
+          .threads = schedule.threads,
+          .block_size = schedule.tiling.block_size,
+          .blocks = schedule.tiling.blocks,
+          .crossings = schedule.crossings,
+          .cut_depth = run.plan.cut_depth(),
+          .box_bytes = sizes.box,
+          .grid_bytes = sizes.grid,
+          .edges_bytes = sizes.edges,
+          .areas_bytes = sizes.areas,
+          .residues_bytes = sizes.residues,
+          .atoms_bytes = sizes.atoms,
+          .map_bytes = sizes.maps,
+          .mesh_bytes = sizes.mesh,
+          .scratch_bytes = sizes.scratch()};
 }
 
 }  // namespace eses

@@ -14,7 +14,7 @@
 #include "eses/read_atoms.hpp"
 #include "eses/surface.hpp"
 #include "run/far_atoms.hpp"
-#include "run/file_diagnostics.hpp"
+#include "run/input_atoms.hpp"
 
 namespace eses::detail::cli {
 

@@ -99,7 +99,6 @@ InterruptibleRun::~InterruptibleRun() {
 
 void InterruptibleRun::check() {
   while (is_ending) pause();
-  has_locks_ = true;
   if (received_signal != 0) throw Interrupted{128 + received_signal};
 }
 

@@ -24,17 +24,18 @@ void end_on_signals();
 /// files of the run are removed and the process ends. Only one object may exist at a time.
 class InterruptibleRun {
  public:
-  /// The locks in `paths` are removed only if `check` has been called, because the run does not
-  /// hold them before.
   explicit InterruptibleRun(OutputPaths paths);
   ~InterruptibleRun();
   InterruptibleRun(const InterruptibleRun&) = delete;
   InterruptibleRun& operator=(const InterruptibleRun&) = delete;
 
+  /// The run holds the locks in `paths` from now on. Other locks must not be removed.
+  void hold_locks() { has_locks_ = true; }
   /// Throws Interrupted after a signal. Several threads may call it.
   void check();
 
-  /// Removes temporary files and locks. May be called from a signal handler.
+  /// Removes temporary files, and the locks that the run holds. May be called from a signal
+  /// handler.
   void remove_leftovers() const;
 
  private:

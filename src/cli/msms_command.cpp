@@ -311,6 +311,7 @@ class Files {
         directories_[i]->remove_abandoned(
             [&](std::string_view name) { return is_of_component(options_, name); });
     }
+    interruptible_->hold_locks();
   }
 
   const MsmsOptions& options_;

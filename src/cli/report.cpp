@@ -191,11 +191,11 @@ std::string files_text(const FileSizes& sizes, const Outputs& outputs) {
 
 /// Returns the bound of the memory. A small run of several threads may end before all of them work
 /// at the same time. Its peak is then far below the bound, which --dry-run prints.
-std::string memory_text(const Plan& plan, bool is_dry_run) {
+std::string memory_text(const Schedule& schedule, bool is_dry_run) {
   constexpr std::uint64_t small_bytes = 128'000'000;
-  return plan.schedule.threads > 1 && plan.schedule.memory_bytes < small_bytes && !is_dry_run
+  return schedule.threads > 1 && schedule.memory_bytes < small_bytes && !is_dry_run
              ? formatted("less than {}", bytes_text(small_bytes))
-             : formatted("at most {}", bytes_text(plan.schedule.memory_bytes));
+             : formatted("at most {}", bytes_text(schedule.memory_bytes));
 }
 
 /// Returns the notes in one line. Notes are diagnostics that also occur in valid files.
@@ -225,13 +225,13 @@ bool misses_molecule(const Plan& plan) {
   return false;
 }
 
-std::string cut_warning(const Plan& plan) {
-  if (plan.parameters.has_custom_grid() && misses_molecule(plan))
+std::string cut_warning(const Plan& plan, bool has_custom_grid) {
+  if (has_custom_grid && misses_molecule(plan))
     return "the grid does not overlap the molecule; all grid points are outside";
   if (plan.cut_depth() == 0)
     return "the grid ends where the molecule does, up to rounding, so that a mesh can be open "
            "there; use a larger grid or margin";
-  if (plan.parameters.has_custom_grid())
+  if (has_custom_grid)
     return formatted(
         "the van der Waals spheres extend beyond the grid by {} (angstrom); area and volume are "
         "those of the part inside the grid",
@@ -291,19 +291,20 @@ std::string probe_text(const Options& options) {
 }
 
 std::string workers_text(const Report& report) {
-  std::string threads = counted(report.run.plan.schedule.threads, "thread");
+  std::string threads = counted(report.run.largest_schedule.threads, "thread");
   if (report.process_count < 2) return threads;
   return formatted("{} processes of {}", report.process_count, threads);
 }
 
 Json null_unless(bool is_known, const auto& value) { return is_known ? Json(value) : Json(); }
 
-Json parameters_json(const Options& options, const Plan& plan) {
-  const auto* const grid = std::get_if<GridOptions>(&plan.parameters.grid);
-  const std::optional<double>& max_filled_void = plan.parameters.max_filled_void;
+Json parameters_json(const Options& options, const PlannedRun& run) {
+  const Parameters& parameters = run.request.parameters;
+  const auto* const grid = std::get_if<GridOptions>(&parameters.grid);
+  const std::optional<double>& max_filled_void = parameters.max_filled_void;
   return {{"surface", names_of(options.surface).option},
           {"probe_radius", options.probe_radius()},
-          {"spacing", plan.grid.spacing},
+          {"spacing", run.plan.grid.spacing},
           {"margin", grid != nullptr ? Json(grid->margin) : Json()},
           {"fill_cavities",
            max_filled_void && std::isinf(*max_filled_void) ? Json("all") : Json(max_filled_void)}};
@@ -328,24 +329,25 @@ Json disk_json(const std::vector<DiskSpace>& spaces, std::size_t index) {
   return null_unless(is_known(disk), disk.available);
 }
 
-Json plan_json(const Plan& plan, const std::vector<DiskSpace>& disk) {
-  const std::uint64_t max_memory = plan.parameters.max_memory;
-  return {{"memory_bytes", plan.schedule.memory_bytes},
+Json plan_json(const PlannedRun& run, const std::vector<DiskSpace>& disk) {
+  const std::uint64_t max_memory = run.request.parameters.max_memory;
+  const FileSizes& sizes = run.file_sizes;
+  return {{"memory_bytes", run.largest_schedule.memory_bytes},
           {"max_memory_bytes", null_unless(max_memory > 0, max_memory)},
-          {"blocks_ahead", plan.schedule.blocks_ahead},
-          {"output_bytes", plan.files.output()},
-          {"box_file_bytes", plan.files.box},
-          {"grid_file_bytes", plan.files.grid},
-          {"edge_file_bytes", plan.files.edges},
-          {"area_file_bytes", plan.files.areas},
-          {"mesh_file_bytes", plan.files.mesh},
-          {"residue_file_bytes", plan.files.residues},
-          {"atom_file_bytes", plan.files.atoms},
-          {"map_file_bytes", plan.files.maps},
-          {"scratch_bytes", plan.files.scratch()},
+          {"blocks_ahead", run.largest_schedule.blocks_ahead},
+          {"output_bytes", sizes.output()},
+          {"box_file_bytes", sizes.box},
+          {"grid_file_bytes", sizes.grid},
+          {"edge_file_bytes", sizes.edges},
+          {"area_file_bytes", sizes.areas},
+          {"mesh_file_bytes", sizes.mesh},
+          {"residue_file_bytes", sizes.residues},
+          {"atom_file_bytes", sizes.atoms},
+          {"map_file_bytes", sizes.maps},
+          {"scratch_bytes", sizes.scratch()},
           {"disk_bytes", disk_json(disk, 0)},
           {"mesh_disk_bytes", disk_json(disk, 1)},
-          {"cut_depth", plan.cut_depth()}};
+          {"cut_depth", run.plan.cut_depth()}};
 }
 
 Json mesh_json(const Report& report) {
@@ -385,11 +387,14 @@ std::string result_text(const Summary& summary) {
 
 std::string plan_text(const Report& report) {
   const Plan& plan = report.run.plan;
+  const Schedule& schedule = report.run.largest_schedule;
+  const FileSizes& sizes = report.run.file_sizes;
   const Parameters& parameters = report.options.request.parameters;
   const auto* const grid = std::get_if<GridOptions>(&parameters.grid);
-  std::string text = formatted("input: {} ({}{})\n", path_text(report.options.input().path),
-                               counted(report.run.atoms, "atom"), usual_text(report.diagnostics));
-  if (report.run.structure) text += structure_text(*report.run.structure);
+  std::string text =
+      formatted("input: {} ({}{})\n", path_text(report.options.input().path),
+                counted(report.run.input.atom_count, "atom"), usual_text(report.diagnostics));
+  if (report.run.input.structure) text += structure_text(*report.run.input.structure);
   text +=
       formatted("parameters: {}, spacing {}{} (angstrom)\n", probe_text(report.options),
                 plan.grid.spacing, grid != nullptr ? formatted(", margin {}", grid->margin) : "");
@@ -401,19 +406,18 @@ std::string plan_text(const Report& report) {
         plan.grid.origin.x, plan.grid.origin.y, plan.grid.origin.z, plan.grid.upper().x,
         plan.grid.upper().y, plan.grid.upper().z);
   text += region_text(plan);
-  text += formatted("blocks: {} of {} points; {}\n", fmt::join(plan.schedule.tiling.blocks, " x "),
-                    fmt::join(plan.schedule.tiling.block_size, " x "), workers_text(report));
+  text += formatted("blocks: {} of {} points; {}\n", fmt::join(schedule.tiling.blocks, " x "),
+                    fmt::join(schedule.tiling.block_size, " x "), workers_text(report));
   if (report.options.request.part) text += planes_text(report);
-  text +=
-      formatted("needs: {} of memory{}, about {} of files\n",
-                memory_text(plan, report.options.request.dry_run),
-                report.process_count > 1 ? " per process" : "", bytes_text(plan.files.output()));
+  text += formatted("needs: {} of memory{}, about {} of files\n",
+                    memory_text(schedule, report.options.request.dry_run),
+                    report.process_count > 1 ? " per process" : "", bytes_text(sizes.output()));
   if (!report.options.request.dry_run) return text;
   if (parameters.max_memory > 0)
     text += formatted("memory limit: {} ({})\n", binary_bytes_text(parameters.max_memory),
                       bytes_text(parameters.max_memory));
-  if (plan.files.output() > 0)
-    text += formatted("files: {}\n", files_text(plan.files, report.options.request.outputs));
+  if (sizes.output() > 0)
+    text += formatted("files: {}\n", files_text(sizes, report.options.request.outputs));
   for (const DiskSpace& disk : report.disk)
     if (is_known(disk))
       text +=
@@ -441,7 +445,7 @@ std::string summary_text(const Report& report) {
       "divergence theorem: {:.6g} cubic angstrom, the accurate volume (surface volume is ESES's "
       "formula)\n",
       summary.divergence_volume);
-  if (report.run.plan.parameters.max_filled_void) text += filling_text(summary.filled_cavities);
+  if (report.run.request.parameters.max_filled_void) text += filling_text(summary.filled_cavities);
   text += exact_text(report);
   text += mesh_text(report);
   text += verification_text(summary);
@@ -459,17 +463,17 @@ std::string json_text(const Report& report) {
   Json document{{"program", "eses-blocks"},
                 {"version", version},
                 {"input", report.options.input().path.string()},
-                {"atoms", report.run.atoms},
-                {"structure", report.run.structure},
+                {"atoms", report.run.input.atom_count},
+                {"structure", report.run.input.structure},
                 {"diagnostics", report.diagnostics},
-                {"parameters", parameters_json(report.options, plan)},
+                {"parameters", parameters_json(report.options, report.run)},
                 {"maps", maps_json(report.options.request.outputs)},
                 {"grid", plan.grid},
                 {"region", null_unless(!is_whole(plan), plan.region)},
-                {"blocks", plan.schedule.tiling},
-                {"threads", plan.schedule.threads},
+                {"blocks", report.run.largest_schedule.tiling},
+                {"threads", report.run.largest_schedule.threads},
                 {"instruction_set", name_of(instruction_set())},
-                {"plan", plan_json(plan, report.disk)},
+                {"plan", plan_json(report.run, report.disk)},
                 {"dry_run", report.options.request.dry_run}};
   if (const auto& part = report.options.request.part)
     document.update({{"part", {{"index", part->index + 1}, {"count", part->count}}},
@@ -492,8 +496,8 @@ std::string json_text(const Report& report) {
           {{"convex", summary.convex_area},
            {"saddle", summary.saddle_area},
            {"concave", summary.concave_area}}},
-         {"filled_cavities",
-          null_unless(plan.parameters.max_filled_void.has_value(), summary.filled_cavities)},
+         {"filled_cavities", null_unless(report.run.request.parameters.max_filled_void.has_value(),
+                                         summary.filled_cavities)},
          {"verification", summary.verification},
          {"mesh", mesh_json(report)},
          {"output", output_json(report)},
@@ -514,9 +518,11 @@ void add_run_diagnostics(Report& report) {
         formatted("a probe radius of {} with a spacing of {} is unusual; are they swapped? PROBE "
                   "comes first",
                   probe, spacing));
-  if (const auto& far = report.run.far_atoms)
-    report.diagnostics.push_back(describe(*far, report.run.diagnostics.labels));
-  if (report.run.plan.cut_depth() >= 0) add("cut_surface", cut_warning(report.run.plan));
+  if (const auto& far = report.run.input.far_atoms)
+    report.diagnostics.push_back(describe(*far, report.run.input.diagnostics.labels));
+  if (report.run.plan.cut_depth() >= 0)
+    add("cut_surface",
+        cut_warning(report.run.plan, report.run.request.parameters.has_custom_grid()));
   for (const DiskSpace& disk : report.disk)
     if (disk.expected > disk.available) add("disk_space", disk_warning(disk));
 }

@@ -101,7 +101,7 @@ Report plan(const Options& options, const Processes& processes) {
   Report report{.options = options,
                 .run = plan_run(options.request, processes),
                 .process_count = processes.count()};
-  report.diagnostics = describe(report.run.diagnostics, options.input().path);
+  report.diagnostics = describe(report.run.input.diagnostics, options.input().path);
   return report;
 }
 
@@ -119,7 +119,7 @@ void announce(const Report& report) {
 // except in a dry run.
 void present_plan(Report& report) {
   const Options& options = report.options;
-  report.disk = require_disk_space(report.run.plan.files, options.request.outputs,
+  report.disk = require_disk_space(report.run.file_sizes, options.request.outputs,
                                    options.request.output_directory);
   add_run_diagnostics(report);
   const auto warn_or_throw = [&] {
@@ -191,7 +191,11 @@ void run_with_progress(const Processes& processes, Report& report) {
     run.checkpoint->remove_temporary();
   };
   try {
-    report.result = execute(run, {.progress = show_blocks, .verification = show_checks}, processes);
+    report.result = execute(run,
+                            {.locked = [&] { interruptible.hold_locks(); },
+                             .progress = show_blocks,
+                             .verification = show_checks},
+                            processes);
     std::vector<ProcessFigures> figures = gather_figures(run, processes);
     for (const ProcessFigures& each : figures)
       report.peak_memory_bytes = std::max(report.peak_memory_bytes, each.peak_memory_bytes);

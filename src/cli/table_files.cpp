@@ -91,13 +91,14 @@ TableFiles::TableFiles(const TableOptions& options, std::span<const std::string>
   if (!options.identity || has_many) log_path_ = log_path(options, !tables.empty());
   if (!tables.empty()) {
     directory_.emplace(options.output_directory);
-    run_.check();  // a signal removes the lock from now on
+    run_.hold_locks();
     directory_->remove_abandoned(is_table);
   }
   if (!options.csv.empty()) {
     const auto [parent, name] = end_of_links(options.csv);
     if (std::error_code error; !std::filesystem::exists(parent, error)) created_folder_ = parent;
     directory_of_csv_.emplace(parent, name);
+    run_.hold_locks();
     csv_.emplace(*directory_of_csv_, name);
   }
   if (options.identity && has_many) log_.emplace(log_path_, *options.identity);

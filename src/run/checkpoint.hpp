@@ -1,21 +1,25 @@
 #pragma once
 /// Chunks of planes and checkpoints. A chunk has the pieces and sums of a range of planes; all
 /// chunks are merged into the output files at the end of a run. A checkpoint keeps them on disk, so
-/// that an interrupted run can be resumed. Nothing here communicates with other processes.
+/// that an interrupted run can be resumed. Only open_checkpoint communicates with other processes.
 
 #include <array>
 #include <cstdint>
 #include <filesystem>
 #include <initializer_list>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "distributed/processes.hpp"
 #include "grid/plane_range.hpp"
 #include "input/file_index.hpp"
 #include "output/file.hpp"
 #include "output/output_directory.hpp"
+#include "run/input_atoms.hpp"
+#include "run/plan.hpp"
 #include "run/request.hpp"
 #include "solve/region_totals.hpp"
 
@@ -102,5 +106,17 @@ class Checkpoint {
   Chunks chunks_;
   std::optional<OutputDirectory> lock_, part_lock_;
 };
+
+/// The checkpoint of a run, and the planes that earlier runs have finished.
+struct OpenCheckpoint {
+  std::unique_ptr<Checkpoint> checkpoint;  ///< null if the run needs none
+  std::vector<PlaneRange> finished;        ///< ascending and disjoint
+};
+
+/// Opens the checkpoint of a run that needs one: of several processes, or whose chunks are kept.
+/// The first process locks it. All processes must call it. Throws SharedError if they have read
+/// different atoms, and NotJoined or an error if the chunks cannot be used.
+OpenCheckpoint open_checkpoint(const InputAtoms& input, const Request& request, const Plan& plan,
+                               const Processes& processes);
 
 }  // namespace eses::detail

@@ -53,7 +53,7 @@ std::uint32_t checksum_of(const PieceHead& head) {
   return checksum(as_chars(std::span(&head, 1)).subspan(sizeof head.checksum));
 }
 
-std::uint32_t checksum_of_lists(const Piece& piece) {
+std::uint32_t checksum_of_lists(const RowPiece& piece) {
   std::uint32_t sum = 0;
   for_each_list(piece, piece.head,
                 [&](const auto& list, auto&) { sum = checksum(bytes_of(list), sum); });
@@ -70,7 +70,7 @@ std::uint32_t checksum_of_lists(const Piece& piece) {
 
 }  // namespace
 
-PieceHead head_of(const Piece& piece) {
+PieceHead head_of(const RowPiece& piece) {
   PieceHead head{.lists_checksum = checksum_of_lists(piece),
                  .first_row = piece.first_row,
                  .vertex_count = piece.mesh.vertex_count};
@@ -86,7 +86,7 @@ std::uint64_t length_of(const PieceHead& head) {
   return length;
 }
 
-void write_piece(const Piece& piece, File& file, std::uint64_t offset) {
+void write_piece(const RowPiece& piece, File& file, std::uint64_t offset) {
   const auto write = [&](std::span<const char> bytes) {
     if (!bytes.empty()) file.write_at(bytes, offset);
     offset += bytes.size();
@@ -95,7 +95,7 @@ void write_piece(const Piece& piece, File& file, std::uint64_t offset) {
   for_each_list(piece, piece.head, [&](const auto& list, auto&) { write(bytes_of(list)); });
 }
 
-bool read_piece(const File& file, std::uint64_t offset, std::uint64_t end, Piece& piece) {
+bool read_piece(const File& file, std::uint64_t offset, std::uint64_t end, RowPiece& piece) {
   PieceHead& head = piece.head;
   if (end - offset < sizeof head) return false;
   file.read_at(as_chars(std::span(&head, 1)), offset);
@@ -118,14 +118,14 @@ ChunkFile::ChunkFile(PlannedRun& run, const PlaneRange& planes)
   chunk_.planes = planes;
 }
 
-void ChunkFile::prepare(Piece& piece) { piece.head = head_of(piece); }
+void ChunkFile::prepare(RowPiece& piece) { piece.head = head_of(piece); }
 
-void ChunkFile::place(Piece& piece) {
+void ChunkFile::place(RowPiece& piece) {
   piece.offset_in_chunk = chunk_.bytes;
   chunk_.bytes += length_of(piece.head);
 }
 
-void ChunkFile::store(const Piece& piece) { write_piece(piece, file_, piece.offset_in_chunk); }
+void ChunkFile::store(const RowPiece& piece) { write_piece(piece, file_, piece.offset_in_chunk); }
 
 void ChunkFile::finish(const SweepSums& sums) {
   file_.sync();
@@ -139,7 +139,7 @@ void ChunkFile::finish(const SweepSums& sums) {
 
 Merge::Merge(PlannedRun& run, std::function<void()> check) : run_(run), check_(std::move(check)) {
   std::int64_t next = run_.plan.region.begin[2];
-  sums_.atom_shares.resize(run_.atoms);
+  sums_.atom_shares.resize(run_.input.atom_count);
   for (const PlaneRange& planes : run_.checkpoint->complete()) {
     PlaneChunk& chunk = chunks_.emplace_back(run_.checkpoint->read(planes));
     if (planes.begin != next)
@@ -156,7 +156,7 @@ Merge::Merge(PlannedRun& run, std::function<void()> check) : run_(run), check_(s
 void Merge::replay(Sink& sink) {
   const GridRegion& region = run_.plan.region;
   std::uint64_t first_vertex = 0;
-  Piece piece;
+  RowPiece piece;
   for (const PlaneChunk& chunk : chunks_) {
     const ScratchFile file = run_.checkpoint->open(chunk.planes);
     for (std::uint64_t offset = 0; offset < chunk.bytes; offset += length_of(piece.head)) {

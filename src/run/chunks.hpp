@@ -16,16 +16,16 @@
 namespace eses::detail {
 
 /// Returns the head of a piece.
-PieceHead head_of(const Piece& piece);
+PieceHead head_of(const RowPiece& piece);
 
 /// Returns the length of a piece in bytes, with its head.
 std::uint64_t length_of(const PieceHead& head);
 
 /// Writes a piece, whose head is set, at an offset of a file.
-void write_piece(const Piece& piece, File& file, std::uint64_t offset);
+void write_piece(const RowPiece& piece, File& file, std::uint64_t offset);
 
 /// Reads the piece at an offset of a file that ends at `end`. Returns false if it is damaged.
-bool read_piece(const File& file, std::uint64_t offset, std::uint64_t end, Piece& piece);
+bool read_piece(const File& file, std::uint64_t offset, std::uint64_t end, RowPiece& piece);
 
 /// A chunk that a sweep writes into a checkpoint, piece by piece. It is complete after `finish`.
 class ChunkFile final : public Sink {
@@ -33,9 +33,9 @@ class ChunkFile final : public Sink {
   /// Creates the file of a chunk of these planes. Keeps a reference to `run`.
   ChunkFile(PlannedRun& run, const PlaneRange& planes);
 
-  void prepare(Piece& piece) override;
-  void place(Piece& piece) override;
-  void store(const Piece& piece) override;
+  void prepare(RowPiece& piece) override;
+  void place(RowPiece& piece) override;
+  void store(const RowPiece& piece) override;
 
   /// Writes the sums of the chunk, which makes it complete.
   void finish(const SweepSums& sums);

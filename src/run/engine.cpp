@@ -77,7 +77,7 @@ void combine_verifications(Verification& found, const Processes& processes) {
 Measures measure_surface(const PlannedRun& run, const std::function<void()>& check) {
   const Parameters& parameters = run.request.parameters;
   const MeasureSettings settings{.probe_radius = parameters.probe_radius,
-                                 .threads = run.slab.schedule.threads,
+                                 .threads = run.schedule.threads,
                                  .check = check,
                                  .max_filled_void = parameters.max_filled_void};
   return run.cavities.patches ? measure_kept_patches(run.cavities.patches, settings)
@@ -91,7 +91,7 @@ void verify_volume(const PlannedRun& run, const std::function<void()>& check, Su
   const Stopwatch watch;
   const VolumeBounds bounds =
       bound_inside_cells(run.slab.molecule, run.request.parameters.probe_radius,
-                         run.plan.grid.spacing, run.slab.schedule.threads, check);
+                         run.plan.grid.spacing, run.schedule.threads, check);
   if (const auto fault = find_volume_fault(summary.inside_points, run.plan.grid.spacing, bounds))
     summary.verification->faults.push_back(*fault);
   summary.seconds.verify += watch.seconds();
@@ -100,15 +100,14 @@ void verify_volume(const PlannedRun& run, const std::function<void()>& check, Su
 // Maximum number of ranges of a slab if the run can be resumed.
 constexpr std::int64_t max_ranges = 64;
 
-// Returns the schedule of a range of planes.
-Schedule schedule_of(const PlannedRun& run, const PlaneRange& planes) {
-  Schedule schedule = run.slab.schedule;
-  schedule.tiling =
-      make_tiling(run.plan.grid, schedule.tiling.block_size, with_planes(run.plan.region, planes));
+// Returns the blocks of a range of planes.
+BlockTiling tiling_of(const PlannedRun& run, const PlaneRange& planes) {
+  BlockTiling tiling = make_tiling(run.plan.grid, run.schedule.tiling.block_size,
+                                   with_planes(run.plan.region, planes));
   // The cells between this range and the next one belong to the next one, which computes the last
   // plane of this range again.
-  if (planes.end < run.plan.region.end[2]) schedule.tiling.region_with_halo.end[2] = planes.end;
-  return schedule;
+  if (planes.end < run.plan.region.end[2]) tiling.region_with_halo.end[2] = planes.end;
+  return tiling;
 }
 
 // Passes blocks to the callback of the run.
@@ -159,7 +158,7 @@ std::vector<SweepRange> ranges_of(const PlannedRun& run) {
   for (const PlaneRange& range : missing) {
     std::int64_t planes = range.count();
     if (run.request.keeps_chunks()) {
-      const std::int64_t layer = run.slab.schedule.tiling.block_size[2] - 1;
+      const std::int64_t layer = run.schedule.tiling.block_size[2] - 1;
       const std::int64_t layers = (run.slab.planes.count() + layer - 1) / layer;
       planes = layer * ((layers + max_ranges - 1) / max_ranges);
     }
@@ -211,50 +210,25 @@ SweepSums sweep_range(const PlannedRun& run, const SweepRange& range, PatchSched
                       Sink& sink, ProgressReport& report, Summary& summary) {
   const Stopwatch sweeping;
   const double verified_before = summary.seconds.verify;
-  const Schedule schedule = schedule_of(run, range.planes);
+  const BlockTiling tiling = tiling_of(run, range.planes);
   Sinks sinks;
   sinks.add(sink);
   if (report.callbacks().block) sinks.add(std::make_unique<BlocksIntoCallback>(report));
   std::optional<Verifier> verifier;
   if (range.checks > 0) {
     const Stopwatch drawing;
-    verifier.emplace(run.slab.molecule.atoms(), run.plan, schedule, range.checks,
-                     run.filled().get());
+    verifier.emplace(run.slab.molecule.atoms(), run.request.parameters.probe_radius, run.plan.grid,
+                     tiling, run.schedule.threads, range.checks, run.filled().get());
     summary.seconds.verify += drawing.seconds();
     sinks.add(*verifier);
   }
-  const PieceMaker pieces(run.plan.grid, schedule.tiling, contents_of(run.request.outputs),
-                          run.slab.file_indices());
-  std::optional<MeshPieceMaker> mesh;
-  if (run.request.outputs.mesh) mesh.emplace(run, schedule.tiling);
-  Sweep sweep(patches, run.plan, schedule, pieces, mesh ? &*mesh : nullptr, sinks, report);
+  Sweep sweep(run, tiling, patches, contents_of(run.request.outputs), sinks, report);
   if (range.planes.begin > run.plan.region.begin[2]) sweep.solve_plane_below();
   SweepSums sums = sweep.run();
   add_seconds(sums.seconds, summary.seconds);
   if (verifier) verify(*verifier, report, sums.totals, summary);
   summary.seconds.blocks += sweeping.seconds() - (summary.seconds.verify - verified_before);
   return sums;
-}
-
-// Sweeps the ranges of this process. Without a checkpoint, returns the sums of the single range,
-// whose pieces go into the files. Otherwise each range leaves a chunk in the checkpoint; a chunk
-// with faults is not completed.
-std::optional<SweepSums> sweep_ranges(PlannedRun& run, std::span<const SweepRange> ranges,
-                                      std::optional<RunFiles>& files, ProgressReport& report,
-                                      Summary& summary) {
-  std::shared_ptr<ScheduledSurface> surface;
-  for (const SweepRange& range : ranges) {
-    if (!surface) surface = surface_of(run);
-    const auto sweep_into = [&](Sink& sink) {
-      return sweep_range(run, range, surface->schedule, sink, report, summary);
-    };
-    if (!run.checkpoint) return sweep_into(files->sink());
-    ChunkFile chunk(run, range.planes);
-    const std::size_t faults_before = fault_count(summary);
-    const SweepSums sums = sweep_into(chunk);
-    if (fault_count(summary) == faults_before) chunk.finish(sums);
-  }
-  return std::nullopt;
 }
 
 // Sets the results in the summary. Frees the area shares.
@@ -269,24 +243,59 @@ void set_results(const PlannedRun& run, SweepSums& sums, Summary& summary) {
   summary.area = std::accumulate(summary.atom_areas.begin(), summary.atom_areas.end(), 0.0);
 }
 
-// Completes the summary and the output files. `swept` are the sums of a run without a checkpoint;
-// otherwise the chunks of all processes are merged.
-void finish(PlannedRun& run, std::optional<SweepSums>& swept, RunFiles& files,
-            const std::function<void()>& check, RunResult& result) {
-  Summary& summary = result.summary;
-  // The heap memory of patches and blocks is too fragmented for the long lists of areas.
-  if (run.slab.schedule.memory_bytes > small_memory_bytes) release_free_memory();
-  std::optional<Merge> merge;
-  if (!swept) merge.emplace(run, check);
-  SweepSums& sums = swept ? *swept : merge->sums();
-  if (run.request.join != Join::none && summary.verification) {
-    summary.verification->points += sums.totals.verified_points;
-    summary.verification->edges += sums.totals.verified_edges;
+// Completes the summary, except for the files.
+void complete_summary(const PlannedRun& run, SweepSums& sums, const std::function<void()>& check,
+                      RunResult& result) {
+  set_results(run, sums, result.summary);
+  if (result.exact && result.summary.verification) verify_volume(run, check, result.summary);
+}
+
+// The heap memory of patches and blocks is too fragmented for the long lists of areas.
+void release_memory_of_sweep(const PlannedRun& run) {
+  if (run.schedule.memory_bytes > small_memory_bytes) release_free_memory();
+}
+
+// Performs the usual run: a single sweep of a single process, straight into the files.
+void sweep_into_files(PlannedRun& run, const SweepRange& range, RunFiles& files,
+                      ProgressReport& report, RunResult& result) {
+  SweepSums sums;
+  {
+    const std::shared_ptr<ScheduledSurface> surface = surface_of(run);
+    sums = sweep_range(run, range, surface->schedule, files.sink(), report, result.summary);
   }
-  set_results(run, sums, summary);
-  if (result.exact && summary.verification) verify_volume(run, check, summary);
+  release_memory_of_sweep(run);
+  const auto check = [&report] { report.check(); };
+  complete_summary(run, sums, check, result);
+  if (!has_faults(result.summary)) files.finish(check, result.summary);
+}
+
+// Sweeps the ranges of this process, each into a chunk of the checkpoint. A chunk with faults is
+// not completed.
+void sweep_into_chunks(PlannedRun& run, std::span<const SweepRange> ranges, ProgressReport& report,
+                       Summary& summary) {
+  if (ranges.empty()) return;
+  const std::shared_ptr<ScheduledSurface> surface = surface_of(run);
+  for (const SweepRange& range : ranges) {
+    ChunkFile chunk(run, range.planes);
+    const std::size_t faults_before = fault_count(summary);
+    const SweepSums sums = sweep_range(run, range, surface->schedule, chunk, report, summary);
+    if (fault_count(summary) == faults_before) chunk.finish(sums);
+  }
+}
+
+// Merges the chunks of all processes into the files.
+void merge_chunks(PlannedRun& run, RunFiles& files, ProgressReport& report, RunResult& result) {
+  release_memory_of_sweep(run);
+  const auto check = [&report] { report.check(); };
+  Merge merge(run, check);
+  Summary& summary = result.summary;
+  if (run.request.join != Join::none && summary.verification) {
+    summary.verification->points += merge.sums().totals.verified_points;
+    summary.verification->edges += merge.sums().totals.verified_edges;
+  }
+  complete_summary(run, merge.sums(), check, result);
   if (has_faults(summary)) return;
-  if (merge) merge->replay(files.sink());
+  merge.replay(files.sink());
   files.finish(check, summary);
 }
 
@@ -303,7 +312,7 @@ bool has_faults(const Summary& summary) { return fault_count(summary) > 0; }
 RunResult execute(PlannedRun& run, const Callbacks& callbacks, const Processes& processes) {
   const Stopwatch total;
   const Request& request = run.request;
-  processes.all_or_throw([&] { start_threads(run.slab.schedule.threads); });
+  processes.all_or_throw([&] { start_threads(run.schedule.threads); });
   std::optional<RunFiles> files;
   processes.all_or_throw([&] {
     if (processes.is_first() && !request.part) files.emplace(run);
@@ -313,25 +322,28 @@ RunResult execute(PlannedRun& run, const Callbacks& callbacks, const Processes& 
 
   const std::vector<SweepRange> ranges = ranges_of(run);
   std::int64_t blocks = 0;
-  for (const SweepRange& range : ranges)
-    blocks += schedule_of(run, range.planes).tiling.block_count();
+  for (const SweepRange& range : ranges) blocks += tiling_of(run, range.planes).block_count();
+  if (callbacks.locked) callbacks.locked();
   ProgressReport report(callbacks, blocks);
-  const std::function<void()> check = [&report] { report.check(); };
-  check();  // the first check tells the caller that the files are locked
+  report.check();
 
   RunResult result;
   Summary& summary = result.summary;
   if (request.parameters.max_filled_void) summary.filled_cavities = run.cavities.map->filled();
   if (request.parameters.verify > 0) summary.verification.emplace();
   // The sweep takes the patches that these measures have made.
-  if (request.parameters.exact) result.exact = measure_surface(run, check);
-  std::optional<SweepSums> swept = sweep_ranges(run, ranges, files, report, summary);
-  processes.wait_for_all();  // until all chunks are complete
-  if (summary.verification) combine_verifications(*summary.verification, processes);
-  if (!request.part && (!run.checkpoint || !has_faults(summary)))
-    processes.all_or_throw([&] {
-      if (processes.is_first()) finish(run, swept, *files, check, result);
-    });
+  if (request.parameters.exact) result.exact = measure_surface(run, [&report] { report.check(); });
+  if (!run.checkpoint) {
+    sweep_into_files(run, ranges.front(), *files, report, result);
+  } else {
+    sweep_into_chunks(run, ranges, report, summary);
+    processes.wait_for_all();  // until all chunks are complete
+    if (summary.verification) combine_verifications(*summary.verification, processes);
+    if (!request.part && !has_faults(summary))
+      processes.all_or_throw([&] {
+        if (processes.is_first()) merge_chunks(run, *files, report, result);
+      });
+  }
   summary.seconds.total = total.seconds();
   combine_seconds(summary.seconds, processes);
   return result;

@@ -2,9 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <string>
 
-#include "input/atom_names.hpp"
 #include "mesh/quality_filter.hpp"
 #include "mesh/triangulate.hpp"
 #include "output/area_table_writer.hpp"
@@ -83,13 +81,6 @@ double text_bytes(const SurfaceSurvey& survey, const Grid& grid, const GridRegio
   return bytes;
 }
 
-// Returns the heap memory of a string, with the overhead of the allocator.
-std::uint64_t heap_bytes_of(const std::string& text) {
-  static const std::size_t room_within = std::string().capacity();
-  constexpr std::uint64_t allocator = 24;
-  return text.capacity() > room_within ? text.capacity() + allocator : 0;
-}
-
 // Returns an upper bound of the number of batches of rows. Threads without a batch have no text.
 double max_batches(const BlockTiling& tiling, const Outputs& outputs) {
   const GridIndex size = tiling.region.size();
@@ -153,33 +144,6 @@ BlockExtras extras_of(const Outputs& outputs) {
   extras.inside_fractions = outputs.dielectric.has_value();
   if (outputs.ion_access) extras.ion_radius = outputs.ion_access->ion_radius;
   return extras;
-}
-
-LabelTotals total_labels(std::span<const AtomLabel> labels) {
-  LabelTotals totals;
-  for (std::size_t i = 0; i < labels.size(); ++i) {
-    const auto& [chain, residue, number, atom_name, element, atom_class] = labels[i];
-    totals.atom_text_bytes += text_bytes_of(labels[i]);
-    const bool is_new_chain = i == 0 || chain != labels[i - 1].chain;
-    if (is_new_chain) {
-      ++totals.chain_runs;
-      totals.chain_text_bytes += chain.size();
-    }
-    if (is_new_chain || residue != labels[i - 1].residue ||
-        number != labels[i - 1].residue_number) {
-      ++totals.residue_runs;
-      totals.residue_text_bytes += chain.size() + residue.size() + number.size();
-    }
-  }
-  return totals;
-}
-
-std::uint64_t memory_of_labels(std::span<const AtomLabel> labels) {
-  std::uint64_t bytes = labels.size_bytes();
-  for (const auto& [chain, residue, number, atom_name, element, atom_class] : labels)
-    for (const std::string* const text : {&chain, &residue, &number, &atom_name, &element})
-      bytes += heap_bytes_of(*text);
-  return bytes;
 }
 
 double halo_growth(const BlockTiling& tiling) {

@@ -4,24 +4,14 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
-#include <span>
 
+#include "run/input_atoms.hpp"
 #include "run/request.hpp"
 #include "surface/survey.hpp"
 
 namespace eses::detail {
 
 struct Schedule;
-
-/// Numbers and lengths of names. A run is a sequence of consecutive atoms with the same residue or
-/// chain.
-struct LabelTotals {
-  std::uint64_t residue_runs = 0, chain_runs = 0;  ///< numbers of runs
-  /// Total length of the names of all runs.
-  std::uint64_t residue_text_bytes = 0, chain_text_bytes = 0;
-  /// Total length of the names and elements of all atoms.
-  std::uint64_t atom_text_bytes = 0;
-};
 
 /// The memory of a process for its part of a run.
 struct MemoryBudget {
@@ -31,20 +21,13 @@ struct MemoryBudget {
   /// Bytes that the process holds during the whole run, besides the atoms: labels, and memory of
   /// MPI.
   std::uint64_t held = 0;
-  LabelTotals labels = {};   ///< totals of the labels that the process has read
-  bool has_groups = false;   ///< whether chains and residues of atoms are numbered
-  CallerMemory caller = {};  ///< memory that the caller needs for the results
-  bool makes_maps = true;    ///< whether this process makes the files of maps
+  LabelTotals labels = {};  ///< totals of the labels that the process has read
+  bool has_groups = false;  ///< whether chains and residues of atoms are numbered
+  bool makes_maps = true;   ///< whether this process makes the files of maps
 };
 
 /// Returns what the outputs need of each block besides points and crossings.
 BlockExtras extras_of(const Outputs& outputs);
-
-/// Returns the totals of labels.
-LabelTotals total_labels(std::span<const AtomLabel> labels);
-
-/// Returns the memory of labels in bytes.
-std::uint64_t memory_of_labels(std::span<const AtomLabel> labels);
 
 /// Returns the expected number of crossings of a surface with a grid. A surface of area A with the
 /// normal n crosses A |n_q| / spacing^2 grid lines along the axis q. The mean of

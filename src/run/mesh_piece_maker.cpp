@@ -26,7 +26,7 @@ MeshPieceMaker::MeshPieceMaker(const PlannedRun& run, const BlockTiling& tiling)
     : run_(run),
       choice_(*run.request.outputs.mesh),
       tiling_(tiling),
-      region_(run.plan.schedule.tiling.region_with_halo),
+      region_(run.plan.region_with_halo()),
       format_(required_mesh_format(choice_)),
       contents_(choice_.quality ? mesh::PieceContents() : mesh::contents_of(format_)),
       rows_y_(region_.size()[1]),
@@ -70,12 +70,12 @@ mesh::Vertex MeshPieceMaker::make_vertex(const GridIndex& lower,
   if (choice_.color == MeshColor::component) {
     Vec3 position = run_.plan.grid.point(lower);
     position[crossing.axis] = crossing.coordinate;
-    const Vec3 probe_center = position + run_.plan.parameters.probe_radius * crossing.normal;
+    const Vec3 probe_center = position + run_.request.parameters.probe_radius * crossing.normal;
     labels.component = as_number(run_.cavities.map->number_at(atoms, adjacent, probe_center));
   }
-  if (run_.potential)
+  if (run_.input.potential)
     labels.potential =
-        run_.potential->at(vertex.position + choice_.potential->offset * vertex.normal);
+        run_.input.potential->at(vertex.position + choice_.potential->offset * vertex.normal);
   return vertex;
 }
 

@@ -14,12 +14,12 @@ mesh::MeshFormatter formatter_of(const PlannedRun& run) {
   return {
       required_mesh_format(mesh),
       mesh.color,
-      {.surface = run.plan.parameters.surface(),
-       .has_groups = run.groups.are_known,
-       .chains = run.groups.chains,
-       .residues = run.groups.residues,
-       .atom_count = run.atoms,
-       .probe_radius = run.plan.parameters.probe_radius,
+      {.surface = run.request.parameters.surface(),
+       .has_groups = run.input.groups.are_known,
+       .chains = run.input.groups.chains,
+       .residues = run.input.groups.residues,
+       .atom_count = run.input.atom_count,
+       .probe_radius = run.request.parameters.probe_radius,
        .density = vertices_per_area / (spacing * spacing),
        .grid = run.plan.grid,
        .potential_limit = mesh.potential ? std::optional(mesh.potential->limit) : std::nullopt}};
@@ -32,23 +32,23 @@ MeshSink::MeshSink(const PlannedRun& run, OutputFiles& files)
             mesh_directory_of(*run.request.outputs.mesh)) {
   const MeshOptions& mesh = *run.request.outputs.mesh;
   if (mesh.quality)
-    filter_.emplace(run.plan.grid, run.plan.schedule.tiling.region_with_halo,
+    filter_.emplace(run.plan.grid, run.plan.region_with_halo(),
                     mesh::contents_of(required_mesh_format(mesh)),
                     [this](const mesh::MeshPiece& piece) { file_.add(piece); });
 }
 
-void MeshSink::prepare(Piece& piece) {
+void MeshSink::prepare(RowPiece& piece) {
   if (!filter_) file_.format(piece.mesh, piece.mesh_texts);
 }
 
-void MeshSink::place(Piece& piece) {
+void MeshSink::place(RowPiece& piece) {
   if (filter_)
     filter_->add(piece.mesh);
   else
     file_.place(piece.mesh, piece.mesh_texts);
 }
 
-void MeshSink::store(const Piece& piece) {
+void MeshSink::store(const RowPiece& piece) {
   if (!filter_) file_.write(piece.mesh_texts);
 }
 

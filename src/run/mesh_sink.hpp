@@ -19,9 +19,9 @@ class MeshSink final : public Sink {
   /// Keeps references to both. Writes the header of the file.
   MeshSink(const PlannedRun& run, OutputFiles& files);
 
-  void prepare(Piece& piece) override;
-  void place(Piece& piece) override;
-  void store(const Piece& piece) override;
+  void prepare(RowPiece& piece) override;
+  void place(RowPiece& piece) override;
+  void store(const RowPiece& piece) override;
   /// Finishes the mesh after all pieces were added. Sets its counts and angles in the summary.
   void finish(Summary& summary);
   /// Completes the file after `finish`.

@@ -82,7 +82,7 @@ PieceMaker::PieceMaker(const Grid& grid, const BlockTiling& tiling, SweepContent
       batches_(tiling.region, contents_.gzip) {}
 
 void PieceMaker::make(const Layer& layer, const RowRange& rows, Scratch& scratch,
-                      Piece& piece) const {
+                      RowPiece& piece) const {
   const GridRegion& region = tiling_.region;
   piece.first_row = (layer.first_z() - region.begin[2]) * region.size()[1] + rows.begin;
   piece.grid.buffer.clear();

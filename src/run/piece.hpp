@@ -28,14 +28,14 @@ struct PieceText {
 struct PieceHead {
   std::uint32_t checksum = 0;        ///< crc32 of the following fields
   std::uint32_t lists_checksum = 0;  ///< crc32 of the lists
-  std::int64_t first_row = 0;        ///< see Piece
+  std::int64_t first_row = 0;        ///< see RowPiece
   std::uint64_t vertex_count = 0;
   /// Length of each list in bytes: both texts, two lists of each map, and four of the mesh.
   std::array<std::uint64_t, 6 + 2 * map_quantities> bytes{};
 };
 
 /// The results of consecutive rows in canonical order.
-struct Piece {
+struct RowPiece {
   PieceText grid, edges;                         ///< for grid_info.txt and intersection_info.txt
   std::int64_t first_row = 0;                    ///< number of the first row in the region
   std::array<MapRows, map_quantities> map_rows;  ///< by MapQuantity
@@ -70,7 +70,7 @@ class PieceMaker {
   const RowBatches& batches() const { return batches_; }
 
   /// Makes the texts and map rows of these rows of a layer.
-  void make(const Layer& layer, const RowRange& rows, Scratch& scratch, Piece& piece) const;
+  void make(const Layer& layer, const RowRange& rows, Scratch& scratch, RowPiece& piece) const;
 
  private:
   void append_points(const Layer& layer, const RowRange& rows, TextBuffer& text) const;

@@ -137,17 +137,15 @@ std::vector<GridIndex> possible_block_sizes(const SurfaceSurvey& survey, double 
 
 // Returns the schedules to choose from for a region, the fastest first. Fewer threads cost more
 // time than small blocks.
-std::vector<Schedule> possible_schedules(const SurfaceSurvey& survey, const Plan& plan,
-                                         const GridRegion& region) {
-  const Parameters& p = plan.parameters;
-  const double crossings = expected_crossings(survey.totals().area, plan.grid.spacing);
+std::vector<Schedule> possible_schedules(const SurfaceSurvey& survey, const Parameters& p,
+                                         const Grid& grid, const GridRegion& region) {
+  const double crossings = expected_crossings(survey.totals().area, grid.spacing);
   const std::vector<GridIndex> block_sizes =
-      possible_block_sizes(survey, plan.grid.spacing, p.block_size);
+      possible_block_sizes(survey, grid.spacing, p.block_size);
   std::vector<Schedule> schedules;
   for (int threads = chosen_threads(p.threads); threads > 0; threads /= 2) {
     for (const GridIndex& block_size : block_sizes) {
-      Schedule possible{.tiling = make_tiling(plan.grid, block_size, region),
-                        .crossings = crossings};
+      Schedule possible{.tiling = make_tiling(grid, block_size, region), .crossings = crossings};
       possible.threads = useful_threads(possible.tiling, threads, survey.patched_count());
       // With 4 blocks ahead for each thread, threads rarely wait for the slowest block of a layer.
       // A single thread never waits.
@@ -205,8 +203,8 @@ double piece_bytes_per_vertex(const mesh::PieceContents& contents) {
 
 // A closed mesh has about twice as many triangles as vertices.
 void expect_mesh(const MeshOptions& mesh, const LabelTotals& labels, bool has_chunks,
-                 const Plan& plan, FileSizes& files) {
-  const double vertices = halo_growth(plan.schedule.tiling) * plan.schedule.crossings;
+                 const Schedule& schedule, FileSizes& files) {
+  const double vertices = halo_growth(schedule.tiling) * schedule.crossings;
   const bool has_names = labels.residue_runs > 0 && mesh::can_name_groups(mesh);
   const mesh::MeshBytes bytes = mesh::typical_mesh_bytes(mesh, has_names);
   const auto bytes_of = [vertices](std::uint64_t vertex, std::uint64_t triangle) {
@@ -245,20 +243,19 @@ double map_bytes(const Outputs& outputs, const GridRegion& region, double crossi
 
 // Returns the memory in bytes that a schedule cannot change.
 double constant_memory(const SurfaceSurvey& survey, const MemoryBudget& budget,
-                       const Outputs& outputs, const Parameters& p, const GridRegion& region,
-                       double crossings) {
+                       const Request& request, const GridRegion& region, double crossings) {
   return static_cast<double>(budget.held) +
-         budget.caller.per_point * static_cast<double>(region.point_count()) +
-         budget.caller.per_crossing * crossings +
-         (budget.makes_maps ? map_bytes(outputs, region, crossings) : 0) +
-         (p.exact ? exact_measure_bytes(survey.atom_count()) : 0);
+         request.caller_memory.per_point * static_cast<double>(region.point_count()) +
+         request.caller_memory.per_crossing * crossings +
+         (budget.makes_maps ? map_bytes(request.outputs, region, crossings) : 0) +
+         (request.parameters.exact ? exact_measure_bytes(survey.atom_count()) : 0);
 }
 
 // Chooses the fastest schedule for a region that exceeds neither the limit nor the available
 // memory.
 Schedule choose_schedule(const SurfaceSurvey& survey, const MemoryBudget& budget,
-                         const Outputs& outputs, const Plan& plan, const GridRegion& region) {
-  const Parameters& p = plan.parameters;
+                         const Request& request, const Grid& grid, const GridRegion& region) {
+  const Parameters& p = request.parameters;
   const double limit = p.max_memory > 0 ? static_cast<double>(p.max_memory)
                                         : std::numeric_limits<double>::infinity();
   std::optional<std::uint64_t> available;
@@ -268,9 +265,9 @@ Schedule choose_schedule(const SurfaceSurvey& survey, const MemoryBudget& budget
     return memory <= static_cast<double>(*available);
   };
   double smallest = std::numeric_limits<double>::infinity();
-  for (Schedule& possible : possible_schedules(survey, plan, region)) {
-    const double memory = constant_memory(survey, budget, outputs, p, region, possible.crossings) +
-                          expected_memory(survey, budget, plan.grid, possible, outputs) +
+  for (Schedule& possible : possible_schedules(survey, p, grid, region)) {
+    const double memory = constant_memory(survey, budget, request, region, possible.crossings) +
+                          expected_memory(survey, budget, grid, possible, request.outputs) +
                           Verifier::memory_bytes(p.verify, possible.threads, possible.crossings);
     smallest = std::min(smallest, memory);
     if (memory > limit || !is_available(memory)) continue;
@@ -281,14 +278,14 @@ Schedule choose_schedule(const SurfaceSurvey& survey, const MemoryBudget& budget
   refuse_limit(p, smallest);
 }
 
-void expect_maps(const Outputs& outputs, bool has_chunks, const Plan& plan, FileSizes& files) {
+void expect_maps(const Request& request, bool has_chunks, const Plan& plan, double crossings,
+                 FileSizes& files) {
   const GridRegion& region = plan.region;
-  const double crossings = plan.schedule.crossings;
-  for (const MapChoice& map : chosen_maps(outputs)) {
+  for (const MapChoice& map : chosen_maps(request.outputs)) {
     if (has_chunks)
       files.text_scratch += whole_bytes(GridMap::memory_bytes(map, region, crossings));
     if (!map.gzip) {
-      files.maps += map_layout(map, plan.parameters.surface(), plan.grid, region).file_bytes();
+      files.maps += map_layout(map, request.parameters.surface(), plan.grid, region).file_bytes();
       continue;
     }
     const std::uint64_t bytes = GridMap::typical_compressed_bytes(map, region, crossings);
@@ -332,8 +329,9 @@ void require_valid(const Outputs& outputs, const Molecule& molecule) {
     throw std::invalid_argument("areas by residue need atoms with labels; xyzr files have none");
 }
 
-FileSizes plan_files(std::uint64_t atoms, const LabelTotals& labels, const Outputs& outputs,
-                     bool has_chunks, const Plan& plan) {
+FileSizes plan_files(std::uint64_t atoms, const LabelTotals& labels, const Request& request,
+                     bool has_chunks, const Plan& plan, const Schedule& schedule) {
+  const Outputs& outputs = request.outputs;
   FileSizes files;
   const auto on_disk = [&](double bytes, double ratio) {
     return static_cast<std::uint64_t>(outputs.gzip ? ratio * bytes : bytes);
@@ -342,24 +340,23 @@ FileSizes plan_files(std::uint64_t atoms, const LabelTotals& labels, const Outpu
   if (outputs.grid)
     files.grid = on_disk(static_cast<double>(max_grid_bytes(plan.region)), grid_gzip_ratio);
   if (outputs.edges)
-    files.edges = on_disk(typical_crossing_bytes * plan.schedule.crossings, edge_gzip_ratio);
+    files.edges = on_disk(typical_crossing_bytes * schedule.crossings, edge_gzip_ratio);
   if (has_chunks) files.text_scratch = files.grid + files.edges;
   if (outputs.areas)
     files.areas = on_disk(static_cast<double>(area_line_bytes * atoms), area_gzip_ratio);
-  if (outputs.mesh) expect_mesh(*outputs.mesh, labels, has_chunks, plan, files);
+  if (outputs.mesh) expect_mesh(*outputs.mesh, labels, has_chunks, schedule, files);
   if (outputs.residues)
     files.residues = table_header_bytes +
                      table_line_bytes * (labels.residue_runs + labels.chain_runs) +
                      labels.residue_text_bytes + labels.chain_text_bytes;
   if (outputs.atoms) files.atoms = typical_atom_table_bytes(atoms, labels.atom_text_bytes);
-  expect_maps(outputs, has_chunks, plan, files);
+  expect_maps(request, has_chunks, plan, schedule.crossings, files);
   return files;
 }
 
 Plan plan_grid(const Box& bounds, const Parameters& parameters) {
   require_valid(parameters);
   Plan plan;
-  plan.parameters = parameters;
   const auto* const options = std::get_if<GridOptions>(&parameters.grid);
   plan.grid =
       options != nullptr ? make_grid_of_run(bounds, *options) : std::get<Grid>(parameters.grid);
@@ -369,14 +366,14 @@ Plan plan_grid(const Box& bounds, const Parameters& parameters) {
   return plan;
 }
 
-Schedule plan_schedule(const MemoryBudget& budget, const Molecule& molecule, const Outputs& outputs,
+Schedule plan_schedule(const MemoryBudget& budget, const Molecule& molecule, const Request& request,
                        const Plan& plan, const PlaneRange& planes) {
   const GridRegion region = with_planes(plan.region, planes);
   const bool is_whole = plan.is_whole_surface() && region == plan.region;
   const SurfaceSurvey survey(
-      molecule, plan.parameters.probe_radius,
+      molecule, request.parameters.probe_radius,
       is_whole ? std::nullopt : std::optional(region_box(plan.grid, region)));
-  return choose_schedule(survey, budget, outputs, plan, region);
+  return choose_schedule(survey, budget, request, plan.grid, region);
 }
 
 }  // namespace eses::detail

@@ -1,6 +1,6 @@
 #pragma once
-/// Plans of runs. A plan is made in three steps: the grid (plan_grid), the schedule of each process
-/// (plan_schedule), and the sizes of the files (plan_files). They use neither files nor MPI.
+/// Planning of a run: the grid (plan_grid), the schedule of each process (plan_schedule), and the
+/// sizes of the files (plan_files). These functions use neither files nor MPI.
 
 #include <algorithm>
 #include <array>
@@ -27,20 +27,16 @@ struct Schedule {
   std::uint64_t memory_bytes = 0;
 };
 
-/// The grid and the parameters of a run, the same in all processes, with the memory and the files
-/// that it needs.
+/// The grid of a run and the part of it to compute, the same in all processes.
 struct Plan {
-  Parameters parameters;
   Grid grid;
   GridRegion region;                   ///< the points to compute
   std::array<double, 6> cut_depths{};  ///< see depths_inside
-  /// The largest schedule, for reports and sizes of files: threads, blocks and memory are maxima
-  /// over the processes, and the crossings are those of the whole region. No process sweeps it.
-  Schedule schedule;
-  FileSizes files = {};
 
   /// The planes of the region.
   PlaneRange planes() const { return {region.begin[2], region.end[2]}; }
+  /// The corners of all cells that belong to the region: those whose lowest corner is in it.
+  GridRegion region_with_halo() const { return with_halo(region, grid.size); }
   /// Whether the region contains the whole surface.
   bool is_whole_surface() const { return cut_depth() <= 0 && region == grid.whole(); }
 
@@ -50,11 +46,10 @@ struct Plan {
   double cut_depth() const { return std::ranges::max(cut_depths); }
 };
 
-/// Performs step 1 of a plan: takes the grid of the parameters or, if they have none, makes the
-/// grid around atoms with these bounds, and determines the region to compute. Throws
-/// std::invalid_argument if a parameter is out of its range, if the part of the grid is empty or
-/// not within the grid, or if the margin is so small that the grid would cut the surface (see
-/// doc/grid.md).
+/// Takes the grid of the parameters or, if they have none, makes the grid around atoms with these
+/// bounds, and determines the region to compute. Throws std::invalid_argument if a parameter is out
+/// of its range, if the part of the grid is empty or not within the grid, or if the margin is so
+/// small that the grid would cut the surface (see doc/grid.md).
 Plan plan_grid(const Box& bounds, const Parameters& parameters);
 
 /// Throws std::invalid_argument if the probe radius, the number of threads or the number of points
@@ -66,17 +61,17 @@ void require_valid(const Parameters& parameters);
 /// outputs need.
 void require_valid(const Outputs& outputs, const Molecule& molecule);
 
-/// Performs step 2 of a plan: chooses block size, threads and number of blocks ahead for planes of
-/// the region, as far as they are not given, so that neither `max_memory` nor the available memory
-/// is exceeded. `molecule` must have the atoms that influence these planes. Throws LimitExceeded or
-/// GridTooLarge if the run needs more memory.
-Schedule plan_schedule(const MemoryBudget& budget, const Molecule& molecule, const Outputs& outputs,
+/// Chooses block size, threads and number of blocks ahead for planes of the region, as far as the
+/// request does not give them, so that neither `max_memory` nor the available memory is exceeded.
+/// `molecule` must have the atoms that influence these planes. Throws LimitExceeded or GridTooLarge
+/// if the run needs more memory.
+Schedule plan_schedule(const MemoryBudget& budget, const Molecule& molecule, const Request& request,
                        const Plan& plan, const PlaneRange& planes);
 
-/// Performs step 3 of a plan: estimates the sizes of the files and of the scratch files for this
-/// number of atoms. `labels` are the totals of all atoms. `has_chunks` tells whether texts are in
-/// the checkpoint until they are merged.
-FileSizes plan_files(std::uint64_t atoms, const LabelTotals& labels, const Outputs& outputs,
-                     bool has_chunks, const Plan& plan);
+/// Estimates the sizes of the files and of the scratch files for this number of atoms. `labels` are
+/// the totals of all atoms. `has_chunks` tells whether texts are in the checkpoint until they are
+/// merged. `schedule` has the crossings of the whole region.
+FileSizes plan_files(std::uint64_t atoms, const LabelTotals& labels, const Request& request,
+                     bool has_chunks, const Plan& plan, const Schedule& schedule);
 
 }  // namespace eses::detail

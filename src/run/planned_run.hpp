@@ -1,20 +1,14 @@
 #pragma once
-/// Step 1 of a run: reading the input, planning (run/plan.hpp), and choosing the planes and atoms
-/// of this process (run/slabs.hpp). Step 2 is in engine.hpp.
+/// Step 1 of a run: reading the input (run/input_atoms.hpp), planning (run/plan.hpp), and choosing
+/// the planes and atoms of this process (run/slabs.hpp). Step 2 is in engine.hpp.
 
-#include <cstdint>
 #include <memory>
-#include <optional>
 #include <vector>
 
 #include "distributed/processes.hpp"
-#include "eses/read_atoms.hpp"
-#include "input/atom_names.hpp"
-#include "input/potential_map.hpp"
-#include "output/mesh_groups.hpp"
+#include "output/output_files.hpp"
 #include "run/checkpoint.hpp"
-#include "run/far_atoms.hpp"
-#include "run/file_diagnostics.hpp"
+#include "run/input_atoms.hpp"
 #include "run/plan.hpp"
 #include "run/request.hpp"
 #include "run/slabs.hpp"
@@ -28,32 +22,23 @@ namespace eses::detail {
 struct PlannedRun {
   /// The number of threads is that of this process, if it shares a machine with others.
   Request request;
-  Plan plan;
   Share share;  ///< of the parts of a run, or of its MPI ranks
-  Slab slab;
-  std::uint64_t atoms = 0;  ///< number of atoms of the file or molecule
-  std::optional<FarAtomsWarning> far_atoms;
-  FileDiagnostics diagnostics;  ///< of all atoms; only in the first process
-  mesh::GroupNames groups;      ///< if the mesh names or colours them
-  LabelTotals labels;           ///< totals of the labels that were read
-  /// Residues of the atoms, if tables of residues are written. Also names of the atoms, if
-  /// atoms.csv is written and the file has names; a molecule in memory has labels instead. Only in
-  /// the first process.
-  AtomNames names;
-  /// Radii of all atoms (angstrom), if atoms.csv is written and the slab does not have all atoms.
-  /// Only in the first process.
-  std::vector<double> radii;
-  std::optional<PotentialMap> potential;  ///< of the vertices of the mesh, if it has one
-  /// The report of reading a PDB or mmCIF file; only in the first process.
-  std::optional<StructureReport> structure;
+  InputInfo input;
+  Plan plan;
   /// The checkpoint, in which each range of planes becomes a chunk. The first process locks it. It
   /// is null if a single process writes its pieces straight into the output files.
   std::unique_ptr<Checkpoint> checkpoint;
+  /// Planes of the chunks of an earlier run, ascending and disjoint.
+  std::vector<PlaneRange> finished_planes;
+  Slab slab;
   /// The cavities, with the atoms of the slab, if the run needs them; and the surface, if its
   /// patches are kept: those of the search for cavities, or of exact measures.
   FoundCavities cavities;
-  /// Planes of the chunks of an earlier run, ascending and disjoint.
-  std::vector<PlaneRange> finished_planes;
+  Schedule schedule;  ///< of the slab
+  /// Threads, blocks and memory are maxima over the processes; the crossings are those of the whole
+  /// region. For reports and sizes of files: no process sweeps it.
+  Schedule largest_schedule;
+  FileSizes file_sizes;
 
   /// Returns the cavities if some component is filled, else null.
   std::shared_ptr<const CavityMap> filled() const {

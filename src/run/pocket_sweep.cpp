@@ -62,18 +62,16 @@ class ProbeSweep {
   }
 
   // Planes of a layer of blocks.
-  std::int64_t layer_planes() const { return run_.slab.schedule.tiling.block_size[2] - 1; }
-  int threads() const { return run_.slab.schedule.threads; }
+  std::int64_t layer_planes() const { return run_.schedule.tiling.block_size[2] - 1; }
+  int threads() const { return run_.schedule.threads; }
 
   // Sweeps over the next planes. The pieces have these maps.
   void sweep(const PlaneRange& planes, std::vector<MapQuantity> maps, Sink& sink,
              ProgressReport& report) {
-    Schedule schedule = run_.slab.schedule;
-    schedule.tiling = make_tiling(run_.plan.grid, schedule.tiling.block_size,
-                                  with_planes(run_.plan.region, planes));
-    const PieceMaker pieces(run_.plan.grid, schedule.tiling,
-                            {.maps = std::move(maps), .extras = extras_}, {});
-    Sweep sweep(surface_->schedule, run_.plan, schedule, pieces, nullptr, sink, report);
+    const BlockTiling tiling = make_tiling(run_.plan.grid, run_.schedule.tiling.block_size,
+                                           with_planes(run_.plan.region, planes));
+    Sweep sweep(run_, tiling, surface_->schedule, {.maps = std::move(maps), .extras = extras_},
+                sink, report);
     sweep.solve_plane_below();
     sweep.run();
   }
@@ -137,7 +135,7 @@ class PocketSink final : public Sink {
       });
     });
   }
-  void store(const Piece& piece) override {
+  void store(const RowPiece& piece) override {
     const auto set = [&](std::vector<std::uint64_t> PocketPlane::*bits, MapQuantity quantity) {
       planes_.set(bits, rows_, piece.first_row,
                   piece.map_rows[static_cast<std::size_t>(quantity)].bits);

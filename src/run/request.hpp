@@ -121,6 +121,17 @@ struct Request {
 
   /// Whether finished chunks are kept if the run ends before the output files are complete.
   bool keeps_chunks() const { return resume || part || join != Join::none; }
+  /// Whether cavities are filled, or the mesh has components.
+  bool needs_cavities() const {
+    const std::optional<MeshOptions>& mesh = outputs.mesh;
+    return parameters.max_filled_void ||
+           (mesh && (mesh->component || mesh->color == MeshColor::component));
+  }
+  /// Whether the cavities are searched. A dry run only has to know whether the component of the
+  /// mesh exists, because it fails where the run would fail.
+  bool searches_cavities() const {
+    return needs_cavities() && (!dry_run || (outputs.mesh && outputs.mesh->component));
+  }
 };
 
 /// Receives each block once, in unspecified order. See `Callbacks` for the calling threads. An
@@ -130,6 +141,8 @@ using SolvedBlockCallback = std::function<void(const BlockResult&)>;
 /// Functions that a run calls; empty ones are not called. Any thread of the run may call them, but
 /// no two calls happen at the same time, even of different functions.
 struct Callbacks {
+  /// Called once, when the output files and the checkpoint are locked.
+  std::function<void()> locked = {};
   ProgressCallback progress = {};
   SolvedBlockCallback block = {};
   /// Like `progress`, for the checks of the verification.

@@ -14,7 +14,7 @@ namespace {
 
 // Returns the label of an atom of the file. It is empty if the input has no names.
 AtomLabel label_of(const PlannedRun& run, FileIndex atom) {
-  if (run.names.has_atoms()) return run.names.label(atom);
+  if (run.input.names.has_atoms()) return run.input.names.label(atom);
   const std::span<const AtomLabel> labels = run.slab.molecule.labels();
   return labels.empty() ? AtomLabel() : labels[as_number(atom)];
 }
@@ -43,9 +43,9 @@ void write_areas(std::span<const double> areas, bool gzip, OutputFile& file,
 void write_area_tables(std::span<const double> areas, const PlannedRun& run, OutputFile& residues,
                        OutputFile& chains) {
   BufferedText residue_table(appender(residues)), chain_table(appender(chains));
-  append_residues(residue_table, run.names.residues(), areas);
+  append_residues(residue_table, run.input.names.residues(), areas);
   residue_table.flush();
-  append_chains(chain_table, run.names.residues(), areas);
+  append_chains(chain_table, run.input.names.residues(), areas);
   chain_table.flush();
 }
 
@@ -58,7 +58,8 @@ void write_atom_table(std::span<const double> areas, const PlannedRun& run, Outp
   });
   append_atom_header(table);
   for (std::size_t i = 0; i < areas.size(); ++i) {
-    const double radius = run.radii.empty() ? run.slab.molecule.atoms()[i].radius : run.radii[i];
+    const double radius =
+        run.input.radii.empty() ? run.slab.molecule.atoms()[i].radius : run.input.radii[i];
     append_atom(table, i + 1, label_of(run, FileIndex{static_cast<AtomIndex>(i)}), radius,
                 areas[i]);
   }
@@ -71,7 +72,7 @@ RunFiles::RunFiles(PlannedRun& run) : run_(run) {
   const Outputs& outputs = run.request.outputs;
   const bool has_files = run.checkpoint || outputs.mesh || !file_names(outputs).empty();
   if (!has_files || run.request.map_sink != nullptr) return;
-  files_.emplace(outputs, run.request.output_directory, run.plan.files);
+  files_.emplace(outputs, run.request.output_directory, run.file_sizes);
   if (outputs.mesh) mesh_.emplace(run, *files_);
 }
 
@@ -83,11 +84,12 @@ Sink& RunFiles::sink() {
     return *sinks_;
   }
   const Outputs& outputs = run_.request.outputs;
-  if (outputs.grid) sinks_->add(std::make_unique<PieceTextSink>(&Piece::grid, file(RunFile::grid)));
+  if (outputs.grid)
+    sinks_->add(std::make_unique<PieceTextSink>(&RowPiece::grid, file(RunFile::grid)));
   if (outputs.edges)
-    sinks_->add(std::make_unique<PieceTextSink>(&Piece::edges, file(RunFile::edges)));
+    sinks_->add(std::make_unique<PieceTextSink>(&RowPiece::edges, file(RunFile::edges)));
   for (const MapChoice& choice : chosen_maps(outputs)) {
-    GridMap& map = maps_.emplace_back(choice, run_.plan.parameters.surface(), run_.plan.grid,
+    GridMap& map = maps_.emplace_back(choice, run_.request.parameters.surface(), run_.plan.grid,
                                       run_.plan.region);
     sinks_->add(std::make_unique<MapSink>(
         map.quantity(),
@@ -127,8 +129,7 @@ void RunFiles::finish(const std::function<void()>& check, Summary& summary) {
   complete_gzip(RunFile::grid);
   complete_gzip(RunFile::edges);
   if (mesh_) mesh_->write(check);
-  for (GridMap& map : maps_)
-    map.write(file(file_of(map.quantity())), run_.slab.schedule.threads, check);
+  for (GridMap& map : maps_) map.write(file(file_of(map.quantity())), run_.schedule.threads, check);
   write_areas_of(summary.atom_areas, check);
   write_box();
   require_memory_within(run_.request.parameters.max_memory, run_.request.parameters.memory_before);

@@ -27,11 +27,11 @@ class Sink {
 
   // A piece passes three steps.
   /// Does what does not depend on other pieces.
-  virtual void prepare(Piece& /*piece*/) {}
+  virtual void prepare(RowPiece& /*piece*/) {}
   /// Gives the piece its place. One thread at a time calls it, in canonical order.
-  virtual void place(Piece& /*piece*/) {}
+  virtual void place(RowPiece& /*piece*/) {}
   /// Writes the piece at its place.
-  virtual void store(const Piece& /*piece*/) {}
+  virtual void store(const RowPiece& /*piece*/) {}
 };
 
 /// Passes everything to other sinks.
@@ -47,13 +47,13 @@ class Sinks final : public Sink {
   void take_block(const BlockResult& block, std::size_t thread) override {
     for (Sink* const sink : sinks_) sink->take_block(block, thread);
   }
-  void prepare(Piece& piece) override {
+  void prepare(RowPiece& piece) override {
     for (Sink* const sink : sinks_) sink->prepare(piece);
   }
-  void place(Piece& piece) override {
+  void place(RowPiece& piece) override {
     for (Sink* const sink : sinks_) sink->place(piece);
   }
-  void store(const Piece& piece) override {
+  void store(const RowPiece& piece) override {
     for (Sink* const sink : sinks_) sink->store(piece);
   }
 
@@ -66,19 +66,19 @@ class Sinks final : public Sink {
 class PieceTextSink final : public Sink {
  public:
   /// Keeps a reference to `file`.
-  PieceTextSink(PieceText Piece::*text, File& file) : text_(text), file_(file) {}
-  void place(Piece& piece) override {
+  PieceTextSink(PieceText RowPiece::*text, File& file) : text_(text), file_(file) {}
+  void place(RowPiece& piece) override {
     PieceText& text = piece.*text_;
     text.offset = size_;
     size_ += text.buffer.text().size();
   }
-  void store(const Piece& piece) override {
+  void store(const RowPiece& piece) override {
     const PieceText& text = piece.*text_;
     file_.write_at(text.buffer.text(), text.offset);
   }
 
  private:
-  PieceText Piece::*text_;
+  PieceText RowPiece::*text_;
   File& file_;
   std::uint64_t size_ = 0;  // of all pieces
 };
@@ -91,7 +91,7 @@ class MapSink final : public Sink {
 
   MapSink(MapQuantity quantity, TakeRows take_rows)
       : quantity_(quantity), take_rows_(std::move(take_rows)) {}
-  void store(const Piece& piece) override {
+  void store(const RowPiece& piece) override {
     take_rows_(piece.first_row, piece.map_rows[static_cast<std::size_t>(quantity_)]);
   }
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 #include <numeric>
+#include <optional>
 #include <utility>
 
 #include "grid/region_box.hpp"
@@ -68,10 +69,12 @@ std::vector<double> estimate_costs(std::span<const Atom> atoms, const Plan& plan
 // Returns the maximum distance from a slab at which an atom influences it: the distance of Reach
 // for the patches, plus the distance at which SAS spheres meet. For the map of ion access it is at
 // least the ion radius.
-double influence(const Atom& atom, double max_radius, double probe_radius, const Outputs& outputs) {
+double influence(const Atom& atom, double max_radius, const Request& request) {
   constexpr double slack = 1;  // angstrom
-  const double ion_radius = outputs.ion_access ? outputs.ion_access->ion_radius : 0;
-  return atom.radius + slack + std::max(4 * max_radius + 6 * probe_radius, ion_radius);
+  const std::optional<IonAccessMap>& ions = request.outputs.ion_access;
+  return atom.radius + slack +
+         std::max(4 * max_radius + 6 * request.parameters.probe_radius,
+                  ions ? ions->ion_radius : 0);
 }
 
 }  // namespace
@@ -107,7 +110,7 @@ std::vector<PlaneRange> cut_into_slabs(std::span<const Atom> atoms, const Plan& 
 }
 
 Slab make_slab(std::span<const Atom> atoms, std::span<const mesh::GroupNumbers> groups,
-               const Plan& plan, const Outputs& outputs, const PlaneRange& planes) {
+               const Request& request, const Plan& plan, const PlaneRange& planes) {
   Slab slab;
   slab.planes = planes;
   if (planes.is_empty()) return slab;
@@ -119,14 +122,14 @@ Slab make_slab(std::span<const Atom> atoms, std::span<const mesh::GroupNumbers> 
   std::vector<Atom> near;
   for (std::size_t i = 0; i < atoms.size(); ++i) {
     const Atom& atom = atoms[i];
-    const double reach = influence(atom, max_radius, plan.parameters.probe_radius, outputs);
+    const double reach = influence(atom, max_radius, request);
     // The first atom is in all slabs, so that each of them has an atom.
     if (i > 0 && (atom.center.z < low - reach || atom.center.z > high + reach)) continue;
     near.push_back(atom);
     slab.atoms_in_file.push_back(static_cast<FileIndex>(i));
     if (!groups.empty()) slab.groups.push_back(groups[i]);
   }
-  slab.molecule = Molecule(std::move(near), {}, plan.parameters.threads);
+  slab.molecule = Molecule(std::move(near), {}, request.parameters.threads);
   return slab;
 }
 

@@ -18,7 +18,6 @@ namespace eses::detail {
 /// The planes of a process, and the atoms that influence them. A single process has all atoms.
 struct Slab {
   PlaneRange planes;                       ///< may be empty
-  Schedule schedule;                       ///< of this process
   Molecule molecule{std::vector<Atom>()};  ///< without labels
   /// Index in the file of each atom of the molecule, ascending; empty if the molecule has all
   /// atoms.
@@ -38,9 +37,9 @@ std::vector<std::size_t> cut_evenly(std::span<const double> costs, int parts);
 std::vector<PlaneRange> cut_into_slabs(std::span<const Atom> atoms, const Plan& plan,
                                        std::span<const PlaneRange> finished, int count);
 
-/// Makes a slab of these planes from all atoms and their groups, without its schedule.
+/// Makes a slab of these planes from all atoms and their groups.
 Slab make_slab(std::span<const Atom> atoms, std::span<const mesh::GroupNumbers> groups,
-               const Plan& plan, const Outputs& outputs, const PlaneRange& planes);
+               const Request& request, const Plan& plan, const PlaneRange& planes);
 
 /// Returns the planes from the first to the last one of these ranges.
 PlaneRange range_around(std::span<const PlaneRange> ranges);

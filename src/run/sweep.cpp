@@ -22,28 +22,27 @@ std::int64_t planes_of_layer(const BlockTiling& tiling, std::int64_t layer) {
   return tiling.block(0, 0, layer).owned[2];
 }
 
-WorkList work_of(const Schedule& schedule, const RowBatches& batches) {
-  const BlockTiling& tiling = schedule.tiling;
+WorkList work_of(const BlockTiling& tiling, const RowBatches& batches, std::int64_t blocks_ahead) {
   const std::int64_t layers = tiling.blocks[2];
   return {layers, tiling.blocks[0] * tiling.blocks[1], batches.count(planes_of_layer(tiling, 0)),
-          batches.count(planes_of_layer(tiling, layers - 1)), schedule.blocks_ahead};
+          batches.count(planes_of_layer(tiling, layers - 1)), blocks_ahead};
 }
 
 }  // namespace
 
-Sweep::Sweep(PatchSchedule& patches, const Plan& plan, const Schedule& schedule,
-             const PieceMaker& pieces, MeshPieceMaker* mesh, Sink& sink, ProgressReport& progress)
-    : patches_(patches),
-      plan_(plan),
-      schedule_(schedule),
-      tiling_(schedule.tiling),
-      pieces_(pieces),
-      mesh_(mesh),
+Sweep::Sweep(const PlannedRun& run, const BlockTiling& tiling, PatchSchedule& patches,
+             SweepContents contents, Sink& sink, ProgressReport& progress)
+    : grid_(run.plan.grid),
+      parameters_(run.request.parameters),
+      tiling_(tiling),
+      patches_(patches),
+      pieces_(grid_, tiling, std::move(contents), run.slab.file_indices()),
       sink_(sink),
       progress_(progress),
-      workers_(static_cast<std::size_t>(schedule.threads)),
-      work_(work_of(schedule, pieces_.batches())),
+      workers_(static_cast<std::size_t>(run.schedule.threads)),
+      work_(work_of(tiling, pieces_.batches(), run.schedule.blocks_ahead)),
       atom_shares_(patches.patches().surface().atoms.size()) {
+  if (run.request.outputs.mesh) mesh_.emplace(run, tiling);
   const std::int64_t blocks = tiling_.blocks[0] * tiling_.blocks[1];
   for (std::size_t thread = 0; thread < workers_.size(); ++thread) {
     workers_[thread].thread = thread;
@@ -51,7 +50,7 @@ Sweep::Sweep(PatchSchedule& patches, const Plan& plan, const Schedule& schedule,
   }
   for (Layer& layer : layers_) layer.blocks.resize(static_cast<std::size_t>(blocks));
   // The sweep starts at the plane below the region, as it may be solved first.
-  patches_.skip_to(plan.grid.coordinate(2, std::max<std::int64_t>(0, tiling_.region.begin[2] - 1)));
+  patches_.skip_to(grid_.coordinate(2, std::max<std::int64_t>(0, tiling_.region.begin[2] - 1)));
 }
 
 void Sweep::solve_plane_below() {
@@ -62,7 +61,7 @@ void Sweep::solve_plane_below() {
   std::vector<BlockWorkspace> workspaces(workers_.size());
   const auto solve_one = [&](std::int64_t index, int thread) {
     const auto t = static_cast<std::size_t>(thread);
-    build_patches(plan_.grid.coordinate(2, tiling_.region.begin[2]), workers_[t]);
+    build_patches(grid_.coordinate(2, tiling_.region.begin[2]), workers_[t]);
     const std::int64_t bx = index % tiling_.blocks[0], by = index / tiling_.blocks[0];
     BlockResult& result = layer.blocks[static_cast<std::size_t>(index)];
     result = solve_block(block_below(tiling_.block(bx, by, 0)),
@@ -70,43 +69,47 @@ void Sweep::solve_plane_below() {
     add_bits(result, layer);
     progress_.check();
   };
-  parallel_for(static_cast<std::int64_t>(layer.blocks.size()), schedule_.threads, solve_one,
-               &monitor_);
+  parallel_for(static_cast<std::int64_t>(layer.blocks.size()), threads(), solve_one, &monitor_);
   keep_last_plane(layer);
-  if (mesh_ != nullptr) mesh_->go_on_from(layer);
+  if (mesh_) mesh_->go_on_from(layer);
 }
 
+// All threads take tasks until the last piece is delivered.
 SweepSums Sweep::run() {
-  const auto work = [this](std::int64_t, int thread) {
+  const auto perform_tasks = [this](std::int64_t, int thread) {
     Worker& worker = workers_[static_cast<std::size_t>(thread)];
-    while (const auto item = take_work(worker)) {
-      if (item->kind == WorkItem::Kind::block)
-        solve(*item, worker);
+    while (const std::optional<Task> task = monitor_.take([this] { return try_take_task(); },
+                                                          [this] { return work_.is_finished(); })) {
+      if (const auto* const step = std::get_if<BuildStep>(&*task))
+        build(*step, worker);  // patches that the next block needs
+      else if (const auto& item = std::get<WorkItem>(*task); item.kind == WorkItem::Kind::block)
+        solve(item, worker);  // points, crossings and sums of a block
       else
-        make_piece(*item, worker);
+        make_piece(item, worker);  // rows of a solved layer, to the sink
     }
   };
-  parallel_for(schedule_.threads, schedule_.threads, work, &monitor_);
+  parallel_for(threads(), threads(), perform_tasks, &monitor_);
   return sums();
 }
 
-// Returns the next item, and waits for it if necessary. Returns nothing when all are finished.
-// While the patches of the next block are missing, the thread builds them.
-std::optional<WorkItem> Sweep::take_work(Worker& worker) {
-  for (;;) {
-    std::optional<WorkItem> item;
-    std::optional<BuildStep> step;
-    monitor_.wait_until([&] {
-      item = work_.next();
-      if (!item) return work_.is_finished();
-      if (item->kind == WorkItem::Kind::block && !is_ready(top_of(item->layer), step))
-        return step.has_value();
-      work_.take(*item);
-      return true;
-    });
-    if (!step) return item;
-    build(*step, worker);
+// Takes the next task, unless it must wait for others. A step of building takes the place of a
+// block whose patches are missing.
+std::optional<Sweep::Task> Sweep::try_take_task() {
+  const std::optional<WorkItem> item = work_.next();
+  if (!item) return std::nullopt;
+  if (item->kind == WorkItem::Kind::block) {
+    const double top = top_of(item->layer);
+    if (const std::optional<BuildStep> step = try_take_step(top)) return step;
+    if (!patches_.is_ready(top)) return std::nullopt;
   }
+  work_.take(*item);
+  return item;
+}
+
+// Takes the next step of building the patches up to this height. Returns nothing if they are
+// complete, or if the step must wait for others.
+std::optional<BuildStep> Sweep::try_take_step(double height) {
+  return patches_.is_ready(height) ? std::nullopt : patches_.take(height);
 }
 
 SweepSums Sweep::sums() {
@@ -118,7 +121,7 @@ SweepSums Sweep::sums() {
     sums.seconds.intersect += worker.block.intersect_seconds;
     sums.seconds.output += worker.write_seconds;
   }
-  if (mesh_ != nullptr) sums.totals.mesh.vertices = mesh_->vertex_count();
+  if (mesh_) sums.totals.mesh.vertices = mesh_->vertex_count();
   sums.atom_shares = std::move(atom_shares_);
   return sums;
 }
@@ -126,14 +129,7 @@ SweepSums Sweep::sums() {
 // Returns the height of the highest plane of a layer's blocks.
 double Sweep::top_of(std::int64_t layer) const {
   const BlockBounds block = tiling_.block(0, 0, layer);
-  return plan_.grid.coordinate(2, block.first[2] + block.points[2] - 1);
-}
-
-// Returns whether the patches up to this height are complete. If not, sets the next step of
-// building them, unless it must wait for others.
-bool Sweep::is_ready(double height, std::optional<BuildStep>& step) {
-  if (!patches_.is_ready(height)) step = patches_.take(height);
-  return !step && patches_.is_ready(height);
+  return grid_.coordinate(2, block.first[2] + block.points[2] - 1);
 }
 
 void Sweep::build(const BuildStep& step, Worker& worker) {
@@ -148,26 +144,22 @@ void Sweep::build(const BuildStep& step, Worker& worker) {
       break;
   }
   worker.build_seconds += watch.seconds();
-  require_memory_within(plan_.parameters.max_memory, plan_.parameters.memory_before);
+  require_memory_within(parameters_.max_memory, parameters_.memory_before);
   progress_.check();
   monitor_.change([&] { patches_.finish(step); });
 }
 
 // Builds the patches up to this height, together with other threads.
 void Sweep::build_patches(double height, Worker& worker) {
-  for (;;) {
-    std::optional<BuildStep> step;
-    monitor_.wait_until([&] { return is_ready(height, step) || step; });
-    if (!step) return;
+  while (const std::optional<BuildStep> step = monitor_.take(
+             [&] { return try_take_step(height); }, [&] { return patches_.is_ready(height); }))
     build(*step, worker);
-  }
 }
 
 BlockResult Sweep::solve_block(const BlockBounds& block, const BlockBounds& with_halo,
                                BlockWorkspace& workspace) const {
-  return mesh_ != nullptr
-             ? solve_block_for_mesh(patches_.patches(), plan_.grid, block, with_halo, workspace)
-             : eses::detail::solve_block(patches_.patches(), plan_.grid, block, workspace);
+  return mesh_ ? solve_block_for_mesh(patches_.patches(), grid_, block, with_halo, workspace)
+               : eses::detail::solve_block(patches_.patches(), grid_, block, workspace);
 }
 
 void Sweep::solve(const WorkItem& block, Worker& worker) {
@@ -183,7 +175,7 @@ void Sweep::solve(const WorkItem& block, Worker& worker) {
   }
   sink_.take_block(result, worker.thread);
   add_bits(result, layer_at(block.layer));
-  require_memory_within(plan_.parameters.max_memory, plan_.parameters.memory_before);
+  require_memory_within(parameters_.max_memory, parameters_.memory_before);
   progress_.add(1);
   monitor_.change([&] {
     std::int64_t layer = work_.solved_layers();
@@ -215,7 +207,7 @@ void Sweep::keep_last_plane(const Layer& layer) {
 // last owned one. If it belongs to another sweep, that one solves this last plane again.
 void Sweep::pass(std::int64_t layer) {
   const BlockBounds block = tiling_.block(0, 0, layer);
-  patches_.pass(plan_.grid.coordinate(2, block.first[2] + block.owned[2] - 1));
+  patches_.pass(grid_.coordinate(2, block.first[2] + block.owned[2] - 1));
 }
 
 void Sweep::make_piece(const WorkItem& batch, Worker& worker) {
@@ -223,7 +215,7 @@ void Sweep::make_piece(const WorkItem& batch, Worker& worker) {
   const Layer& layer = layer_at(batch.layer);
   const RowRange rows = pieces_.batches().rows(batch.index, planes_of_layer(tiling_, batch.layer));
   pieces_.make(layer, rows, worker.piece_maker, worker.piece);
-  if (mesh_ != nullptr)
+  if (mesh_)
     mesh_->make(layer, batch.index, work_.batches_of(batch.layer), worker.mesh, worker.piece.mesh);
   RegionTotals& totals = worker.block.tally.totals;
   totals.mesh.triangles += worker.piece.mesh.triangles.size();
@@ -237,7 +229,7 @@ void Sweep::make_piece(const WorkItem& batch, Worker& worker) {
 }
 
 // Passes a piece to the sink. The pieces get their places in the order of their numbers.
-void Sweep::deliver(std::int64_t number, Piece& piece) {
+void Sweep::deliver(std::int64_t number, RowPiece& piece) {
   sink_.prepare(piece);
   monitor_.wait_until([&] { return placed_ == number; });
   sink_.place(piece);
@@ -249,7 +241,7 @@ void Sweep::deliver(std::int64_t number, Piece& piece) {
 void Sweep::release(std::int64_t layer) {
   Layer& finished = layer_at(layer);
   keep_last_plane(finished);
-  if (mesh_ != nullptr) mesh_->release(finished);
+  if (mesh_) mesh_->release(finished);
   finished.blocks = std::vector<BlockResult>(finished.blocks.size());
   for (LayerBits* const bits : {&finished.inside, &finished.covered}) bits->clear();
 }

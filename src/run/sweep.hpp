@@ -5,13 +5,14 @@
 #include <cstdint>
 #include <mutex>
 #include <optional>
+#include <variant>
 #include <vector>
 
 #include "eses/summary.hpp"
 #include "run/layer.hpp"
 #include "run/mesh_piece_maker.hpp"
 #include "run/piece.hpp"
-#include "run/plan.hpp"
+#include "run/planned_run.hpp"
 #include "run/request.hpp"
 #include "run/sink.hpp"
 #include "run/work_list.hpp"
@@ -60,14 +61,15 @@ struct SweepSums {
   PhaseSeconds seconds;                ///< of all threads
 };
 
-/// A sweep over the region of a schedule. It builds patches, solves the blocks layer by layer, and
+/// A sweep over a region of the grid. It builds patches, solves the blocks layer by layer, and
 /// makes pieces of each layer.
 class Sweep {
  public:
-  /// Keeps references to all arguments. `mesh` is null without a mesh. Several sweeps may use the
-  /// same patches, one after the other, in ascending order of their planes.
-  Sweep(PatchSchedule& patches, const Plan& plan, const Schedule& schedule,
-        const PieceMaker& pieces, MeshPieceMaker* mesh, Sink& sink, ProgressReport& progress);
+  /// A sweep over the blocks of `tiling`. Keeps references to all arguments except `contents`.
+  /// Several sweeps may use the same patches, one after the other, in ascending order of their
+  /// planes.
+  Sweep(const PlannedRun& run, const BlockTiling& tiling, PatchSchedule& patches,
+        SweepContents contents, Sink& sink, ProgressReport& progress);
 
   /// Solves the plane below the region, if the grid has it. It is required before `run` if the
   /// region continues the region of another sweep: its points are neighbours of the first plane,
@@ -78,6 +80,8 @@ class Sweep {
   SweepSums run();
 
  private:
+  // What a thread does next: it builds patches, solves a block, or makes a piece.
+  using Task = std::variant<BuildStep, WorkItem>;
   // Scratch memory and sums of a thread.
   struct Worker {
     std::size_t thread = 0;
@@ -85,32 +89,33 @@ class Sweep {
     BlockWorkspace block;
     PieceMaker::Scratch piece_maker;
     MeshPieceMaker::Scratch mesh;
-    Piece piece;
+    RowPiece piece;
     double build_seconds = 0, write_seconds = 0;
   };
+  int threads() const { return static_cast<int>(workers_.size()); }
   double top_of(std::int64_t layer) const;
   Layer& layer_at(std::int64_t layer) { return layers_[static_cast<std::size_t>(layer % 2)]; }
   BlockResult solve_block(const BlockBounds& block, const BlockBounds& with_halo,
                           BlockWorkspace& workspace) const;
-  bool is_ready(double height, std::optional<BuildStep>& step);
+  std::optional<BuildStep> try_take_step(double height);
+  std::optional<Task> try_take_task();
   void build(const BuildStep& step, Worker& worker);
   void build_patches(double height, Worker& worker);
-  std::optional<WorkItem> take_work(Worker& worker);
   void solve(const WorkItem& block, Worker& worker);
   void add_bits(BlockResult& block, Layer& layer);
   void keep_last_plane(const Layer& layer);
   void pass(std::int64_t layer);
   void make_piece(const WorkItem& batch, Worker& worker);
-  void deliver(std::int64_t number, Piece& piece);
+  void deliver(std::int64_t number, RowPiece& piece);
   void release(std::int64_t layer);
   SweepSums sums();
 
-  PatchSchedule& patches_;
-  const Plan& plan_;
-  const Schedule& schedule_;
+  const Grid& grid_;
+  const Parameters& parameters_;
   const BlockTiling& tiling_;
-  const PieceMaker& pieces_;
-  MeshPieceMaker* mesh_;
+  PatchSchedule& patches_;
+  PieceMaker pieces_;
+  std::optional<MeshPieceMaker> mesh_;  // if the run has a mesh
   Sink& sink_;
   ProgressReport& progress_;
   std::vector<Worker> workers_;       // by thread

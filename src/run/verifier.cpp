@@ -70,13 +70,14 @@ std::function<bool(Vec3)> in_filled_cavities(const CavityMap* cavities) {
 
 }  // namespace
 
-Verifier::Verifier(std::span<const Atom> atoms, const Plan& plan, const Schedule& schedule,
-                   std::int64_t checks, const CavityMap* cavities)
-    : grid_(plan.grid),
-      tiling_(schedule.tiling),
-      threads_(schedule.threads),
+Verifier::Verifier(std::span<const Atom> atoms, double probe_radius, const Grid& grid,
+                   const BlockTiling& tiling, int threads, std::int64_t checks,
+                   const CavityMap* cavities)
+    : grid_(grid),
+      tiling_(tiling),
+      threads_(threads),
       checks_(static_cast<std::size_t>(checks)),
-      definition_(atoms, plan.parameters.probe_radius, in_filled_cavities(cavities)),
+      definition_(atoms, probe_radius, in_filled_cavities(cavities)),
       samples_(static_cast<std::size_t>(threads_),
                verify::CrossingSample(kept_per_checked * checks_)),
       searches_(static_cast<std::size_t>(threads_), CentreSearch(definition_)) {

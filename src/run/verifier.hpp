@@ -7,7 +7,9 @@
 #include <span>
 #include <vector>
 
-#include "run/plan.hpp"
+#include "eses/run_options.hpp"
+#include "eses/summary.hpp"
+#include "grid/tiling.hpp"
 #include "run/sink.hpp"
 #include "surface/cavity_map.hpp"
 #include "verify/definition.hpp"
@@ -21,15 +23,16 @@ namespace eses::detail {
 /// others are the crossings nearest to the seam with another patch.
 class Verifier final : public Sink {
  public:
-  /// Verifies `checks` points and edges of the region of a schedule. Keeps views of all arguments,
+  /// Verifies `checks` points and edges of the region of a tiling. Keeps views of all arguments,
   /// which must outlive the object. `cavities` is null if none are filled.
-  Verifier(std::span<const Atom> atoms, const Plan& plan, const Schedule& schedule,
-           std::int64_t checks, const CavityMap* cavities = nullptr);
+  Verifier(std::span<const Atom> atoms, double probe_radius, const Grid& grid,
+           const BlockTiling& tiling, int threads, std::int64_t checks,
+           const CavityMap* cavities = nullptr);
 
   /// Returns the estimated memory of a verification in bytes, for this number of crossings.
   static double memory_bytes(std::int64_t checked, int threads, double crossings);
 
-  /// Takes the sampled points and crossings of a block. `thread` is in [0, schedule.threads).
+  /// Takes the sampled points and crossings of a block. `thread` is in [0, threads).
   void take_block(const BlockResult& result, std::size_t thread) override;
 
   /// Performs all checks after the last block. Calls `progress`, if it is not empty, from the

@@ -294,7 +294,7 @@ TEST_CASE("a plan has the grid, blocks and sizes of the run") {
   Parameters parameters = with_margin(0.5, 1);
   parameters.block_size = 8;
   parameters.threads = 2;
-  const Plan plan = make_plan(atoms, parameters, {});
+  const RunPlan plan = make_plan(atoms, parameters, {});
   CHECK(plan.grid.size == GridIndex{16, 11, 11});
   CHECK(plan.schedule.tiling.blocks == GridIndex{3, 2, 2});
   CHECK(plan.schedule.threads == 2);
@@ -309,7 +309,7 @@ TEST_CASE("a plan has the grid, blocks and sizes of the run") {
   CHECK(size("intersection_info.txt") < 3 * plan.files.edges);
   CHECK(size("intersection_info.txt") > plan.files.edges / 3);
 
-  const Plan nothing = make_plan(atoms, parameters, {false, false, false, false});
+  const RunPlan nothing = make_plan(atoms, parameters, {false, false, false, false});
   CHECK(nothing.files.output() == 0);
 }
 
@@ -452,12 +452,12 @@ TEST_CASE("a plan refuses a margin so small that the grid cuts the surface") {
   }
   SECTION("margin below half the spacing, yet the grid encloses the atoms") {
     const std::vector<Atom> atoms{{{0, 0, 0}, 0.9}};  // 2.1 / 0.4 = 5.25; last point at 0.95
-    const Plan plan = make_plan(atoms, with_margin(0.4, 0.15), {});
+    const RunPlan plan = make_plan(atoms, with_margin(0.4, 0.15), {});
     CHECK(std::fabs(plan.cut_depth() + 0.05) < 1e-12);
   }
   SECTION("margin of half the spacing, grid cut short: not refused") {
     const std::vector<Atom> atoms{{{0, 0, 0}, 1.2}};  // 2.9 / 0.5 = 5.8; last point at 1.05
-    const Plan plan = make_plan(atoms, with_margin(0.5, 0.25), {});
+    const RunPlan plan = make_plan(atoms, with_margin(0.5, 0.25), {});
     CHECK(plan.grid.size == GridIndex{6, 6, 6});
     CHECK(std::fabs(plan.cut_depth() - 0.15) < 1e-12);
   }

@@ -24,7 +24,7 @@ namespace {
 struct Result {
   std::vector<std::string> points, edges, areas;
   std::string box;
-  Plan plan;
+  RunPlan plan;
   Summary summary;
 };
 
@@ -287,9 +287,9 @@ TEST_CASE("a verification checks points and edges of the region", "[region]") {
 TEST_CASE("only atoms near a region get patches, and the plan counts them", "[region]") {
   const std::vector<Atom> atoms = make_cube(12, 3.6, 1.8);  // 40 angstrom a side
   Parameters parameters;
-  const Plan full = make_plan(atoms, parameters, {});
+  const RunPlan full = make_plan(atoms, parameters, {});
   parameters.part = Box{{-2, -2, -2}, {3, 3, 3}};
-  const Plan part = make_plan(atoms, parameters, {});
+  const RunPlan part = make_plan(atoms, parameters, {});
   CHECK(part.files.edges < full.files.edges / 20);
   CHECK(part.files.grid < full.files.grid / 100);
   const AllPatches everywhere(atoms, 1.4, 2);

@@ -45,7 +45,7 @@ TEST_CASE("mesh: the size of the file is estimated", "[mesh]") {
   for (const char* name : {"a.ply", "a.obj", "a.off"}) {
     Outputs outputs;
     outputs.mesh = MeshOptions{name};
-    const Plan plan = make_plan(atoms, {}, outputs);
+    const RunPlan plan = make_plan(atoms, {}, outputs);
     const double ratio = static_cast<double>(plan.files.mesh) /
                          static_cast<double>(bytes_of_mesh(atoms, {}, *outputs.mesh).size());
     INFO(name << ": " << ratio);

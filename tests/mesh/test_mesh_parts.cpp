@@ -127,7 +127,7 @@ TEST_CASE("mesh: the meshes of regions make up the mesh of the grid", "[mesh][re
       grid_options(parameters).spacing = 0.5;
       // With the smallest margin the surface may touch the faces of the grid.
       grid_options(parameters).margin = seed == 2 ? 0.25 : 0.8;
-      const Plan plan = make_plan(atoms, parameters, {});
+      const RunPlan plan = make_plan(atoms, parameters, {});
       const PartRun whole = run_part(atoms, parameters, true);
       INFO(kind_name(kind) << ", seed " << seed);
       std::vector<Facet> parts;

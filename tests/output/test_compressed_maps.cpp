@@ -42,7 +42,7 @@ Outputs all_maps(bool gzip) {
 void write_maps(const std::vector<Atom>& atoms, const Parameters& parameters, bool gzip,
                 const fs::path& directory) {
   const Outputs outputs = all_maps(gzip);
-  const Plan plan = make_plan(atoms, parameters, outputs);
+  const RunPlan plan = make_plan(atoms, parameters, outputs);
   const Summary summary = run(atoms, plan.parameters, outputs, directory);
   std::uint64_t bytes = 0;
   for (const auto& entry : fs::directory_iterator(directory)) bytes += entry.file_size();
@@ -143,7 +143,7 @@ TEST_CASE("the plan knows about how long compressed maps are, and what they need
     INFO(spacing);
     grid_options(parameters).spacing = spacing;
     const Outputs outputs = all_maps(true);
-    const Plan plan = make_plan(atoms, parameters, outputs);
+    const RunPlan plan = make_plan(atoms, parameters, outputs);
     const TemporaryDirectory directory;
     const Summary summary = run(atoms, plan.parameters, outputs, directory.path());
     CHECK(plan.files.maps == plan.files.gzip_maps);
@@ -151,7 +151,7 @@ TEST_CASE("the plan knows about how long compressed maps are, and what they need
     CHECK(plan.files.maps < 2 * summary.bytes_written);
     const std::vector<DiskSpace> disk = require_disk_space(plan.files, outputs, directory.path());
     CHECK(disk[0].expected == plan.files.maps);
-    Plan large = plan;
+    RunPlan large = plan;
     large.files.maps += std::uint64_t{1} << 61;
     large.files.gzip_maps += std::uint64_t{1} << 61;
     CHECK_NOTHROW(require_disk_space(large.files, outputs, directory.path()));
@@ -236,7 +236,7 @@ TEST_CASE("a disk that plain maps would fill is refused before anything is writt
   // what is free, because other programs may delete files meanwhile.
   const auto planes = static_cast<std::int64_t>(2 * disk[0].available / (3 * 13 * 1'000'000)) + 1;
   parameters.grid = Grid{{-5, -5, -5}, 0.01, {1000, 1000, planes}};
-  const Plan plan = make_plan(atoms, parameters, outputs);
+  const RunPlan plan = make_plan(atoms, parameters, outputs);
   CHECK(plan.files.maps >= 2 * disk[0].available);
   CHECK_THROWS_WITH(
       run(atoms, plan.parameters, outputs, directory.path() / "out"),

@@ -145,7 +145,7 @@ std::string map_of(const std::vector<Atom>& atoms, const Parameters& parameters,
   const TemporaryDirectory directory;
   Outputs outputs = Outputs::none();
   outputs.inside_map = name;
-  const Plan plan = make_plan(atoms, parameters, outputs);
+  const RunPlan plan = make_plan(atoms, parameters, outputs);
   const Summary summary = run(atoms, plan.parameters, outputs, directory.path());
   std::string bytes = read_bytes(directory.path() / name);
   CHECK(plan.files.maps == bytes.size());
@@ -258,7 +258,7 @@ TEST_CASE("a run with maps leaves nothing if it is ended at any moment", "[maps]
   parameters.threads = 1;
   for (const Outputs& outputs : {plain, compressed}) {
     const TemporaryDirectory directory;
-    const Plan plan = make_plan(atoms, parameters, outputs);
+    const RunPlan plan = make_plan(atoms, parameters, outputs);
     int calls = 0;
     run(atoms, plan.parameters, outputs, directory.path() / "whole",
         {.progress = [&](std::int64_t, std::int64_t) { ++calls; }});

@@ -46,7 +46,7 @@ struct FormatRun {
   Mesh mesh;
   std::string bytes;  // contents of all files of the mesh
   Summary summary;
-  Plan plan;
+  RunPlan plan;
 };
 
 FormatRun run_format(const Molecule& molecule, const Parameters& parameters, MeshOptions choice) {

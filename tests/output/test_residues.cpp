@@ -144,7 +144,7 @@ TEST_CASE("the table of atoms has the names, radii and areas of all atoms", "[re
   for (const auto& [block_size, threads] : {std::pair(64, 1), std::pair(9, 3)}) {
     const TemporaryDirectory directory;
     const Molecule molecule(input.atoms, input.labels);
-    const Plan plan = make_plan(
+    const RunPlan plan = make_plan(
         molecule,
         {.grid = GridOptions{.spacing = 0.8}, .block_size = block_size, .threads = threads},
         outputs);

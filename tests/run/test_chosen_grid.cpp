@@ -249,7 +249,7 @@ TEST_CASE("chosen grids pass the verification on all kinds of atoms", "[grid]") 
       parameters.verify = 500;
       const Vec3 center = atoms[random.integer(0, atoms.size() - 1)].center;
       parameters.grid = centered_grid(center, grid_options(parameters).spacing, {23, 31, 17});
-      const Plan plan = make_plan(atoms, parameters, Outputs::none());
+      const RunPlan plan = make_plan(atoms, parameters, Outputs::none());
       const Summary summary = compute(atoms, plan.parameters, {});
       CHECK(summary.inside_points > 0);
       CHECK(summary.verification->points > 0);

@@ -108,7 +108,7 @@ Measures three_spheres(double r, double side, double p) {
 Summary summary_of(const std::vector<Atom>& atoms, const Parameters& parameters) {
   const TemporaryDirectory directory;
   const Outputs nothing{false, false, false, false};
-  const Plan plan = make_plan(atoms, parameters, nothing);
+  const RunPlan plan = make_plan(atoms, parameters, nothing);
   return run(atoms, plan.parameters, nothing, directory.path());
 }
 

@@ -40,7 +40,7 @@ TEST_CASE("solved blocks have the points and crossings of the files", "[layer]")
     parameters.threads = 3;
     INFO("block size " << block_size);
     const RunResult expected = run_and_read(atoms, parameters);
-    const Plan plan = make_plan(atoms, parameters, Outputs::none());
+    const RunPlan plan = make_plan(atoms, parameters, Outputs::none());
     const GridIndex& size = plan.grid.size;
 
     std::set<GridIndex> blocks;

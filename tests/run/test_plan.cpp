@@ -39,8 +39,8 @@ constexpr std::uint64_t plenty = std::uint64_t{1} << 42;
 Schedule plan_within(std::uint64_t available, const std::vector<Atom>& atoms,
                      const Parameters& parameters) {
   const Plan plan = plan_grid(sphere_bounds(atoms), parameters);
-  return plan_schedule({.available = [available] { return available; }}, atoms, {}, plan,
-                       plan.planes());
+  return plan_schedule({.available = [available] { return available; }}, atoms,
+                       {.atoms = InputFile(), .parameters = parameters}, plan, plan.planes());
 }
 
 Schedule plan_with_plenty(const std::vector<Atom>& atoms, const Parameters& parameters) {
@@ -159,7 +159,7 @@ TEST_CASE("a survey counts a large atom once, wherever it is in the file", "[pla
     Outputs edges;
     edges.grid = edges.areas = false;
     const TemporaryDirectory directory;
-    const Plan plan = make_plan(atoms, parameters, edges);
+    const RunPlan plan = make_plan(atoms, parameters, edges);
     run(atoms, plan.parameters, edges, directory.path());
     const auto written =
         static_cast<double>(std::filesystem::file_size(directory.path() / "intersection_info.txt"));
@@ -343,7 +343,7 @@ TEST_CASE("a run that exceeds its memory limit ends and leaves no file", "[plan]
 
 TEST_CASE("free disk space is that of the place where the directory will be", "[plan]") {
   const std::vector<Atom> atoms{{{0, 0, 0}, 1.5}};
-  const Plan plan = make_plan(atoms, {}, {});
+  const RunPlan plan = make_plan(atoms, {}, {});
   const std::vector<DiskSpace> here = require_disk_space(plan.files, {}, ".");
   const std::vector<DiskSpace> below = require_disk_space(plan.files, {}, "not/made/yet");
   REQUIRE(here.size() == 1);
@@ -355,7 +355,7 @@ TEST_CASE("free disk space is that of the place where the directory will be", "[
 
 TEST_CASE("a plan whose files do not fit on the disk is refused", "[plan]") {
   const std::vector<Atom> atoms{{{0, 0, 0}, 1.5}};
-  Plan plan = make_plan(atoms, {}, {});
+  RunPlan plan = make_plan(atoms, {}, {});
   const std::vector<DiskSpace> here = require_disk_space(plan.files, {}, ".");
   if (here[0].available > std::uint64_t{1} << 60)
     SKIP("the file system does not report its free space");
@@ -373,7 +373,7 @@ TEST_CASE("each file system is checked for the files that it receives", "[plan]"
   Outputs outputs;
   outputs.inside_map = "map.dx";
   outputs.mesh = MeshOptions{directory.path() / "a" / "mesh.ply"};
-  const Plan plan = make_plan(atoms, {}, outputs);
+  const RunPlan plan = make_plan(atoms, {}, outputs);
   REQUIRE(plan.files.mesh_scratch > 0);
   CHECK(plan.files.mesh_scratch < plan.files.mesh);
   const std::uint64_t of_mesh = plan.files.mesh + plan.files.mesh_scratch;
@@ -413,7 +413,7 @@ TEST_CASE("the plan knows the length of the tables and of the bounding box", "[p
   for (const bool gzip : {false, true}) {
     outputs.gzip = gzip;
     const TemporaryDirectory directory;
-    const Plan plan =
+    const RunPlan plan =
         make_plan(molecule, {.grid = GridOptions{.spacing = 1, .margin = 1}}, outputs);
     run(molecule, plan.parameters, outputs, directory.path());
     const auto size = [&](const char* name) {

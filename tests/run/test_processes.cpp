@@ -51,8 +51,8 @@ std::string text_of(const TextBuffer& buffer) {
 }
 
 // Returns a piece with something in each list.
-Piece make_piece() {
-  Piece piece;
+RowPiece make_piece() {
+  RowPiece piece;
   piece.first_row = 7;
   append_text(piece.grid.buffer, "1 2 3\n");
   append_text(piece.edges.buffer, "an edge\n");
@@ -252,16 +252,16 @@ TEST_CASE("chunks that overlap are refused", "[processes]") {
 }
 
 TEST_CASE("a piece on disk is the same", "[processes][mesh]") {
-  Piece piece = make_piece();
+  RowPiece piece = make_piece();
   piece.head = head_of(piece);
-  Piece empty;
+  RowPiece empty;
   empty.head = head_of(empty);
   ScratchFile file;
   const std::uint64_t first = length_of(empty.head), end = first + length_of(piece.head);
   write_piece(empty, file, 0);
   write_piece(piece, file, first);
   CHECK(file.size() == end);
-  Piece read = make_piece();
+  RowPiece read = make_piece();
   REQUIRE(read_piece(file, 0, end, read));
   CHECK(read.grid.buffer.text().empty());
   CHECK(read.mesh.vertices.empty());
@@ -285,7 +285,7 @@ TEST_CASE("a piece on disk is the same", "[processes][mesh]") {
 }
 
 TEST_CASE("each damaged byte of a piece is noticed", "[processes]") {
-  Piece piece = make_piece(), read;
+  RowPiece piece = make_piece(), read;
   piece.head = head_of(piece);
   const std::uint64_t end = length_of(piece.head);
   ScratchFile file;

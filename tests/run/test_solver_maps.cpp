@@ -212,7 +212,7 @@ Parameters parameters_for(double probe_radius, double spacing) {
 SolverMaps maps_of(const std::vector<Atom>& atoms, const Parameters& parameters, Grid& grid) {
   const TemporaryDirectory directory;
   const Outputs outputs = all_maps();
-  const Plan plan = make_plan(atoms, parameters, outputs);
+  const RunPlan plan = make_plan(atoms, parameters, outputs);
   const Summary summary = run(atoms, plan.parameters, outputs, directory.path());
   CHECK(summary.bytes_written == plan.files.maps);
   grid = plan.grid;

@@ -19,11 +19,19 @@ inline const GridOptions& grid_options(const Parameters& parameters) {
   return std::get<GridOptions>(parameters.grid);
 }
 
+/// The plan of a run in a single process, with its parameters, schedule and sizes of files.
+struct RunPlan : Plan {
+  Parameters parameters;
+  Schedule schedule;
+  FileSizes files;
+};
+
 /// Returns the plan of a run.
-inline Plan make_plan(const Molecule& molecule, const Parameters& parameters,
-                      const Outputs& outputs) {
-  return plan_run({.atoms = molecule, .parameters = parameters, .outputs = outputs}, Processes())
-      .plan;
+inline RunPlan make_plan(const Molecule& molecule, const Parameters& parameters,
+                         const Outputs& outputs) {
+  const PlannedRun run =
+      plan_run({.atoms = molecule, .parameters = parameters, .outputs = outputs}, Processes());
+  return {run.plan, run.request.parameters, run.largest_schedule, run.file_sizes};
 }
 
 /// Performs a run that writes its files into `directory`.

@@ -421,7 +421,7 @@ TEST_CASE("near-degenerate: points on the axis of two atoms verify") {
     Parameters parameters;
     grid_options(parameters).spacing = 0.3;
     parameters.verify = 20'000;
-    const Plan plan = make_plan(atoms, parameters, Outputs::none());
+    const RunPlan plan = make_plan(atoms, parameters, Outputs::none());
     const Summary summary = compute(atoms, plan.parameters);
     REQUIRE(summary.verification);
     CHECK(summary.verification->faults.empty());

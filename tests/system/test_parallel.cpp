@@ -94,7 +94,7 @@ TEST_CASE("an exception in any block ends the run with its message") {
   parameters.block_size = 12;
   for (const int threads : {1, 2, 5}) {
     parameters.threads = threads;
-    const Plan plan = make_plan(atoms, parameters, {});
+    const RunPlan plan = make_plan(atoms, parameters, {});
     const std::int64_t last = plan.schedule.tiling.block_count();
     REQUIRE(last > 50);
     for (const std::int64_t bad : {std::int64_t{0}, std::int64_t{1}, last / 2, last}) {
@@ -116,7 +116,7 @@ TEST_CASE("a run that ends while its files get their names leaves none of them")
   const std::vector<Atom> atoms = make_chain(60, 5);
   Parameters parameters;
   parameters.threads = 1;
-  const Plan plan = make_plan(atoms, parameters, {});
+  const RunPlan plan = make_plan(atoms, parameters, {});
   std::int64_t calls = 0;
   const TemporaryDirectory whole;
   run(atoms, plan.parameters, {}, whole.path(),
@@ -153,7 +153,7 @@ TEST_CASE("the second of two runs into one directory is refused") {
   const std::vector<Atom> atoms = make_chain(60, 5);
   Parameters parameters;
   parameters.threads = 1;
-  const Plan plan = make_plan(atoms, parameters, {});
+  const RunPlan plan = make_plan(atoms, parameters, {});
   bool is_tried = false;
   run(atoms, plan.parameters, {}, directory.path(), {.progress = [&](std::int64_t, std::int64_t) {
         if (is_tried) return;

@@ -90,10 +90,11 @@ using Spoil = std::function<void(BlockResult&)>;
 /// Returns the verification of results that are all altered before.
 Verification verification_of(const std::vector<Atom>& atoms, const Parameters& parameters,
                              const Spoil& spoil) {
-  const Plan plan = make_plan(atoms, parameters, no_files);
+  const RunPlan plan = make_plan(atoms, parameters, no_files);
   const test::AllPatches all(atoms, parameters.probe_radius);
   BlockWorkspace workspace;
-  Verifier verifier(atoms, plan, plan.schedule, parameters.verify);
+  Verifier verifier(atoms, parameters.probe_radius, plan.grid, plan.schedule.tiling,
+                    plan.schedule.threads, parameters.verify);
   const GridIndex& blocks = plan.schedule.tiling.blocks;
   for (std::int64_t b = 0; b < plan.schedule.tiling.block_count(); ++b) {
     const BlockBounds block = plan.schedule.tiling.block(b % blocks[0], b / blocks[0] % blocks[1],
@@ -427,8 +428,9 @@ TEST_CASE("a missing block is found", "[verify]") {
   const std::vector<Atom> atoms = make_chain(20, 7);
   Parameters parameters;
   parameters.verify = 100;
-  const Plan plan = make_plan(atoms, parameters, no_files);
-  Verifier verifier(atoms, plan, plan.schedule, parameters.verify);
+  const RunPlan plan = make_plan(atoms, parameters, no_files);
+  Verifier verifier(atoms, parameters.probe_radius, plan.grid, plan.schedule.tiling,
+                    plan.schedule.threads, parameters.verify);
   const Verification verification = verifier.check({});
   REQUIRE(verification.faults.size() == 100);
   CHECK(verification.faults.front().ends_with("is in no block"));
@@ -438,7 +440,7 @@ TEST_CASE("the progress callback can end a verification", "[verify]") {
   const std::vector<Atom> atoms = make_chain(20, 7);
   Parameters parameters;
   parameters.verify = 100;
-  const Plan plan = make_plan(atoms, parameters, no_files);
+  const RunPlan plan = make_plan(atoms, parameters, no_files);
   std::int64_t calls = 0;
   const auto end_after_blocks = [&](std::int64_t, std::int64_t total) {
     if (++calls > total) throw std::runtime_error("enough");
