@@ -90,7 +90,7 @@ using Spoil = std::function<void(BlockResult&)>;
 /// Returns the verification of results that are all altered before.
 Verification verification_of(const std::vector<Atom>& atoms, const Parameters& parameters,
                              const Spoil& spoil) {
-  const RunPlan plan = make_plan(atoms, parameters, no_files);
+  const test::RunPlan plan = make_plan(atoms, parameters, no_files);
   const test::AllPatches all(atoms, parameters.probe_radius);
   BlockWorkspace workspace;
   Verifier verifier(atoms, parameters.probe_radius, plan.grid, plan.schedule.tiling,
@@ -428,7 +428,7 @@ TEST_CASE("a missing block is found", "[verify]") {
   const std::vector<Atom> atoms = make_chain(20, 7);
   Parameters parameters;
   parameters.verify = 100;
-  const RunPlan plan = make_plan(atoms, parameters, no_files);
+  const test::RunPlan plan = make_plan(atoms, parameters, no_files);
   Verifier verifier(atoms, parameters.probe_radius, plan.grid, plan.schedule.tiling,
                     plan.schedule.threads, parameters.verify);
   const Verification verification = verifier.check({});
@@ -440,7 +440,7 @@ TEST_CASE("the progress callback can end a verification", "[verify]") {
   const std::vector<Atom> atoms = make_chain(20, 7);
   Parameters parameters;
   parameters.verify = 100;
-  const RunPlan plan = make_plan(atoms, parameters, no_files);
+  const test::RunPlan plan = make_plan(atoms, parameters, no_files);
   std::int64_t calls = 0;
   const auto end_after_blocks = [&](std::int64_t, std::int64_t total) {
     if (++calls > total) throw std::runtime_error("enough");
