@@ -18,7 +18,7 @@
 
 #include "expect.hpp"
 #include "input/text_fields.hpp"
-#include "output/number_text.hpp"
+#include "output/text_buffer.hpp"
 
 namespace eses::detail::fuzz {
 namespace {

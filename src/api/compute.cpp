@@ -8,17 +8,15 @@
 #include <variant>
 
 #include "api/arguments.hpp"
-#include "api/mesh_in_memory.hpp"
 #include "eses/error.hpp"
 #include "eses/maps.hpp"
 #include "grid/make_grid.hpp"
 #include "grid/map_rows.hpp"
-#include "output/map_writer.hpp"
+#include "output/grid_map.hpp"
 #include "run/engine.hpp"
 #include "run/layer.hpp"
 #include "run/planned_run.hpp"
 #include "run/sink.hpp"
-#include "surface/find_cavities.hpp"
 #include "system/formatted.hpp"
 #include "system/parallel.hpp"
 #include "system/resources.hpp"
@@ -123,12 +121,6 @@ std::invalid_argument point_error(const GridIndex& point, const GridRegion& regi
       "is exclusive",
       point[0], point[1], point[2], region.begin[0], region.begin[1], region.begin[2],
       region.end[0], region.end[1], region.end[2]));
-}
-
-// Throws std::logic_error for the points of a result that was moved from. Other results have
-// points.
-void require_values(std::span<const std::uint8_t> inside) {
-  if (inside.empty()) throw std::logic_error("the result was moved from; use the new one");
 }
 
 GridRegion region_at(const GridIndex& first, const GridIndex& size) {
@@ -273,7 +265,7 @@ Result ResultBuilder::compute(const eses::Surface& surface, const Grid& grid,
   Result result;
   result.grid_ = grid;
   result.region_ = run.plan.region;
-  result.parts_ = parts;
+  result.parts_ = {.inside = has_inside, .crossings = has_crossings, .mesh = parts.mesh};
   const std::int64_t blocks = run.largest_schedule.tiling.block_count();
   if (has_inside) clear_points(run, options, result.inside_);
   Callbacks callbacks = callbacks_of(options);
@@ -287,9 +279,10 @@ Result ResultBuilder::compute(const eses::Surface& surface, const Grid& grid,
   };
   sort_crossings(result.crossings_, check);
   if (parts.mesh) {
-    result.mesh_ = mesh_in_memory(result, check);
+    result.mesh_ = make_mesh(result, check);
     result.summary_.mesh = {result.mesh_->vertices.size(), result.mesh_->faces.size()};
   }
+  result.parts_ = parts;
   if (!parts.inside) result.inside_ = {};
   if (!parts.crossings) result.crossings_ = {};
   return result;
@@ -316,7 +309,7 @@ Result::Result(Summary summary, const Grid& grid, const GridRegion& region,
 bool Result::is_inside(const GridIndex& point) const {
   if (!region_.contains(point)) throw point_error(point, region_);
   if (!parts_.inside) throw std::invalid_argument("ResultParts::inside was not chosen");
-  require_values(inside_);
+  detail::require_values(inside_);
   return inside_[index_in(region_, point)] != 0;
 }
 
@@ -342,53 +335,6 @@ double Block::seconds() const { return solved_->seconds; }
 Result compute(const Surface& surface, const Grid& grid, const RunOptions& options,
                const ResultParts& parts) {
   return detail::ResultBuilder::compute(surface, grid, options, parts);
-}
-
-namespace {
-
-// Returns a function for the components of the crossings of a surface.
-detail::ComponentOfVertex components_of(const Surface& surface, const CheckCallback& check) {
-  const detail::Molecule& molecule = molecule_of(surface);
-  const auto cavities = detail::find_cavities(molecule,
-                                              {.probe_radius = surface.probe_radius(),
-                                               .threads = detail::available_threads(),
-                                               .check = check,
-                                               .max_filled_void = surface.max_filled_void()},
-                                              false)
-                            .map;
-  return [=, atoms = molecule.atoms(), probe = surface.probe_radius()](const Crossing& crossing) {
-    return as_number(cavities->number_at(atoms, crossing.adjacent_atoms(),
-                                         crossing.position + probe * crossing.normal));
-  };
-}
-
-Mesh mesh_of(const Result& result, const CheckCallback& check, bool quality,
-             const Surface* surface = nullptr) {
-  if (!result.parts().inside || !result.parts().crossings)
-    throw std::invalid_argument(
-        "a mesh needs ResultParts::inside and ResultParts::crossings, which were not both chosen");
-  require_values(result.inside());
-  return detail::mesh_in_memory(
-      result, check, quality,
-      surface != nullptr ? components_of(*surface, check) : detail::ComponentOfVertex());
-}
-
-}  // namespace
-
-Mesh make_mesh(const Result& result, const CheckCallback& check) {
-  return mesh_of(result, check, false);
-}
-
-Mesh make_quality_mesh(const Result& result, const CheckCallback& check) {
-  return mesh_of(result, check, true);
-}
-
-Mesh make_mesh(const Result& result, const Surface& surface, const CheckCallback& check) {
-  return mesh_of(result, check, false, &surface);
-}
-
-Mesh make_quality_mesh(const Result& result, const Surface& surface, const CheckCallback& check) {
-  return mesh_of(result, check, true, &surface);
 }
 
 Summary for_each_block(const Surface& surface, const Grid& grid, const BlockCallback& callback,

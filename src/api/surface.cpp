@@ -5,6 +5,9 @@
 #include <stdexcept>
 #include <utility>
 
+#include "eses/grid.hpp"
+#include "grid/make_grid.hpp"
+#include "grid/tiling.hpp"
 #include "run/plan.hpp"
 #include "surface/molecule.hpp"
 #include "system/formatted.hpp"
@@ -65,5 +68,23 @@ Surface::Surface(std::vector<Atom> atoms, std::vector<AtomLabel> labels,
 std::span<const Atom> Surface::atoms() const { return molecule_->atoms(); }
 std::span<const AtomLabel> Surface::labels() const { return molecule_->labels(); }
 std::span<const Diagnostic> Surface::diagnostics() const { return molecule_->diagnostics(); }
+
+// Functions of eses/grid.hpp.
+
+Grid make_grid(const Surface& surface, const GridOptions& options) {
+  return detail::plan_grid(detail::sphere_bounds(surface.atoms()), {.grid = options}).grid;
+}
+
+void validate(const Grid& grid) { detail::require_valid(grid); }
+
+GridRegion points_in_box(const Grid& grid, Vec3 low, Vec3 high) {
+  detail::require_valid(grid);
+  return detail::points_between(grid, low, high);
+}
+
+GridRegion points_of_blocks(const Grid& grid, std::int64_t block_size, const BlockRange& blocks) {
+  detail::require_valid(grid);
+  return detail::make_tiling(grid, block_size).points_of_blocks(blocks);
+}
 
 }  // namespace eses

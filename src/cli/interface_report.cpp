@@ -12,8 +12,7 @@
 #include "input/residue_runs.hpp"
 #include "input/text_source.hpp"
 #include "output/area_formats.hpp"
-#include "output/area_table_writer.hpp"
-#include "output/measure_tables.hpp"
+#include "output/area_tables.hpp"
 #include "output/text_buffer.hpp"
 #include "system/formatted.hpp"
 

@@ -3,7 +3,7 @@
 /// Indices are counted from 1.
 
 #include "cli/json.hpp"
-#include "output/measure_tables.hpp"
+#include "output/area_tables.hpp"
 
 namespace eses::detail::cli {
 

@@ -19,7 +19,7 @@
 #include "input/residue_runs.hpp"
 #include "input/text_fields.hpp"
 #include "input/text_source.hpp"
-#include "output/area_table_writer.hpp"
+#include "output/area_tables.hpp"
 #include "system/formatted.hpp"
 
 namespace eses {

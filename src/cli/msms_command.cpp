@@ -29,6 +29,7 @@
 #include "output/output_directory.hpp"
 #include "output/text_buffer.hpp"
 #include "run/far_atoms.hpp"
+#include "run/request.hpp"
 #include "system/formatted.hpp"
 
 namespace eses::detail::cli {
@@ -330,8 +331,8 @@ struct ComponentWriter {
 
   void write_header(bool has_faces, std::uint64_t count, BufferedText& text) const {
     if (options.has_header)
-      mesh::append_msms_header(text, SurfaceKind::ses, has_faces, count, input.used.size(),
-                               options.density, options.probe_radius);
+      mesh::append_msms_header(text, names_of(SurfaceKind::ses).name, has_faces, count,
+                               input.used.size(), options.density, options.probe_radius);
   }
 
   /// Writes the vertices. Returns the number of each vertex within the component.

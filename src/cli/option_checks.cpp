@@ -13,7 +13,7 @@
 #include "cli/option_values.hpp"
 #include "cli/shared_options.hpp"
 #include "output/file_path.hpp"
-#include "output/map_writer.hpp"
+#include "output/grid_map.hpp"
 #include "output/mesh_format.hpp"
 #include "output/output_files.hpp"
 #include "system/formatted.hpp"

@@ -3,7 +3,7 @@
 #include <filesystem>
 
 #include "input/grid_reader.hpp"
-#include "output/map_writer.hpp"
+#include "output/grid_map.hpp"
 #include "system/formatted.hpp"
 
 namespace eses::detail::cli {

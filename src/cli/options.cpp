@@ -16,7 +16,7 @@
 #include "eses/error.hpp"
 #include "input/closest_name.hpp"
 #include "input/grid_reader.hpp"
-#include "output/map_writer.hpp"
+#include "output/grid_map.hpp"
 #include "output/mesh_format.hpp"
 #include "system/dispatch.hpp"
 #include "system/formatted.hpp"

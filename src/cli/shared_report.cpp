@@ -10,7 +10,7 @@
 #include "cli/messages.hpp"
 #include "input/text_fields.hpp"
 #include "input/text_source.hpp"
-#include "output/area_table_writer.hpp"
+#include "output/area_tables.hpp"
 #include "system/formatted.hpp"
 
 namespace eses {

@@ -13,7 +13,7 @@
 #include "cli/messages.hpp"
 #include "cli/progress.hpp"
 #include "eses/error.hpp"
-#include "output/area_table_writer.hpp"
+#include "output/area_tables.hpp"
 #include "system/formatted.hpp"
 #include "system/monitor.hpp"
 #include "system/parallel.hpp"

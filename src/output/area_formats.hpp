@@ -6,7 +6,7 @@
 
 #include <string_view>
 
-#include "output/measure_tables.hpp"
+#include "output/area_tables.hpp"
 #include "output/text_buffer.hpp"
 
 namespace eses::detail {

@@ -8,7 +8,6 @@
 #include "eses/grid.hpp"
 #include "grid/block_crossing.hpp"
 #include "input/file_index.hpp"
-#include "output/number_text.hpp"
 #include "output/text_buffer.hpp"
 
 namespace eses::detail {

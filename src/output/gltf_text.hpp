@@ -15,7 +15,7 @@
 #include "eses/summary.hpp"
 #include "eses/vec3.hpp"
 #include "mesh/triangulate.hpp"
-#include "output/vertex_color.hpp"
+#include "output/mesh_format.hpp"
 
 namespace eses::detail::mesh {
 

@@ -139,7 +139,7 @@ void MeshFormatter::append_header(BufferedText& text, const MeshCounts& counts,
       append_ply_header(text, counts);
       break;
     case MeshFormat::obj:
-      text.append("# {}, eses-blocks; angstrom\n", names_of(source_.surface).name);
+      text.append("# {}, eses-blocks; angstrom\n", source_.surface);
       break;
     case MeshFormat::off:
       append_off_counts(text, counts);
@@ -154,8 +154,7 @@ void MeshFormatter::append_header(BufferedText& text, const MeshCounts& counts,
     case MeshFormat::stl: {
       std::array<char, sizeof(std::uint32_t)> count{};
       put_little(count.data(), static_cast<std::uint32_t>(counts.triangles));
-      text.append("{:<{}}{}",
-                  formatted("{}, eses-blocks; angstrom", names_of(source_.surface).name),
+      text.append("{:<{}}{}", formatted("{}, eses-blocks; angstrom", source_.surface),
                   stl_header_bytes, std::string_view(count.data(), count.size()));
       break;
     }
@@ -179,7 +178,7 @@ void MeshFormatter::append_ply_header(BufferedText& text, const MeshCounts& coun
       format_ == MeshFormat::ascii_ply ? "ascii"
       : is_little                      ? "binary_little_endian"
                                        : "binary_big_endian",
-      names_of(source_.surface).name, comment_of(optional_));
+      source_.surface, comment_of(optional_));
   for (std::size_t i = 0; i < source_.chains.size(); ++i)
     text.append("comment chain {} {}\n", i, ply_text(truncated_name(source_.chains[i].chain)));
   for (std::size_t i = 0; i < source_.residues.size(); ++i)

@@ -16,10 +16,7 @@
 #include "mesh/piece.hpp"
 #include "output/gltf_text.hpp"
 #include "output/mesh_format.hpp"
-#include "output/mesh_groups.hpp"
-#include "output/surface_kind.hpp"
 #include "output/text_buffer.hpp"
-#include "output/vertex_color.hpp"
 #include "output/vtp_text.hpp"
 
 namespace eses::detail::mesh {
@@ -29,8 +26,8 @@ void require_vertex_count(std::uint64_t vertices);
 
 /// The data of mesh files besides vertices and triangles.
 struct MeshSource {
-  SurfaceKind surface = SurfaceKind::ses;
-  bool has_groups = false;                      ///< whether vertices have chain and residue
+  std::string_view surface = {};  ///< name of the surface, such as `solvent excluded surface`
+  bool has_groups = false;        ///< whether vertices have chain and residue
   std::span<const AtomLabel> chains, residues;  ///< by number, if `has_groups`
   std::uint64_t atom_count = 0;                 ///< of the whole molecule
   double probe_radius = 0;                      ///< angstrom

@@ -13,14 +13,14 @@ char msms_type(std::uint8_t patch) { return patch == 1 ? '3' : patch == 2 ? '1' 
 
 }  // namespace
 
-void append_msms_header(BufferedText& text, SurfaceKind surface, bool has_faces,
+void append_msms_header(BufferedText& text, std::string_view surface, bool has_faces,
                         std::uint64_t count, std::uint64_t atom_count, double density,
                         double probe_radius) {
   text.append(
       "# {} {}, eses-blocks; format of MSMS; angstrom\n"
       "#{} #sphere density probe_r\n{:>12} {:>7} {:>5.2f} {:>5.2f}\n",
-      names_of(surface).name, has_faces ? "faces" : "vertices", has_faces ? "faces " : "vertex",
-      count, atom_count, density, probe_radius);
+      surface, has_faces ? "faces" : "vertices", has_faces ? "faces " : "vertex", count, atom_count,
+      density, probe_radius);
 }
 
 char* put_msms_vertex(char* out, const Vec3& position, const Vec3& normal, std::uint8_t patch,

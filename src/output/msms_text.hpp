@@ -10,7 +10,6 @@
 
 #include "input/file_index.hpp"
 #include "mesh/triangulate.hpp"
-#include "output/surface_kind.hpp"
 #include "output/text_buffer.hpp"
 
 namespace eses::detail::mesh {
@@ -25,7 +24,7 @@ inline constexpr double quality_vertices_per_area = 0.86;
 /// Appends the three header lines of NAME.vert or NAME.face with this number of vertices or
 /// triangles, on which their length does not depend. `density` is the expected number of vertices
 /// in a square angstrom, and the probe radius is in angstrom.
-void append_msms_header(BufferedText& text, SurfaceKind surface, bool has_faces,
+void append_msms_header(BufferedText& text, std::string_view surface, bool has_faces,
                         std::uint64_t count, std::uint64_t atom_count, double density,
                         double probe_radius);
 

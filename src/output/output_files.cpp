@@ -20,9 +20,21 @@
 namespace eses::detail {
 namespace {
 
-constexpr char residues_name[] = "residue_area.csv";
-constexpr char chains_name[] = "chain_area.csv";
-constexpr char atoms_name[] = "atoms.csv";
+// A file that a flag chooses.
+struct FlaggedFile {
+  RunFile file;
+  bool Outputs::*is_chosen;
+  std::string_view name;
+  bool has_gzip;  // whether Outputs::gzip applies to it
+};
+constexpr std::array flagged_files{
+    FlaggedFile{RunFile::box, &Outputs::box, name_of(EsesFile::box), true},
+    FlaggedFile{RunFile::grid, &Outputs::grid, name_of(EsesFile::grid), true},
+    FlaggedFile{RunFile::edges, &Outputs::edges, name_of(EsesFile::edges), true},
+    FlaggedFile{RunFile::areas, &Outputs::areas, name_of(EsesFile::areas), true},
+    FlaggedFile{RunFile::residues, &Outputs::residues, "residue_area.csv", false},
+    FlaggedFile{RunFile::chains, &Outputs::residues, "chain_area.csv", false},
+    FlaggedFile{RunFile::atoms, &Outputs::atoms, "atoms.csv", false}};
 
 // A file of the output directory.
 struct NamedFile {
@@ -30,22 +42,15 @@ struct NamedFile {
   std::string name;
 };
 
-std::vector<NamedFile> text_files(const Outputs& choice) {
-  std::vector<NamedFile> files;
-  const std::array is_chosen{choice.box, choice.grid, choice.edges, choice.areas};
-  for (std::size_t i = 0; i < is_chosen.size(); ++i)
-    if (is_chosen[i])
-      files.push_back({static_cast<RunFile>(i),
-                       formatted("{}{}", eses_file_names[i], choice.gzip ? gzip_suffix : "")});
-  return files;
+std::string name_on_disk(const FlaggedFile& file, bool gzip) {
+  return formatted("{}{}", file.name, gzip && file.has_gzip ? gzip_suffix : "");
 }
 
 // Returns the chosen files without the mesh.
 std::vector<NamedFile> named_files(const Outputs& choice) {
-  std::vector<NamedFile> files = text_files(choice);
-  if (choice.residues)
-    files.insert(files.end(), {{RunFile::residues, residues_name}, {RunFile::chains, chains_name}});
-  if (choice.atoms) files.push_back({RunFile::atoms, atoms_name});
+  std::vector<NamedFile> files;
+  for (const FlaggedFile& file : flagged_files)
+    if (choice.*file.is_chosen) files.push_back({file.file, name_on_disk(file, choice.gzip)});
   for (MapChoice& map : chosen_maps(choice))
     files.push_back({file_of(map.quantity), std::move(map.name)});
   return files;
@@ -56,7 +61,8 @@ std::vector<NamedFile> named_files(const Outputs& choice) {
 std::vector<std::string> other_names(Outputs choice) {
   choice.gzip = !choice.gzip;
   std::vector<std::string> names;
-  for (NamedFile& file : text_files(choice)) names.push_back(std::move(file.name));
+  for (const FlaggedFile& file : flagged_files)
+    if (file.has_gzip && choice.*file.is_chosen) names.push_back(name_on_disk(file, choice.gzip));
   for (MapChoice& map : chosen_maps(choice))
     if (is_of_edges(map.quantity)) names.push_back(std::move(map.name));
   return names;
@@ -64,10 +70,9 @@ std::vector<std::string> other_names(Outputs choice) {
 
 // Whether a run that has locked the directory may write a file of this name.
 bool is_ours(std::string_view name) {
-  if (map_format(name) || name == residues_name || name == chains_name || name == atoms_name)
-    return true;
-  if (name.ends_with(gzip_suffix)) name.remove_suffix(gzip_suffix.size());
-  return std::find(eses_file_names.begin(), eses_file_names.end(), name) != eses_file_names.end();
+  return map_format(name) || std::ranges::any_of(flagged_files, [name](const FlaggedFile& file) {
+           return name == file.name || (file.has_gzip && name == name_on_disk(file, true));
+         });
 }
 
 // Returns the paths of all files of a mesh, after following symbolic links.

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "output/file.hpp"
-#include "output/map_writer.hpp"
+#include "output/grid_map.hpp"
 #include "output/output_directory.hpp"
 
 namespace eses::detail {

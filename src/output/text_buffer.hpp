@@ -1,6 +1,13 @@
 #pragma once
-/// Buffers of text: one with writers of the fields of lines and records, each of which returns the
-/// end of the text that it has written, and one that passes formatted text on in parts.
+/// Numbers as text, and buffers of text: one with writers of the fields of lines and records, each
+/// of which returns the end of the text that it has written, and one that passes formatted text on
+/// in parts.
+///
+/// write_scientific gives the same digits as printf's %.12e. A number in [1e-9, 1e9) is multiplied
+/// by a power of ten that is exact in double precision. The product has 13 digits before the point,
+/// and an error of at most half a unit in the last place, which is less than 0.001. If its fraction
+/// is not within 0.0015 of 1/2, rounding to the nearest integer is therefore correct. All other
+/// numbers are formatted exactly by std::to_chars.
 
 #include <fmt/format.h>
 
@@ -19,10 +26,18 @@
 
 #include "eses/grid.hpp"
 #include "eses/vec3.hpp"
-#include "output/number_text.hpp"
 #include "system/formatted.hpp"
 
 namespace eses::detail {
+
+/// Maximum length of the text that the next two functions write.
+inline constexpr std::size_t max_number_length = 24;
+
+/// Writes `value` with the same digits as printf's %.12e. Returns the end of the text.
+char* write_scientific(char* out, double value);
+
+/// Writes `value` in decimal digits. Returns the end of the text.
+char* write_index(char* out, std::uint64_t value);
 
 /// A growing buffer of text. Its memory is reused without being cleared.
 class TextBuffer {

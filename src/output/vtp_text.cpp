@@ -3,7 +3,7 @@
 #include <bit>
 #include <string>
 
-#include "output/mesh_groups.hpp"
+#include "output/mesh_format.hpp"
 #include "system/formatted.hpp"
 
 namespace eses::detail::mesh {
@@ -97,7 +97,7 @@ std::vector<VertexField> vertex_fields(const OptionalFields& optional) {
   return fields;
 }
 
-void append_vtp_header(BufferedText& text, SurfaceKind surface, const OptionalFields& fields,
+void append_vtp_header(BufferedText& text, std::string_view surface, const OptionalFields& fields,
                        std::span<const AtomLabel> chains, std::span<const AtomLabel> residues,
                        const MeshCounts& counts) {
   constexpr bool is_little = std::endian::native == std::endian::little;
@@ -106,7 +106,7 @@ void append_vtp_header(BufferedText& text, SurfaceKind surface, const OptionalFi
       "<VTKFile type=\"PolyData\" version=\"1.0\" byte_order=\"{}Endian\" header_type=\"UInt64\">\n"
       "<!-- {}, eses-blocks; angstrom; patch: 1 convex, 2 saddle, 3 concave; "
       "atom: first adjacent one, 0-based{} -->\n<PolyData>\n",
-      is_little ? "Little" : "Big", names_of(surface).name, comment_of(fields));
+      is_little ? "Little" : "Big", surface, comment_of(fields));
   if (fields.has_groups) {
     text.append("<FieldData>\n");
     append_names_begin(text, "chain_name", chains.size());

@@ -16,7 +16,6 @@
 #include "eses/outputs.hpp"
 #include "eses/summary.hpp"
 #include "mesh/triangulate.hpp"
-#include "output/surface_kind.hpp"
 #include "output/text_buffer.hpp"
 
 namespace eses::detail::mesh {
@@ -53,9 +52,9 @@ struct VertexField {
 /// Returns the fields of a vertex record in binary PLY files, which is also the record for VTP.
 std::vector<VertexField> vertex_fields(const OptionalFields& optional);
 
-/// Appends the XML before the data. Only files with groups have the names of all chains and
-/// residues. The length does not depend on the counts.
-void append_vtp_header(BufferedText& text, SurfaceKind surface, const OptionalFields& fields,
+/// Appends the XML before the data. `surface` is its name. Only files with groups have the names of
+/// all chains and residues. The length does not depend on the counts.
+void append_vtp_header(BufferedText& text, std::string_view surface, const OptionalFields& fields,
                        std::span<const AtomLabel> chains, std::span<const AtomLabel> residues,
                        const MeshCounts& counts);
 /// The XML after the data.

@@ -292,8 +292,7 @@ namespace {
 // Version of checkpoints. Must increase with each change of the results or of the format of chunks.
 constexpr int checkpoint_format = 9;
 
-std::uint64_t hash_of_atoms(std::span<const Atom> atoms,
-                            std::span<const mesh::GroupNumbers> groups) {
+std::uint64_t hash_of_atoms(std::span<const Atom> atoms, std::span<const GroupNumbers> groups) {
   std::uint64_t sum = 0;
   for (std::size_t i = 0; i < atoms.size(); ++i) {
     const auto& [center, radius] = atoms[i];
@@ -306,7 +305,7 @@ std::uint64_t hash_of_atoms(std::span<const Atom> atoms,
   return sum;
 }
 
-std::uint64_t hash_of_names(const mesh::GroupNames& groups) {
+std::uint64_t hash_of_names(const GroupNames& groups) {
   std::uint64_t sum = 0, residue = 0;
   for (const AtomLabel& label : groups.residues) {
     uLong hash = 0;

@@ -19,7 +19,6 @@
 #include "eses/error.hpp"
 #include "output/output_files.hpp"
 #include "run/chunks.hpp"
-#include "run/exact_measures.hpp"
 #include "run/mesh_piece_maker.hpp"
 #include "run/run_files.hpp"
 #include "run/sink.hpp"

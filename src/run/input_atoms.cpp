@@ -1,9 +1,11 @@
 #include "run/input_atoms.hpp"
 
 #include <algorithm>
+#include <numeric>
 #include <stdexcept>
 #include <string>
 #include <system_error>
+#include <tuple>
 #include <utility>
 #include <variant>
 
@@ -11,6 +13,7 @@
 #include "input/other_formats.hpp"
 #include "input/pdb_elements.hpp"
 #include "input/read_input.hpp"
+#include "output/mesh_format.hpp"
 #include "output/mesh_formatter.hpp"
 #include "run/memory.hpp"
 #include "run/plan.hpp"
@@ -65,11 +68,63 @@ LabelTotals total_labels(std::span<const AtomLabel> labels) {
   return totals;
 }
 
+// Numbers the different values of key_of(label) from 0, in the order of their first occurrence.
+// Returns the number of each label; `first` gets the first label of each number. Sorts only the
+// first labels of runs of equal keys. A hash table of the names would need far more memory.
+template <class Key>
+std::vector<std::uint32_t> number_by(std::span<const AtomLabel> labels, const Key& key_of,
+                                     std::vector<AtomLabel>& first) {
+  const auto key = [&](AtomIndex i) { return key_of(labels[i]); };
+  const auto begins_run = [&](AtomIndex i) { return i == 0 || key(i) != key(i - 1); };
+  std::vector<AtomIndex> order;
+  for (AtomIndex i = 0; i < labels.size(); ++i)
+    if (begins_run(i)) order.push_back(i);
+  std::sort(order.begin(), order.end(), [&](AtomIndex a, AtomIndex b) {
+    return std::tuple_cat(key(a), std::tuple(a)) < std::tuple_cat(key(b), std::tuple(b));
+  });
+  // At first, numbers[i] of the first label i of a run is the first label that has the same key.
+  std::vector<std::uint32_t> numbers(labels.size());
+  for (std::size_t q = 0; q < order.size(); ++q)
+    numbers[order[q]] =
+        q > 0 && key(order[q]) == key(order[q - 1]) ? numbers[order[q - 1]] : order[q];
+  for (AtomIndex i = 0; i < labels.size(); ++i) {
+    if (!begins_run(i)) {
+      numbers[i] = numbers[i - 1];
+    } else if (numbers[i] != i) {
+      numbers[i] = numbers[numbers[i]];
+    } else {
+      numbers[i] = static_cast<std::uint32_t>(first.size());
+      first.push_back(labels[i]);
+    }
+  }
+  return numbers;
+}
+
+// Numbers the chains and residues of atoms from 0 in the order of their first occurrence, and sets
+// the numbers of each atom. A chain is a chain name; a residue is a combination of chain name,
+// residue number and residue name. Names are compared as mesh files have them.
+GroupNames number_groups(const ResidueRuns& runs, std::vector<GroupNumbers>& of_atom) {
+  GroupNames names{.are_known = !runs.labels.empty(), .chains = {}, .residues = {}};
+  const auto chain = [](const AtomLabel& label) {
+    return std::tuple(mesh::truncated_name(label.chain));
+  };
+  const auto residue = [](const AtomLabel& label) {
+    return std::tuple(mesh::truncated_name(label.chain), mesh::truncated_name(label.residue_number),
+                      mesh::truncated_name(label.residue));
+  };
+  const auto chains = number_by(runs.labels, chain, names.chains);
+  const auto residues = number_by(runs.labels, residue, names.residues);
+  of_atom.reserve(std::accumulate(runs.atoms.begin(), runs.atoms.end(), std::uint64_t{0}));
+  for (std::size_t run = 0; run < runs.labels.size(); ++run)
+    of_atom.insert(of_atom.end(), runs.atoms[run], {chains[run], residues[run]});
+  return names;
+}
+
 // Adds up the names, and numbers their groups if the outputs need it.
 void take_names(const Outputs& outputs, InputAtoms& input) {
   const AtomNames& names = input.info.names;
   const ResidueRuns& residues = names.residues();
-  if (needs_groups(outputs)) input.info.groups = mesh::number_groups(residues, input.groups);
+  if (needs_groups(outputs)) input.info.groups = number_groups(residues, input.groups);
   input.info.labels = total_labels(residues.labels);
   input.info.labels.atom_text_bytes = names.text_bytes();
 }

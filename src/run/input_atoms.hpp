@@ -13,10 +13,10 @@
 #include "input/atom_names.hpp"
 #include "input/file_index.hpp"
 #include "input/potential_map.hpp"
-#include "output/mesh_groups.hpp"
 #include "run/far_atoms.hpp"
 #include "run/request.hpp"
 #include "surface/molecule.hpp"
+#include "system/resources.hpp"
 
 namespace eses::detail {
 
@@ -29,6 +29,24 @@ struct FileDiagnostics {
 
   /// Adds diagnostics of other kinds. `lines_of_atoms` has the line of each atom of the file.
   void add(std::span<const Diagnostic> others, std::span<const std::uint64_t> lines_of_atoms);
+};
+
+/// Numbers of an atom's chain and residue in a mesh file, from 0.
+struct GroupNumbers {
+  std::uint32_t chain = 0, residue = 0;
+};
+
+/// The chains and residues of a file.
+struct GroupNames {
+  bool are_known = false;  ///< whether the file has labels
+  /// In the order of their numbers. Only the process that writes the mesh has them.
+  std::vector<AtomLabel> chains, residues;
+
+  /// Returns the estimated memory of numbering in bytes: the numbers of the atoms, and temporary
+  /// lists of the first atoms of groups.
+  static double memory_bytes(double atoms, double groups) {
+    return sizeof(GroupNumbers) * atoms + 2 * list_growth * sizeof(AtomIndex) * groups;
+  }
 };
 
 /// Numbers and lengths of names. A run is a sequence of consecutive atoms with the same residue or
@@ -44,8 +62,8 @@ struct LabelTotals {
 /// What a run knows of its input, besides the atoms of its slab.
 struct InputInfo {
   std::uint64_t atom_count = 0;
-  LabelTotals labels;       ///< totals of the labels that were read
-  mesh::GroupNames groups;  ///< if the mesh names or colours them
+  LabelTotals labels;  ///< totals of the labels that were read
+  GroupNames groups;   ///< if the mesh names or colours them
   /// Residues of the atoms, if tables of residues are written. Also names of the atoms, if
   /// atoms.csv is written and the file has names; a molecule in memory has labels instead. Only in
   /// the first process.
@@ -66,7 +84,7 @@ struct InputInfo {
 /// All atoms of the input, before they are divided among the processes.
 struct InputAtoms {
   InputInfo info;
-  std::vector<mesh::GroupNumbers> groups;  ///< by atom; empty if groups are not numbered
+  std::vector<GroupNumbers> groups;  ///< by atom; empty if groups are not numbered
   /// All atoms in the first process, and if cavities are searched.
   Molecule molecule{std::vector<Atom>()};
   std::vector<Atom> without_index;  ///< all atoms in the other processes

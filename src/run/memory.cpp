@@ -5,11 +5,10 @@
 
 #include "mesh/quality_filter.hpp"
 #include "mesh/triangulate.hpp"
-#include "output/area_table_writer.hpp"
+#include "output/area_tables.hpp"
 #include "output/eses_writer.hpp"
 #include "output/grid_map.hpp"
 #include "output/mesh_formatter.hpp"
-#include "output/mesh_groups.hpp"
 #include "run/checkpoint.hpp"
 #include "run/layer.hpp"
 #include "run/mesh_piece_maker.hpp"
@@ -182,8 +181,8 @@ double expected_memory(const SurfaceSurvey& survey, const MemoryBudget& budget, 
   constexpr double bytes_per_area = 2 * sizeof(double) + list_growth * sizeof(AtomSum);
   double names = 0;
   if (budget.has_groups)
-    names += mesh::GroupNames::memory_bytes(
-        atoms, static_cast<double>(labels.residue_runs + labels.chain_runs));
+    names += GroupNames::memory_bytes(atoms,
+                                      static_cast<double>(labels.residue_runs + labels.chain_runs));
   if (outputs.residues)
     names += chain_table_memory(static_cast<double>(labels.chain_runs),
                                 static_cast<double>(labels.chain_text_bytes));

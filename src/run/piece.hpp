@@ -9,7 +9,7 @@
 #include "input/file_index.hpp"
 #include "mesh/piece.hpp"
 #include "output/eses_writer.hpp"
-#include "output/map_writer.hpp"
+#include "output/grid_map.hpp"
 #include "output/mesh_file.hpp"
 #include "output/text_buffer.hpp"
 #include "run/layer.hpp"

@@ -11,7 +11,7 @@
 #include "eses/error.hpp"
 #include "grid/make_grid.hpp"
 #include "grid/region_box.hpp"
-#include "output/area_table_writer.hpp"
+#include "output/area_tables.hpp"
 #include "output/eses_writer.hpp"
 #include "output/grid_map.hpp"
 #include "output/mesh_formatter.hpp"
@@ -285,7 +285,8 @@ void expect_maps(const Request& request, bool has_chunks, const Plan& plan, doub
     if (has_chunks)
       files.text_scratch += whole_bytes(GridMap::memory_bytes(map, region, crossings));
     if (!map.gzip) {
-      files.maps += map_layout(map, request.parameters.surface(), plan.grid, region).file_bytes();
+      files.maps += map_layout(map, names_of(request.parameters.surface()).name, plan.grid, region)
+                        .file_bytes();
       continue;
     }
     const std::uint64_t bytes = GridMap::typical_compressed_bytes(map, region, crossings);

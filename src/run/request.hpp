@@ -1,10 +1,13 @@
 #pragma once
 /// The request of a run, as plain data.
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <optional>
+#include <string_view>
 #include <variant>
 
 #include "eses/check.hpp"
@@ -16,7 +19,6 @@
 #include "eses/surface.hpp"
 #include "geometry/box.hpp"
 #include "grid/tiling.hpp"
-#include "output/surface_kind.hpp"
 #include "solve/block_solver.hpp"
 #include "surface/molecule.hpp"
 
@@ -29,6 +31,25 @@ using GridPart = std::variant<std::monostate, Box, BlockRange, GridRegion>;
 
 /// Maximum number of points, and of edges, to verify.
 inline constexpr std::int64_t max_verify = 10'000'000;
+
+/// The surface of a run. The solvent accessible surface is the van der Waals surface of atoms whose
+/// radii are larger by the radius of the probe.
+enum class SurfaceKind : std::uint8_t { ses, sas, vdw };
+
+/// A surface with its short name, as in options, and its name in texts.
+struct SurfaceName {
+  std::string_view option, name;
+};
+
+/// The names in the order of SurfaceKind.
+inline constexpr std::array surface_names{SurfaceName{"ses", "solvent excluded surface"},
+                                          SurfaceName{"sas", "solvent accessible surface"},
+                                          SurfaceName{"vdw", "van der Waals surface"}};
+
+/// Returns the names of a surface.
+constexpr const SurfaceName& names_of(SurfaceKind kind) {
+  return surface_names[static_cast<std::size_t>(kind)];
+}
 
 /// Parameters of a run.
 struct Parameters {

@@ -4,10 +4,12 @@
 #include <string>
 #include <string_view>
 
-#include "output/area_table_writer.hpp"
+#include "output/area_tables.hpp"
 #include "output/eses_writer.hpp"
+#include "output/msms_text.hpp"
 #include "system/gzip.hpp"
 #include "system/resources.hpp"
+#include "system/stopwatch.hpp"
 
 namespace eses::detail {
 namespace {
@@ -66,7 +68,61 @@ void write_atom_table(std::span<const double> areas, const PlannedRun& run, Outp
   table.flush();
 }
 
+mesh::MeshFormatter formatter_of(const PlannedRun& run) {
+  const MeshOptions& mesh = *run.request.outputs.mesh;
+  const double spacing = run.plan.grid.spacing;
+  const double vertices_per_area =
+      mesh.quality ? mesh::quality_vertices_per_area : mesh::plain_vertices_per_area;
+  return {
+      required_mesh_format(mesh),
+      mesh.color,
+      {.surface = names_of(run.request.parameters.surface()).name,
+       .has_groups = run.input.groups.are_known,
+       .chains = run.input.groups.chains,
+       .residues = run.input.groups.residues,
+       .atom_count = run.input.atom_count,
+       .probe_radius = run.request.parameters.probe_radius,
+       .density = vertices_per_area / (spacing * spacing),
+       .grid = run.plan.grid,
+       .potential_limit = mesh.potential ? std::optional(mesh.potential->limit) : std::nullopt}};
+}
+
 }  // namespace
+
+MeshSink::MeshSink(const PlannedRun& run, OutputFiles& files)
+    : file_(formatter_of(run), *files.find(RunFile::mesh), files.find(RunFile::mesh_faces),
+            mesh_directory_of(*run.request.outputs.mesh)) {
+  const MeshOptions& mesh = *run.request.outputs.mesh;
+  if (mesh.quality)
+    filter_.emplace(run.plan.grid, run.plan.region_with_halo(),
+                    mesh::contents_of(required_mesh_format(mesh)),
+                    [this](const mesh::MeshPiece& piece) { file_.add(piece); });
+}
+
+void MeshSink::prepare(RowPiece& piece) {
+  if (!filter_) file_.format(piece.mesh, piece.mesh_texts);
+}
+
+void MeshSink::place(RowPiece& piece) {
+  if (filter_)
+    filter_->add(piece.mesh);
+  else
+    file_.place(piece.mesh, piece.mesh_texts);
+}
+
+void MeshSink::store(const RowPiece& piece) {
+  if (!filter_) file_.write(piece.mesh_texts);
+}
+
+void MeshSink::finish(Summary& summary) {
+  if (filter_) {
+    const Stopwatch finishing;
+    filter_->finish();
+    summary.seconds.output += finishing.seconds();
+    summary.mesh_quality = filter_->quality();
+  }
+  summary.mesh = file_.counts();
+}
 
 RunFiles::RunFiles(PlannedRun& run) : run_(run) {
   const Outputs& outputs = run.request.outputs;
@@ -89,8 +145,8 @@ Sink& RunFiles::sink() {
   if (outputs.edges)
     sinks_->add(std::make_unique<PieceTextSink>(&RowPiece::edges, file(RunFile::edges)));
   for (const MapChoice& choice : chosen_maps(outputs)) {
-    GridMap& map = maps_.emplace_back(choice, run_.request.parameters.surface(), run_.plan.grid,
-                                      run_.plan.region);
+    GridMap& map = maps_.emplace_back(choice, names_of(run_.request.parameters.surface()).name,
+                                      run_.plan.grid, run_.plan.region);
     sinks_->add(std::make_unique<MapSink>(
         map.quantity(),
         [&map](std::int64_t first_row, const MapRows& rows) { map.add_rows(first_row, rows); }));

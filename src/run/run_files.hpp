@@ -7,13 +7,33 @@
 #include <span>
 
 #include "eses/summary.hpp"
+#include "mesh/quality_filter.hpp"
 #include "output/grid_map.hpp"
+#include "output/mesh_file.hpp"
 #include "output/output_files.hpp"
-#include "run/mesh_sink.hpp"
 #include "run/planned_run.hpp"
 #include "run/sink.hpp"
 
 namespace eses::detail {
+
+/// Writes the meshes of pieces, after their improvement if it is chosen.
+class MeshSink final : public Sink {
+ public:
+  /// Keeps references to both. Writes the header of the file.
+  MeshSink(const PlannedRun& run, OutputFiles& files);
+
+  void prepare(RowPiece& piece) override;
+  void place(RowPiece& piece) override;
+  void store(const RowPiece& piece) override;
+  /// Finishes the mesh after all pieces were added. Sets its counts and angles in the summary.
+  void finish(Summary& summary);
+  /// Completes the file after `finish`.
+  void write(const std::function<void()>& check) { file_.finish(check); }
+
+ private:
+  mesh::MeshFile file_;
+  std::optional<mesh::QualityFilter> filter_;
+};
 
 /// The output files of a run. Only the first process has them. A part of a run has none.
 class RunFiles {

@@ -109,7 +109,7 @@ std::vector<PlaneRange> cut_into_slabs(std::span<const Atom> atoms, const Plan& 
   return slabs;
 }
 
-Slab make_slab(std::span<const Atom> atoms, std::span<const mesh::GroupNumbers> groups,
+Slab make_slab(std::span<const Atom> atoms, std::span<const GroupNumbers> groups,
                const Request& request, const Plan& plan, const PlaneRange& planes) {
   Slab slab;
   slab.planes = planes;

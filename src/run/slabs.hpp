@@ -9,7 +9,7 @@
 #include "geometry/box.hpp"
 #include "grid/plane_range.hpp"
 #include "input/file_index.hpp"
-#include "output/mesh_groups.hpp"
+#include "run/input_atoms.hpp"
 #include "run/plan.hpp"
 #include "surface/molecule.hpp"
 
@@ -22,7 +22,7 @@ struct Slab {
   /// Index in the file of each atom of the molecule, ascending; empty if the molecule has all
   /// atoms.
   std::vector<FileIndex> atoms_in_file;
-  std::vector<mesh::GroupNumbers> groups;  ///< by atom; empty if groups are not numbered
+  std::vector<GroupNumbers> groups;  ///< by atom; empty if groups are not numbered
 
   FileIndices file_indices() const { return FileIndices(atoms_in_file); }
 };
@@ -38,7 +38,7 @@ std::vector<PlaneRange> cut_into_slabs(std::span<const Atom> atoms, const Plan& 
                                        std::span<const PlaneRange> finished, int count);
 
 /// Makes a slab of these planes from all atoms and their groups.
-Slab make_slab(std::span<const Atom> atoms, std::span<const mesh::GroupNumbers> groups,
+Slab make_slab(std::span<const Atom> atoms, std::span<const GroupNumbers> groups,
                const Request& request, const Plan& plan, const PlaneRange& planes);
 
 /// Returns the planes from the first to the last one of these ranges.

@@ -1,17 +1,21 @@
 #pragma once
-/// Verification of random points and edges of a run against the definition of the surface.
+/// Verification of a run: random points and edges against the definition of the surface, and the
+/// number of inside points against the exact volume.
 
 #include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
+#include "eses/check.hpp"
 #include "eses/run_options.hpp"
 #include "eses/summary.hpp"
 #include "grid/tiling.hpp"
 #include "run/sink.hpp"
 #include "surface/cavity_map.hpp"
+#include "surface/molecule.hpp"
 #include "verify/definition.hpp"
 #include "verify/sample.hpp"
 
@@ -56,5 +60,25 @@ class Verifier final : public Sink {
   std::vector<verify::CrossingSample> samples_;  // per thread
   std::vector<verify::CentreSearch> searches_;
 };
+
+/// Bounds of a volume (cubic angstrom).
+struct VolumeBounds {
+  double low = 0, high = 0;
+};
+
+/// Returns bounds of the total volume of the grid's cells around the inside points, for any grid
+/// with this spacing (angstrom) that encloses the molecule. A cell is a cube around a grid point.
+///
+/// Let d(x) be the distance of x from the accessible set, and p the probe radius. A point is inside
+/// if d >= p. A point and the centre of its cell are at most s = sqrt(3) / 2 spacing apart, so
+/// their values of d differ by at most s. Therefore the cells of inside points cover the set d >= p
+/// + s, and lie in the set d >= p - s. The set d >= t is inside the surface of a probe of radius t
+/// for atoms with the same SAS spheres, and its volume is exact.
+VolumeBounds bound_inside_cells(const Molecule& molecule, double probe_radius, double spacing,
+                                int threads, const CheckCallback& check);
+
+/// Compares the number of inside points of such a grid with the bounds. Returns the fault, if any.
+std::optional<std::string> find_volume_fault(std::int64_t inside_points, double spacing,
+                                             const VolumeBounds& bounds);
 
 }  // namespace eses::detail

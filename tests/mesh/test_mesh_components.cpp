@@ -18,7 +18,7 @@
 #include "eses/compute.hpp"
 #include "eses/error.hpp"
 #include "eses/measure.hpp"
-#include "output/vertex_color.hpp"
+#include "output/mesh_format.hpp"
 #include "support/atom_lists.hpp"
 #include "support/atom_sets.hpp"
 #include "support/eses_files.hpp"

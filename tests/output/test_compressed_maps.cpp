@@ -120,7 +120,7 @@ TEST_CASE("compressed maps with any values, from several slices", "[maps][gzip]"
       for (const bool gzip : {false, true}) {
         choice.gzip = gzip;
         OutputFile file(place, gzip ? "packed.dx.gz" : "plain.dx");
-        GridMap map(choice, SurfaceKind::ses, grid, grid.whole());
+        GridMap map(choice, "solvent excluded surface", grid, grid.whole());
         map.add_rows(half, parts[1]);
         map.add_rows(0, parts[0]);
         map.write(file, 3, [] {});

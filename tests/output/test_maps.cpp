@@ -224,7 +224,8 @@ TEST_CASE("rows of a map may come in any order and are transposed in several til
       {
         const OutputDirectory place(directory.path());
         OutputFile file(place, name);
-        GridMap map({MapQuantity::inside, name, *map_format(name)}, SurfaceKind::ses, grid, region);
+        GridMap map({MapQuantity::inside, name, *map_format(name)}, "solvent excluded surface",
+                    grid, region);
         const std::size_t step = 1 + rows / 7;
         for (std::size_t end = rows; end > 0;) {
           const std::size_t begin = end > step ? end - step : 0;

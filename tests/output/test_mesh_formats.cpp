@@ -16,8 +16,8 @@
 
 #include "catch.hpp"
 #include "eses/error.hpp"
+#include "output/mesh_format.hpp"
 #include "output/mesh_formatter.hpp"
-#include "output/vertex_color.hpp"
 #include "support/atom_sets.hpp"
 #include "support/eses_files.hpp"
 #include "support/mesh_files.hpp"

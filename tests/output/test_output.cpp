@@ -16,7 +16,7 @@
 #include "catch.hpp"
 #include "eses/error.hpp"
 #include "output/file.hpp"
-#include "output/number_text.hpp"
+#include "output/text_buffer.hpp"
 #include "support/atom_sets.hpp"
 #include "support/eses_files.hpp"
 #include "support/run.hpp"

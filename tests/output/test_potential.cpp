@@ -14,7 +14,7 @@
 #include "catch.hpp"
 #include "eses/error.hpp"
 #include "input/potential_map.hpp"
-#include "output/vertex_color.hpp"
+#include "output/mesh_format.hpp"
 #include "support/atom_sets.hpp"
 #include "support/eses_files.hpp"
 #include "support/mesh_files.hpp"

@@ -13,7 +13,7 @@
 #include "eses/error.hpp"
 #include "eses/read_atoms.hpp"
 #include "output/area_formats.hpp"
-#include "output/area_table_writer.hpp"
+#include "output/area_tables.hpp"
 #include "support/eses_files.hpp"
 #include "support/run.hpp"
 #include "support/temporary_directory.hpp"

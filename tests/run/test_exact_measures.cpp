@@ -9,7 +9,7 @@
 #include "eses/compute.hpp"
 #include "eses/measure.hpp"
 #include "eses/read_atoms.hpp"
-#include "run/exact_measures.hpp"
+#include "run/verifier.hpp"
 #include "support/atom_sets.hpp"
 #include "support/sandbox.hpp"
 #include "system/formatted.hpp"

@@ -1,4 +1,4 @@
-#include "output/number_text.hpp"
+#include "output/text_buffer.hpp"
 
 #include <array>
 #include <bit>

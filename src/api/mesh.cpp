@@ -1,20 +1,30 @@
-#include "api/mesh_in_memory.hpp"
-
 #include <cstddef>
+#include <cstdint>
+#include <functional>
 #include <optional>
 #include <span>
+#include <stdexcept>
 #include <utility>
 #include <vector>
 
+#include "api/arguments.hpp"
+#include "eses/compute.hpp"
 #include "grid/block_crossing.hpp"
 #include "mesh/quality_filter.hpp"
 #include "mesh/triangulate.hpp"
 #include "mesh/vertex.hpp"
+#include "surface/find_cavities.hpp"
+#include "system/parallel.hpp"
 
-namespace eses::detail {
+namespace eses {
 namespace {
 
-detail::BlockCrossing as_in_blocks(const eses::Crossing& crossing) {
+namespace mesh = detail::mesh;
+
+// Returns the component of a crossing. See Mesh::components.
+using ComponentOfVertex = std::function<std::uint32_t(const Crossing& crossing)>;
+
+detail::BlockCrossing as_in_blocks(const Crossing& crossing) {
   detail::BlockCrossing result;
   result.coordinate = crossing.position[crossing.axis];
   result.normal = crossing.normal;
@@ -26,10 +36,10 @@ detail::BlockCrossing as_in_blocks(const eses::Crossing& crossing) {
 }
 
 // Appends a piece whose vertices are labelled with the indices of their crossings.
-void append(Mesh& mesh, const mesh::MeshPiece& piece, std::span<const eses::Crossing> crossings,
+void append(Mesh& mesh, const mesh::MeshPiece& piece, std::span<const Crossing> crossings,
             const ComponentOfVertex& component_of) {
   for (const auto& [position, normal, labels] : piece.vertices) {
-    const eses::Crossing& crossing = crossings[labels.source];
+    const Crossing& crossing = crossings[labels.source];
     mesh.vertices.push_back(position);
     mesh.normals.push_back(normal);
     mesh.atoms.push_back(crossing.atoms[0]);
@@ -40,14 +50,15 @@ void append(Mesh& mesh, const mesh::MeshPiece& piece, std::span<const eses::Cros
   mesh.faces.insert(mesh.faces.end(), piece.triangles.begin(), piece.triangles.end());
 }
 
-}  // namespace
-
+// Returns the mesh of the cells that have all their corners in the region of a result. `check` is
+// called for every plane, if it is not empty. The mesh has components unless `component_of` is
+// empty.
 Mesh mesh_in_memory(const Result& result, const CheckCallback& check, bool quality,
                     const ComponentOfVertex& component_of) {
-  const eses::Grid& grid = result.grid();
+  const Grid& grid = result.grid();
   const GridRegion& region = result.region();
   std::span<const std::uint8_t> inside = result.inside();  // of the points that are left
-  const std::span<const eses::Crossing> crossings = result.crossings();
+  const std::span<const Crossing> crossings = result.crossings();
   Mesh mesh;
   const auto append_piece = [&](const mesh::MeshPiece& piece) {
     append(mesh, piece, crossings, component_of);
@@ -68,7 +79,7 @@ Mesh mesh_in_memory(const Result& result, const CheckCallback& check, bool quali
     row.edges.clear();
     row.first_vertex = vertex_count;
     for (; next < crossings.size(); ++next) {
-      const eses::Crossing& crossing = crossings[next];
+      const Crossing& crossing = crossings[next];
       if (crossing.lower[1] != y || crossing.lower[2] != z) break;
       if (!region.contains(crossing.upper())) continue;
       row.edges.push_back(mesh::edge_key(
@@ -100,4 +111,48 @@ Mesh mesh_in_memory(const Result& result, const CheckCallback& check, bool quali
   return mesh;
 }
 
-}  // namespace eses::detail
+// Returns a function for the components of the crossings of a surface.
+ComponentOfVertex components_of(const Surface& surface, const CheckCallback& check) {
+  const detail::Molecule& molecule = detail::SurfaceAccess::molecule(surface);
+  const auto cavities = detail::find_cavities(molecule,
+                                              {.probe_radius = surface.probe_radius(),
+                                               .threads = detail::available_threads(),
+                                               .check = check,
+                                               .max_filled_void = surface.max_filled_void()},
+                                              false)
+                            .map;
+  return [=, atoms = molecule.atoms(), probe = surface.probe_radius()](const Crossing& crossing) {
+    return as_number(cavities->number_at(atoms, crossing.adjacent_atoms(),
+                                         crossing.position + probe * crossing.normal));
+  };
+}
+
+Mesh mesh_of(const Result& result, const CheckCallback& check, bool quality,
+             const Surface* surface = nullptr) {
+  if (!result.parts().inside || !result.parts().crossings)
+    throw std::invalid_argument(
+        "a mesh needs ResultParts::inside and ResultParts::crossings, which were not both chosen");
+  detail::require_values(result.inside());
+  return mesh_in_memory(result, check, quality,
+                        surface != nullptr ? components_of(*surface, check) : ComponentOfVertex());
+}
+
+}  // namespace
+
+Mesh make_mesh(const Result& result, const CheckCallback& check) {
+  return mesh_of(result, check, false);
+}
+
+Mesh make_quality_mesh(const Result& result, const CheckCallback& check) {
+  return mesh_of(result, check, true);
+}
+
+Mesh make_mesh(const Result& result, const Surface& surface, const CheckCallback& check) {
+  return mesh_of(result, check, false, &surface);
+}
+
+Mesh make_quality_mesh(const Result& result, const Surface& surface, const CheckCallback& check) {
+  return mesh_of(result, check, true, &surface);
+}
+
+}  // namespace eses
