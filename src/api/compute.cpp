@@ -95,25 +95,37 @@ Summary solve(PlannedRun& run, const detail::Callbacks& callbacks) {
   return std::move(summary);
 }
 
-// Returns a sink that sets the values of rows of points or edges. `value_of` returns the value of
-// an edge with this fraction inside, or of a point, whose fraction is 0 or `whole_edge`.
+// Sets the values of points or edges from the rows of a map. `value_of` returns the value of an
+// edge with this fraction inside, or of a point, whose fraction is 0 or `whole_edge`.
 template <class Value, class ValueOf>
-std::unique_ptr<detail::MapSink> map_sink(detail::MapQuantity quantity, const GridRegion& region,
-                                          std::vector<Value>& values, ValueOf value_of) {
-  const auto points = static_cast<std::size_t>(region.size()[0]);
-  return std::make_unique<detail::MapSink>(
-      quantity, [=, &values](std::int64_t first_row, const detail::MapRows& rows) {
-        const std::array<Value, 2> of_bit{value_of(0), value_of(detail::whole_edge)};
-        Value* const first = values.data() + static_cast<std::size_t>(first_row) * points;
-        Value* value = first;
-        const std::size_t row_words = (points + 63) / 64;
-        for (std::size_t row = 0; row < rows.bits.size(); row += row_words)
-          for (std::size_t x = 0; x < points; ++x)
-            *value++ = of_bit[rows.bits[row + x / 64] >> (x % 64) & 1];
-        for (const auto& [row, x, fraction] : rows.partial_edges)
-          first[row * points + x] = value_of(fraction);
-      });
-}
+class MapSink final : public detail::Sink {
+ public:
+  MapSink(detail::MapQuantity quantity, const GridRegion& region, std::vector<Value>& values,
+          ValueOf value_of)
+      : quantity_(quantity),
+        points_(static_cast<std::size_t>(region.size()[0])),
+        values_(values),
+        value_of_(value_of) {}
+
+  void store(const detail::RowPiece& piece) override {
+    const detail::MapRows& rows = piece.map_rows[static_cast<std::size_t>(quantity_)];
+    const std::array<Value, 2> of_bit{value_of_(0), value_of_(detail::whole_edge)};
+    Value* const first = values_.data() + static_cast<std::size_t>(piece.first_row) * points_;
+    Value* value = first;
+    const std::size_t row_words = (points_ + 63) / 64;
+    for (std::size_t row = 0; row < rows.bits.size(); row += row_words)
+      for (std::size_t x = 0; x < points_; ++x)
+        *value++ = of_bit[rows.bits[row + x / 64] >> (x % 64) & 1];
+    for (const auto& [row, x, fraction] : rows.partial_edges)
+      first[row * points_ + x] = value_of_(fraction);
+  }
+
+ private:
+  detail::MapQuantity quantity_;
+  std::size_t points_;  // of a row
+  std::vector<Value>& values_;
+  ValueOf value_of_;
+};
 
 std::invalid_argument point_error(const GridIndex& point, const GridRegion& region) {
   return std::invalid_argument(detail::formatted(
@@ -360,9 +372,11 @@ std::array<std::vector<double>, 3> compute_dielectric(const Surface& surface, co
   std::array<std::vector<double>, 3> values;
   for (std::vector<double>& list : values) clear_points(run, options, list);
   detail::Sinks sinks;
-  for (const detail::MapChoice& map : detail::chosen_maps(outputs))
-    sinks.add(map_sink(map.quantity, run.plan.region, values[detail::edge_axis(map.quantity)],
-                       [map](std::uint32_t fraction) { return dielectric_of(map, fraction); }));
+  for (const detail::MapChoice& map : detail::chosen_maps(outputs)) {
+    const auto value_of = [map](std::uint32_t fraction) { return dielectric_of(map, fraction); };
+    sinks.add(std::make_unique<MapSink<double, decltype(value_of)>>(
+        map.quantity, run.plan.region, values[detail::edge_axis(map.quantity)], value_of));
+  }
   run.request.map_sink = &sinks;
   solve(run, callbacks_of(options));
   return values;
@@ -379,8 +393,8 @@ std::vector<std::uint8_t> compute_ion_access(const Surface& surface, const Grid&
   const auto has_access = [](std::uint32_t fraction) {
     return static_cast<std::uint8_t>(fraction == 0 ? 1 : 0);
   };
-  const auto sink = map_sink(detail::MapQuantity::ion_access, run.plan.region, values, has_access);
-  run.request.map_sink = sink.get();
+  MapSink sink(detail::MapQuantity::ion_access, run.plan.region, values, has_access);
+  run.request.map_sink = &sink;
   solve(run, callbacks_of(options));
   return values;
 }

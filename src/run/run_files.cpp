@@ -89,70 +89,69 @@ mesh::MeshFormatter formatter_of(const PlannedRun& run) {
 
 }  // namespace
 
-MeshSink::MeshSink(const PlannedRun& run, OutputFiles& files)
-    : file_(formatter_of(run), *files.find(RunFile::mesh), files.find(RunFile::mesh_faces),
-            mesh_directory_of(*run.request.outputs.mesh)) {
-  const MeshOptions& mesh = *run.request.outputs.mesh;
+RunFiles::RunFiles(PlannedRun& run) : run_(run) {
+  const Outputs& outputs = run.request.outputs;
+  const bool has_files = run.checkpoint || outputs.mesh || !file_names(outputs).empty();
+  if (!has_files || run.request.map_sink != nullptr) return;
+  files_.emplace(outputs, run.request.output_directory, run.file_sizes);
+  if (outputs.grid) texts_.push_back({&RowPiece::grid, file(RunFile::grid)});
+  if (outputs.edges) texts_.push_back({&RowPiece::edges, file(RunFile::edges)});
+  if (outputs.mesh) open_mesh(*outputs.mesh);
+}
+
+void RunFiles::open_mesh(const MeshOptions& mesh) {
+  mesh_.emplace(formatter_of(run_), file(RunFile::mesh), files_->find(RunFile::mesh_faces),
+                mesh_directory_of(mesh));
   if (mesh.quality)
-    filter_.emplace(run.plan.grid, run.plan.region_with_halo(),
+    filter_.emplace(run_.plan.grid, run_.plan.region_with_halo(),
                     mesh::contents_of(required_mesh_format(mesh)),
-                    [this](const mesh::MeshPiece& piece) { file_.add(piece); });
+                    [this](const mesh::MeshPiece& piece) { mesh_->add(piece); });
 }
 
-void MeshSink::prepare(RowPiece& piece) {
-  if (!filter_) file_.format(piece.mesh, piece.mesh_texts);
+Sink& RunFiles::sink() {
+  const Request& request = run_.request;
+  if (request.map_sink != nullptr) return *request.map_sink;
+  if (maps_.empty())
+    for (const MapChoice& choice : chosen_maps(request.outputs))
+      maps_.emplace_back(choice, names_of(request.parameters.surface()).name, run_.plan.grid,
+                         run_.plan.region);
+  return *this;
 }
 
-void MeshSink::place(RowPiece& piece) {
+void RunFiles::prepare(RowPiece& piece) {
+  if (mesh_ && !filter_) mesh_->format(piece.mesh, piece.mesh_texts);
+}
+
+void RunFiles::place(RowPiece& piece) {
+  for (TextFile& to : texts_) {
+    PieceText& text = piece.*to.text;
+    text.offset = to.size;
+    to.size += text.buffer.text().size();
+  }
   if (filter_)
     filter_->add(piece.mesh);
-  else
-    file_.place(piece.mesh, piece.mesh_texts);
+  else if (mesh_)
+    mesh_->place(piece.mesh, piece.mesh_texts);
 }
 
-void MeshSink::store(const RowPiece& piece) {
-  if (!filter_) file_.write(piece.mesh_texts);
+void RunFiles::store(const RowPiece& piece) {
+  for (const TextFile& to : texts_) {
+    const PieceText& text = piece.*to.text;
+    to.file.write_at(text.buffer.text(), text.offset);
+  }
+  for (GridMap& map : maps_)
+    map.add_rows(piece.first_row, piece.map_rows[static_cast<std::size_t>(map.quantity())]);
+  if (mesh_ && !filter_) mesh_->write(piece.mesh_texts);
 }
 
-void MeshSink::finish(Summary& summary) {
+void RunFiles::finish_mesh(Summary& summary) {
   if (filter_) {
     const Stopwatch finishing;
     filter_->finish();
     summary.seconds.output += finishing.seconds();
     summary.mesh_quality = filter_->quality();
   }
-  summary.mesh = file_.counts();
-}
-
-RunFiles::RunFiles(PlannedRun& run) : run_(run) {
-  const Outputs& outputs = run.request.outputs;
-  const bool has_files = run.checkpoint || outputs.mesh || !file_names(outputs).empty();
-  if (!has_files || run.request.map_sink != nullptr) return;
-  files_.emplace(outputs, run.request.output_directory, run.file_sizes);
-  if (outputs.mesh) mesh_.emplace(run, *files_);
-}
-
-Sink& RunFiles::sink() {
-  if (sinks_) return *sinks_;
-  sinks_.emplace();
-  if (run_.request.map_sink != nullptr) {
-    sinks_->add(*run_.request.map_sink);
-    return *sinks_;
-  }
-  const Outputs& outputs = run_.request.outputs;
-  if (outputs.grid)
-    sinks_->add(std::make_unique<PieceTextSink>(&RowPiece::grid, file(RunFile::grid)));
-  if (outputs.edges)
-    sinks_->add(std::make_unique<PieceTextSink>(&RowPiece::edges, file(RunFile::edges)));
-  for (const MapChoice& choice : chosen_maps(outputs)) {
-    GridMap& map = maps_.emplace_back(choice, names_of(run_.request.parameters.surface()).name,
-                                      run_.plan.grid, run_.plan.region);
-    sinks_->add(std::make_unique<MapSink>(
-        map.quantity(),
-        [&map](std::int64_t first_row, const MapRows& rows) { map.add_rows(first_row, rows); }));
-  }
-  if (mesh_) sinks_->add(*mesh_);
-  return *sinks_;
+  summary.mesh = mesh_->counts();
 }
 
 void RunFiles::write_areas_of(std::span<const double> areas, const std::function<void()>& check) {
@@ -173,18 +172,13 @@ void RunFiles::write_box() {
     box->append(text);
 }
 
-void RunFiles::complete_gzip(RunFile which) {
-  OutputFile* const text = files_->find(which);
-  if (text != nullptr && run_.request.outputs.gzip && text->size() == 0)
-    text->append(Gzip().member({}));
-}
-
 void RunFiles::finish(const std::function<void()>& check, Summary& summary) {
   if (!files_) return;
-  if (mesh_) mesh_->finish(summary);
-  complete_gzip(RunFile::grid);
-  complete_gzip(RunFile::edges);
-  if (mesh_) mesh_->write(check);
+  if (mesh_) finish_mesh(summary);
+  // A valid gzip file has at least one member, also without text.
+  for (TextFile& text : texts_)
+    if (run_.request.outputs.gzip && text.size == 0) text.file.append(Gzip().member({}));
+  if (mesh_) mesh_->finish(check);
   for (GridMap& map : maps_) map.write(file(file_of(map.quantity())), run_.schedule.threads, check);
   write_areas_of(summary.atom_areas, check);
   write_box();

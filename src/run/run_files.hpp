@@ -1,10 +1,12 @@
 #pragma once
 /// The output files of a run, from their sinks to their final names.
 
+#include <cstdint>
 #include <deque>
 #include <functional>
 #include <optional>
 #include <span>
+#include <vector>
 
 #include "eses/summary.hpp"
 #include "mesh/quality_filter.hpp"
@@ -16,53 +18,46 @@
 
 namespace eses::detail {
 
-/// Writes the meshes of pieces, after their improvement if it is chosen.
-class MeshSink final : public Sink {
- public:
-  /// Keeps references to both. Writes the header of the file.
-  MeshSink(const PlannedRun& run, OutputFiles& files);
-
-  void prepare(RowPiece& piece) override;
-  void place(RowPiece& piece) override;
-  void store(const RowPiece& piece) override;
-  /// Finishes the mesh after all pieces were added. Sets its counts and angles in the summary.
-  void finish(Summary& summary);
-  /// Completes the file after `finish`.
-  void write(const std::function<void()>& check) { file_.finish(check); }
-
- private:
-  mesh::MeshFile file_;
-  std::optional<mesh::QualityFilter> filter_;
-};
-
-/// The output files of a run. Only the first process has them. A part of a run has none.
-class RunFiles {
+/// The output files of a run: a sink that writes pieces. Only the first process has them. A part of
+/// a run has none.
+class RunFiles final : public Sink {
  public:
   /// Opens the files. Keeps a reference to `run`.
   explicit RunFiles(PlannedRun& run);
 
-  /// Returns the sink of all pieces. The first call makes the maps.
+  /// Returns the sink of all pieces: these files, or the sink of a request without files. The first
+  /// call makes the maps.
   Sink& sink();
-
-  // `check` is called repeatedly, also from several threads at the same time, and may end the run
-  // by an exception.
+  void prepare(RowPiece& piece) override;
+  void place(RowPiece& piece) override;
+  void store(const RowPiece& piece) override;
 
   /// Finishes the mesh, completes all files, and gives them their final names. Sets the number of
-  /// written bytes and the counts of the mesh in the summary, whose areas are written.
+  /// written bytes and the counts of the mesh in the summary, whose areas are written. `check` is
+  /// called repeatedly, also from several threads at the same time, and may end the run by an
+  /// exception.
   void finish(const std::function<void()>& check, Summary& summary);
 
  private:
+  // A file with a text of the pieces, one after the other.
+  struct TextFile {
+    PieceText RowPiece::*text;
+    OutputFile& file;
+    std::uint64_t size = 0;
+  };
+
   OutputFile& file(RunFile which) { return *files_->find(which); }
+  void open_mesh(const MeshOptions& mesh);
+  void finish_mesh(Summary& summary);
   void write_areas_of(std::span<const double> areas, const std::function<void()>& check);
   void write_box();
-  // A valid gzip file has at least one member, also without text.
-  void complete_gzip(RunFile which);
 
   PlannedRun& run_;
   std::optional<OutputFiles> files_;  // without a value if the run writes nothing
-  std::optional<MeshSink> mesh_;
-  std::optional<Sinks> sinks_;
+  std::vector<TextFile> texts_;
   std::deque<GridMap> maps_;
+  std::optional<mesh::MeshFile> mesh_;
+  std::optional<mesh::QualityFilter> filter_;  // of the mesh, if it is improved
 };
 
 }  // namespace eses::detail

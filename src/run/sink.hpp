@@ -2,13 +2,10 @@
 /// Sinks: the receivers of the results of a sweep.
 
 #include <cstddef>
-#include <cstdint>
-#include <functional>
 #include <memory>
 #include <utility>
 #include <vector>
 
-#include "output/file.hpp"
 #include "run/piece.hpp"
 
 namespace eses::detail {
@@ -60,44 +57,6 @@ class Sinks final : public Sink {
  private:
   std::vector<Sink*> sinks_;
   std::vector<std::unique_ptr<Sink>> owned_;
-};
-
-/// Writes a text of the pieces.
-class PieceTextSink final : public Sink {
- public:
-  /// Keeps a reference to `file`.
-  PieceTextSink(PieceText RowPiece::*text, File& file) : text_(text), file_(file) {}
-  void place(RowPiece& piece) override {
-    PieceText& text = piece.*text_;
-    text.offset = size_;
-    size_ += text.buffer.text().size();
-  }
-  void store(const RowPiece& piece) override {
-    const PieceText& text = piece.*text_;
-    file_.write_at(text.buffer.text(), text.offset);
-  }
-
- private:
-  PieceText RowPiece::*text_;
-  File& file_;
-  std::uint64_t size_ = 0;  // of all pieces
-};
-
-/// Passes on the rows of a map.
-class MapSink final : public Sink {
- public:
-  /// Receives rows. See GridMap::add_rows. Several threads call it for different rows.
-  using TakeRows = std::function<void(std::int64_t first_row, const MapRows& rows)>;
-
-  MapSink(MapQuantity quantity, TakeRows take_rows)
-      : quantity_(quantity), take_rows_(std::move(take_rows)) {}
-  void store(const RowPiece& piece) override {
-    take_rows_(piece.first_row, piece.map_rows[static_cast<std::size_t>(quantity_)]);
-  }
-
- private:
-  MapQuantity quantity_;
-  TakeRows take_rows_;
 };
 
 }  // namespace eses::detail
