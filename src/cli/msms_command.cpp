@@ -25,7 +25,7 @@
 #include "input/text_source.hpp"
 #include "output/file.hpp"
 #include "output/file_path.hpp"
-#include "output/msms_text.hpp"
+#include "output/mesh_formatter.hpp"
 #include "output/output_directory.hpp"
 #include "output/text_buffer.hpp"
 #include "run/far_atoms.hpp"

@@ -11,7 +11,7 @@
 #include "eses/error.hpp"
 #include "eses/surface.hpp"
 #include "mesh/vertex.hpp"
-#include "output/msms_text.hpp"
+#include "output/mesh_formatter.hpp"
 #include "system/formatted.hpp"
 #include "system/hints.hpp"
 

@@ -5,14 +5,18 @@
 /// OBJ: https://paulbourke.net/dataformats/obj/
 /// OFF: http://www.geomview.org/docs/html/OFF.html
 /// STL: https://paulbourke.net/dataformats/stl/
-/// MSMS: msms_text.hpp; VTP: vtp_text.hpp; glTF: gltf_text.hpp
+/// MSMS: https://ccsb.scripps.edu/msms/, its manual page. This program does not number the patches,
+/// so that the columns of patch numbers contain 0.
+/// VTP: vtp_text.hpp; glTF: gltf_text.hpp
 
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <string_view>
 #include <vector>
 
 #include "eses/grid.hpp"
+#include "input/file_index.hpp"
 #include "mesh/piece.hpp"
 #include "output/gltf_text.hpp"
 #include "output/mesh_format.hpp"
@@ -108,5 +112,31 @@ struct MeshBytes {
 };
 
 MeshBytes typical_mesh_bytes(const MeshOptions& choice, bool has_labels);
+
+/// Expected number of vertices of a plain mesh in an area of the square of the spacing. An element
+/// of the surface with unit normal n has (|n_x| + |n_y| + |n_z|) / spacing^2 crossings per area,
+/// and the mean of the sum over all directions is 3/2.
+inline constexpr double plain_vertices_per_area = 1.5;
+/// Measured number of vertices of a mesh of quality in this area; see doc/msms.md.
+inline constexpr double quality_vertices_per_area = 0.86;
+
+/// Appends the three header lines of NAME.vert or NAME.face with this number of vertices or
+/// triangles, on which their length does not depend. `density` is the expected number of vertices
+/// in a square angstrom, and the probe radius is in angstrom.
+void append_msms_header(BufferedText& text, std::string_view surface, bool has_faces,
+                        std::uint64_t count, std::uint64_t atom_count, double density,
+                        double probe_radius);
+
+/// Upper bounds of the lengths of lines in the two files, without a name.
+inline constexpr std::size_t max_msms_vertex_bytes = 168;
+inline constexpr std::size_t max_msms_triangle_bytes = 48;
+
+/// Writes a line of NAME.vert. `closest_atom` is the closest atom that the probe touches. `name` is
+/// the name of this atom, which gives a tenth column; empty for none. Returns the end of the line.
+char* put_msms_vertex(char* out, const Vec3& position, const Vec3& normal, std::uint8_t patch,
+                      FileIndex closest_atom, std::string_view name = {});
+
+/// Writes a line of NAME.face. `patch` is the result of patch_of. Returns the end of the line.
+char* put_msms_triangle(char* out, const Triangle& triangle, std::uint8_t patch);
 
 }  // namespace eses::detail::mesh

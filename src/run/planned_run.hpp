@@ -1,22 +1,41 @@
 #pragma once
-/// Step 1 of a run: reading the input (run/input_atoms.hpp), planning (run/plan.hpp), and choosing
-/// the planes and atoms of this process (run/slabs.hpp). Step 2 is in engine.hpp.
+/// Step 1 of a run: reading the input (run/input_atoms.hpp), planning (run/plan.hpp), and dividing
+/// the planes of the grid among the processes. Each process reads all atoms. It gets a slab of
+/// consecutive planes and keeps the atoms that influence it. All slabs take about the same time.
+/// Step 2 is in engine.hpp.
 
+#include <cstddef>
+#include <cstdint>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "distributed/processes.hpp"
+#include "grid/plane_range.hpp"
+#include "input/file_index.hpp"
 #include "output/output_files.hpp"
 #include "run/checkpoint.hpp"
 #include "run/input_atoms.hpp"
 #include "run/plan.hpp"
 #include "run/request.hpp"
-#include "run/slabs.hpp"
 #include "surface/cavity_map.hpp"
 #include "surface/find_cavities.hpp"
+#include "surface/molecule.hpp"
 #include "surface/patch_schedule.hpp"
 
 namespace eses::detail {
+
+/// The planes of a process, and the atoms that influence them. A single process has all atoms.
+struct Slab {
+  PlaneRange planes;                       ///< may be empty
+  Molecule molecule{std::vector<Atom>()};  ///< without labels
+  /// Index in the file of each atom of the molecule, ascending; empty if the molecule has all
+  /// atoms.
+  std::vector<FileIndex> atoms_in_file;
+  std::vector<GroupNumbers> groups;  ///< by atom; empty if groups are not numbered
+
+  FileIndices file_indices() const { return FileIndices(atoms_in_file); }
+};
 
 /// A run that is ready: its plan, its input, and the part of it that belongs to this process.
 struct PlannedRun {
@@ -53,5 +72,12 @@ PlannedRun plan_run(Request request, const Processes& processes);
 
 /// Returns the surface near the slab of a process, whose patches a sweep builds or finds built.
 std::shared_ptr<ScheduledSurface> surface_of(const PlannedRun& run);
+
+/// Cuts `costs` into `parts` consecutive ranges with nearly equal sums; ranges may be empty.
+/// Returns the begin of each range, and the number of costs.
+std::vector<std::size_t> cut_evenly(std::span<const double> costs, int parts);
+
+/// Returns the number of planes in ranges that do not overlap.
+std::int64_t plane_count(std::span<const PlaneRange> ranges);
 
 }  // namespace eses::detail

@@ -6,7 +6,7 @@
 
 #include "output/area_tables.hpp"
 #include "output/eses_writer.hpp"
-#include "output/msms_text.hpp"
+#include "output/mesh_formatter.hpp"
 #include "system/gzip.hpp"
 #include "system/resources.hpp"
 #include "system/stopwatch.hpp"

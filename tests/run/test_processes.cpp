@@ -18,7 +18,7 @@
 #include "output/output_files.hpp"
 #include "run/checkpoint.hpp"
 #include "run/chunks.hpp"
-#include "run/slabs.hpp"
+#include "run/planned_run.hpp"
 #include "support/eses_files.hpp"
 #include "support/sandbox.hpp"
 #include "support/temporary_directory.hpp"

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "catch.hpp"
-#include "run/work_list.hpp"
+#include "run/sweep.hpp"
 
 namespace eses::detail::test {
 namespace {
