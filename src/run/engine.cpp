@@ -171,17 +171,6 @@ std::vector<SweepRange> ranges_of(const PlannedRun& run) {
   return ranges;
 }
 
-// Returns what the pieces have for the outputs.
-SweepContents contents_of(const Outputs& outputs) {
-  SweepContents contents{.grid = outputs.grid,
-                         .edges = outputs.edges,
-                         .gzip = outputs.gzip,
-                         .maps = {},
-                         .extras = extras_of(outputs)};
-  for (const MapChoice& map : chosen_maps(outputs)) contents.maps.push_back(map.quantity);
-  return contents;
-}
-
 // Adds the results of the verification of a range to its totals and to the summary.
 void verify(Verifier& verifier, ProgressReport& report, RegionTotals& totals, Summary& summary) {
   const Stopwatch watch;
@@ -221,7 +210,7 @@ SweepSums sweep_range(const PlannedRun& run, const SweepRange& range, PatchSched
     summary.seconds.verify += drawing.seconds();
     sinks.add(*verifier);
   }
-  Sweep sweep(run, tiling, patches, contents_of(run.request.outputs), sinks, report);
+  Sweep sweep(run, tiling, patches, run.request.outputs, sinks, report);
   if (range.planes.begin > run.plan.region.begin[2]) sweep.solve_plane_below();
   SweepSums sums = sweep.run();
   add_seconds(sums.seconds, summary.seconds);

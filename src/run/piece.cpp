@@ -74,12 +74,16 @@ void make_map_rows(const BlockTiling& tiling, const Layer& layer, MapQuantity qu
 
 }  // namespace
 
-PieceMaker::PieceMaker(const Grid& grid, const BlockTiling& tiling, SweepContents contents,
+PieceMaker::PieceMaker(const Grid& grid, const BlockTiling& tiling, const Outputs& outputs,
                        FileIndices file_indices)
     : tiling_(tiling),
-      contents_(std::move(contents)),
+      has_grid_(outputs.grid),
+      has_edges_(outputs.edges),
+      gzip_(outputs.gzip),
       text_(grid, tiling.region, file_indices),
-      batches_(tiling.region, contents_.gzip) {}
+      batches_(tiling.region, outputs.gzip) {
+  for (const MapChoice& map : chosen_maps(outputs)) maps_.push_back(map.quantity);
+}
 
 void PieceMaker::make(const Layer& layer, const RowRange& rows, Scratch& scratch,
                       RowPiece& piece) const {
@@ -87,13 +91,13 @@ void PieceMaker::make(const Layer& layer, const RowRange& rows, Scratch& scratch
   piece.first_row = (layer.first_z() - region.begin[2]) * region.size()[1] + rows.begin;
   piece.grid.buffer.clear();
   piece.edges.buffer.clear();
-  if (contents_.grid) append_points(layer, rows, piece.grid.buffer);
-  if (contents_.edges) append_crossings(layer, rows, piece.edges.buffer);
-  if (contents_.gzip) {
+  if (has_grid_) append_points(layer, rows, piece.grid.buffer);
+  if (has_edges_) append_crossings(layer, rows, piece.edges.buffer);
+  if (gzip_) {
     compress(piece.grid.buffer, scratch);
     compress(piece.edges.buffer, scratch);
   }
-  for (const MapQuantity quantity : contents_.maps)
+  for (const MapQuantity quantity : maps_)
     make_map_rows(tiling_, layer, quantity, rows,
                   piece.map_rows[static_cast<std::size_t>(quantity)]);
 }

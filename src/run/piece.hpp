@@ -45,14 +45,6 @@ struct RowPiece {
   std::uint64_t offset_in_chunk = 0;
 };
 
-/// The contents of the pieces and blocks of a sweep.
-struct SweepContents {
-  bool grid = false, edges = false;
-  bool gzip = false;  ///< whether both texts are members of gzip files
-  std::vector<MapQuantity> maps;
-  BlockExtras extras;  ///< what the maps need besides points
-};
-
 /// Makes pieces from layers, without their meshes.
 class PieceMaker {
  public:
@@ -61,11 +53,11 @@ class PieceMaker {
     std::optional<Gzip> gzip;
   };
 
-  /// Keeps references to `grid` and `tiling`. `file_indices` are those of the atoms.
-  PieceMaker(const Grid& grid, const BlockTiling& tiling, SweepContents contents,
+  /// The pieces have the texts and maps of `outputs`. Keeps references to `grid` and `tiling`.
+  /// `file_indices` are those of the atoms.
+  PieceMaker(const Grid& grid, const BlockTiling& tiling, const Outputs& outputs,
              FileIndices file_indices);
 
-  const SweepContents& contents() const { return contents_; }
   /// The rows of the pieces.
   const RowBatches& batches() const { return batches_; }
 
@@ -78,7 +70,9 @@ class PieceMaker {
   void compress(TextBuffer& text, Scratch& scratch) const;
 
   const BlockTiling& tiling_;
-  SweepContents contents_;
+  bool has_grid_, has_edges_;
+  bool gzip_;  // whether both texts are members of gzip files
+  std::vector<MapQuantity> maps_;
   GridText text_;
   RowBatches batches_;
 };

@@ -56,8 +56,9 @@ class ProbeSweep {
                     .caller_memory = caller,
                     .check = options.check};
     if (finds_covered) request.outputs.ion_access = IonAccessMap{"covered.dx", probe_radius};
-    extras_ = extras_of(request.outputs);
     run_ = plan_run(std::move(request), Processes());
+    outputs_ = run_.request.outputs;
+    outputs_.inside_map = "inside.dx";
     surface_ = surface_of(run_);
   }
 
@@ -65,19 +66,18 @@ class ProbeSweep {
   std::int64_t layer_planes() const { return run_.schedule.tiling.block_size[2] - 1; }
   int threads() const { return run_.schedule.threads; }
 
-  // Sweeps over the next planes. The pieces have these maps.
-  void sweep(const PlaneRange& planes, std::vector<MapQuantity> maps, Sink& sink,
-             ProgressReport& report) {
+  // Sweeps over the next planes. The pieces have the maps of inside points and, if they are found,
+  // of covered points.
+  void sweep(const PlaneRange& planes, Sink& sink, ProgressReport& report) {
     const BlockTiling tiling = make_tiling(run_.plan.grid, run_.schedule.tiling.block_size,
                                            with_planes(run_.plan.region, planes));
-    Sweep sweep(run_, tiling, surface_->schedule, {.maps = std::move(maps), .extras = extras_},
-                sink, report);
+    Sweep sweep(run_, tiling, surface_->schedule, outputs_, sink, report);
     sweep.solve_plane_below();
     sweep.run();
   }
 
  private:
-  BlockExtras extras_;
+  Outputs outputs_;  // of pieces; no file is written
   PlannedRun run_;
   std::shared_ptr<ScheduledSurface> surface_;
 };
@@ -174,10 +174,10 @@ PocketFinder sweep_planes(const Molecule& molecule, double probe_radius, const P
     PocketPlanes buffer(planes, finder);
     PocketSink of_small(buffer, grid.size[1], &PocketPlane::small, &PocketPlane::covered,
                         &PocketPlane::walls, report);
-    small.sweep(planes, {MapQuantity::inside, MapQuantity::ion_access}, of_small, report);
+    small.sweep(planes, of_small, report);
     PocketSink of_large(buffer, grid.size[1], &PocketPlane::large, nullptr, &PocketPlane::mouths,
                         report);
-    large.sweep(planes, {MapQuantity::inside}, of_large, report);
+    large.sweep(planes, of_large, report);
     for (PocketPlane& plane : buffer.planes()) {
       finder.add(std::move(plane));
       report.check();

@@ -31,22 +31,22 @@ WorkList work_of(const BlockTiling& tiling, const RowBatches& batches, std::int6
 }  // namespace
 
 Sweep::Sweep(const PlannedRun& run, const BlockTiling& tiling, PatchSchedule& patches,
-             SweepContents contents, Sink& sink, ProgressReport& progress)
+             const Outputs& outputs, Sink& sink, ProgressReport& progress)
     : grid_(run.plan.grid),
       parameters_(run.request.parameters),
       tiling_(tiling),
       patches_(patches),
-      pieces_(grid_, tiling, std::move(contents), run.slab.file_indices()),
+      pieces_(grid_, tiling, outputs, run.slab.file_indices()),
       sink_(sink),
       progress_(progress),
       workers_(static_cast<std::size_t>(run.schedule.threads)),
       work_(work_of(tiling, pieces_.batches(), run.schedule.blocks_ahead)),
       atom_shares_(patches.patches().surface().atoms.size()) {
-  if (run.request.outputs.mesh) mesh_.emplace(run, tiling);
+  if (outputs.mesh) mesh_.emplace(run, tiling);
   const std::int64_t blocks = tiling_.blocks[0] * tiling_.blocks[1];
   for (std::size_t thread = 0; thread < workers_.size(); ++thread) {
     workers_[thread].thread = thread;
-    workers_[thread].block.extras = pieces_.contents().extras;
+    workers_[thread].block.extras = extras_of(outputs);
   }
   for (Layer& layer : layers_) layer.blocks.resize(static_cast<std::size_t>(blocks));
   // The sweep starts at the plane below the region, as it may be solved first.

@@ -142,11 +142,11 @@ class WorkList {
 /// makes pieces of each layer.
 class Sweep {
  public:
-  /// A sweep over the blocks of `tiling`. Keeps references to all arguments except `contents`.
-  /// Several sweeps may use the same patches, one after the other, in ascending order of their
-  /// planes.
+  /// A sweep over the blocks of `tiling`, whose pieces have these outputs. Keeps references to all
+  /// other arguments. Several sweeps may use the same patches, one after the other, in ascending
+  /// order of their planes.
   Sweep(const PlannedRun& run, const BlockTiling& tiling, PatchSchedule& patches,
-        SweepContents contents, Sink& sink, ProgressReport& progress);
+        const Outputs& outputs, Sink& sink, ProgressReport& progress);
 
   /// Solves the plane below the region, if the grid has it. It is required before `run` if the
   /// region continues the region of another sweep: its points are neighbours of the first plane,
