@@ -15,16 +15,14 @@ import sys
 
 from eses_tools import quiet_interrupt  # before the modules that take time to load
 
-import argparse
 import csv
 import io
 import json
 import math
 import pathlib
-import subprocess
 import tempfile
 
-from eses_tools.common import (NAME, PROGRAM, Failed, Parser, at_least, command_of,
+from eses_tools.common import (NAME, Failed, Parser, at_least, between, command_of,
                                complete_file, describe_build, end_with, files_among, input_file, require_file,
                                require_kind, require_output, say, show)
 from eses_tools import SCHEMES, STYLES, measuring, mmcif, pdb_to_pqr
@@ -61,14 +59,10 @@ def import_numpy():
 # ----------------------------------------------------------------------------------- programs
 
 
-def run_program(command, folder):
+def run_program(command):
     """Runs eses-blocks and returns its messages. Throws Failed if it fails, and ends with exit code
     2 if it refuses the arguments after `--`."""
-    with open(folder / "messages", "w+", encoding="utf-8", errors="replace") as messages:
-        code, _, _ = measuring.run(command, subprocess.DEVNULL, messages)
-        messages.seek(0)
-        text = "\n".join(line.removeprefix("eses-blocks: ").removeprefix("error: ")
-                         for line in messages.read().splitlines()).strip()
+    code, text, *_ = measuring.run_quietly(command)
     if code == 2:
         say(text.partition("\n")[0])
         sys.exit(2)
@@ -165,7 +159,7 @@ def measure(options, arguments, folder):
     # Without a probe, the solvent excluded surface is that of van der Waals.
     probe = 0 if options.surface == "vdw" else options.probe_radius
     run_program([options.program, "measure", *arguments, "--probe-radius", probe, "--quiet", "--write",
-                 "atoms,cavities" if is_ses else "atoms", *(["--cavities"] if is_ses else []), "-o", folder], folder)
+                 "atoms,cavities" if is_ses else "atoms", *(["--cavities"] if is_ses else []), "-o", folder])
     atoms, = folder.glob("*.atoms.csv")
     rows = [{**row, "ses_area": row[AREAS[options.surface]]} for row in read_table(atoms)]
     return rows, [row for path in folder.glob("*.cavities.csv") for row in read_table(path)]
@@ -176,7 +170,7 @@ def list_atoms(options, path, folder):
     the least time."""
     folder.mkdir()
     run_program([options.program, "measure", path, *options.arguments, "--probe-radius", "0", "--surface", "ses",
-                 "--quiet", "--write", "atoms", "-o", folder], folder)
+                 "--quiet", "--write", "atoms", "-o", folder])
     table, = folder.glob("*.atoms.csv")
     return read_table(table)
 
@@ -242,7 +236,7 @@ def read_structure(options, path, folder, ligands=()):
     messages = run_program([options.program, *reading, *options.surface_arguments, "--surface", options.surface, *probe,
                             "--spacing", spacing, "--margin", margin, "--json", "--write", "none",
                             "--independent", "-o", folder, "--mesh", mesh, "--color",
-                            "component" if options.surface == "ses" else "atom"], folder)
+                            "component" if options.surface == "ses" else "atom"])
     if messages:
         say(messages)
     read = with_creases(meshes.read_mesh(mesh))
@@ -329,17 +323,9 @@ def make_molecules(options):
 # -------------------------------------------------------------------------------- command line
 
 
-def per_cent(text):
-    value = int(text)
-    if not 0 <= value <= 100:
-        raise argparse.ArgumentTypeError("expected 0 to 100")
-    return value
-
-
 def parse():
-    paragraphs = __doc__.split("\n\n")
     above_zero = at_least(0, is_open=True)
-    parser = Parser(description="\n\n".join(paragraphs[:2]), epilog=paragraphs[2],
+    parser = Parser(__doc__, lead=2,
                     examples=(("1crn.pdb -o 1crn.html", "a structure, in the colours of its chains"),
                               ("1brs.pdb --electrostatics -o p.html", "its potential"),
                               ("1crn.ply a.glb -o both.html", "two meshes side by side")),
@@ -359,7 +345,7 @@ def parse():
                            "residue_number and chain")
     look.add_argument("--atoms", default="none", choices=STYLES,
                       help="drawing of the atoms of structures (default: none)")
-    look.add_argument("--opacity", type=per_cent, metavar="PERCENT",
+    look.add_argument("--opacity", type=between(0, 100, int), metavar="PERCENT",
                       help="opacity (default: 100, or 45 with --atoms)")
     surface = parser.add_argument_group("surface of structures")
     surface.add_argument("--surface", default="ses", choices=tuple(AREAS),
@@ -388,9 +374,7 @@ def parse():
                                 "cent of the vertices exceed)")
     potential.add_argument("--ionic-strength", type=at_least(0), default=0.15, metavar="MOLAR",
                            help="concentration of a 1:1 salt for --electrostatics (default: 0.15)")
-    parser.add_argument("--program", type=pathlib.Path, default=PROGRAM, metavar="FILE",
-                        help="path of eses-blocks (default: the one beside this script, or "
-                             "build/eses-blocks)")
+    parser.add_program()
     options, arguments = parser.parse_before_dashes()
     options.arguments = [each for each in arguments if each not in SURFACE_ONLY]
     options.surface_arguments = [each for each in arguments if each in SURFACE_ONLY]
@@ -425,7 +409,6 @@ def complete_options(parser, options):
         parser.error("--color potential needs --potential or --electrostatics")
     options.ligands = options.ligands or ("surface" if options.electrostatics else "sticks")
     options.needs_program = not all(is_mesh)
-    options.program = options.program.absolute()
     options.title = options.title or ", ".join(path.name for path in options.files)
 
 

@@ -268,7 +268,7 @@ class Files(TestCase):
                 ([self.atoms, "--", "--radii", "bondi"], 2, "--radii"),
                 ([self.atoms, "--", "--surface", "sas"], 2, "--surface must come before --"),
                 ([self.atoms, "--", "--spacing", "1"], 2, "--spacing must come before --"),
-                ([self.atoms, "--opacity", "120"], 2, "expected 0 to 100")):
+                ([self.atoms, "--opacity", "120"], 2, "expected a whole number from 0 to 100")):
             with self.subTest(message=message):
                 done = run_view("-o", self.page, *arguments)
                 self.assertEqual(done.returncode, code, done.stderr)
