@@ -29,6 +29,11 @@ struct FarAtoms {
 /// 1e8 points, or if at least 1 % of its points may be near atoms.
 std::optional<FarAtoms> find_far_atoms(const Surface& surface, const GridOptions& options = {});
 
+/// Returns a few atoms far from all others, such as placeholders at 9999.999, which make the usual
+/// grid large and empty; ascending. More atoms than a tenth are copies of a molecule, and no
+/// mistake.
+std::vector<AtomIndex> find_stray_atoms(const Surface& surface);
+
 /// Returns a sentence about the grid and the indices of the first far atoms.
 std::string describe(const FarAtoms& far);
 

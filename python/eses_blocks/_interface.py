@@ -216,6 +216,7 @@ def _measure(molecule: _molecule.Molecule, parts: Any, names: Sequence[str], pro
              threads: int, residue_cutoff: float) -> list[Interface]:
     """Measures the interfaces of parts, whose numbers are those of all atoms of the molecule."""
     surface = _core.Surface(molecule.centers, molecule.radii, probe_radius, threads=threads)
+    _core._warn_about_stray_atoms(surface, molecule.kept)
     polar = _polar_atoms(molecule, _starts_of(molecule))
     interfaces = []
     for first, second, atoms, sas_lost, ses_lost in _core._measure_interfaces(

@@ -5,7 +5,6 @@ from __future__ import annotations
 import csv
 import functools
 import html
-import importlib
 import os
 from typing import Any, Iterable, Iterator, Optional, Union, overload
 
@@ -62,10 +61,7 @@ class Table(ReadOnly):
 
     def to_pandas(self) -> Any:
         """Returns a pandas.DataFrame with these columns. Raises ImportError without pandas."""
-        try:
-            pandas: Any = importlib.import_module("pandas")
-        except ImportError as error:
-            raise ImportError("to_pandas needs pandas; install it, for example with `pip install pandas`") from error
+        pandas = _arguments.imported("pandas", "to_pandas")
         return pandas.DataFrame({name: column.copy() for name, column in self._columns.items()})
 
     def save(self, path: _Path) -> None:
@@ -507,6 +503,7 @@ def measure(molecule: Any, radii: Any = None, *, probe_radius: float = 1.4, repo
     if reported is not None and not reported[found.kept].any():
         raise ValueError(f"report: all {int(reported.sum())} atoms are left out; see select, waters and hydrogens")
     surface = _core.Surface(found.centers, found.radii, probe_radius, fill_cavities=fill_cavities, threads=threads)
+    _core._warn_about_stray_atoms(surface, found.kept)
     remember_files(surface, *found.files)
     remember_molecule(surface, found.kept, select)
     measures = surface.measure(ses="ses" in chosen, van_der_waals=van_der_waals or "vdw" in chosen, by_atom=True,

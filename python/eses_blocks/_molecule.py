@@ -178,7 +178,7 @@ def _read_file(found: Any, chosen_radii: Any, unknown: Optional[float], waters: 
     _core._warn_about(atoms, name)
     source = _of_atoms(atoms, is_model_chosen=given["model"] > 0)
     source.chosen = None if is_read else chosen
-    remember_files(atoms, name, radii)
+    remember_files(atoms, name, radii, re.sub(r"(?i)\+shannon$", "", radii))
     source.files = files_of(atoms)
     if layout == "mmcif" and atoms.labels is not None:
         text = data if data is not None else read_content(found, layout)[0]

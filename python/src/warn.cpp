@@ -1,7 +1,11 @@
 #include "warn.hpp"
 
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <optional>
+#include <vector>
 
 namespace py = pybind11;
 
@@ -61,6 +65,25 @@ void warn_about(const AtomFile& file, const py::str& name) {
       warn(
           py::str("{}: {}: {}")
               .format(name, describe(diagnostic), list_text(diagnostic, "line", "lines", line_of)));
+}
+
+void warn_about_stray_atoms(const Surface& surface, std::span<const std::int64_t> kept) {
+  std::vector<AtomIndex> strays;
+  {
+    const py::gil_scoped_release unlocked;
+    strays = find_stray_atoms(surface);
+  }
+  if (strays.empty()) return;
+  Diagnostic diagnostic;
+  diagnostic.count = strays.size();
+  for (std::size_t i = 0; i < std::min(strays.size(), Diagnostic::max_examples); ++i)
+    diagnostic.examples.push_back({strays[i], strays[i]});
+  const std::string atoms =
+      strays.size() == 1 ? "1 atom is" : std::to_string(strays.size()) + " atoms are";
+  warn(atoms + " far from all others: " +
+       list_text(diagnostic, "index", "indices", [&](const Diagnostic::Example& example) {
+         return static_cast<std::uint64_t>(kept[example.atom]);
+       }));
 }
 
 void check_far_atoms(const Surface& surface, const GridOptions& grid, bool are_allowed) {

@@ -3,6 +3,7 @@
 
 #include <pybind11/pybind11.h>
 
+#include <cstdint>
 #include <eses/eses.hpp>
 #include <span>
 #include <string>
@@ -19,6 +20,10 @@ void warn_about(std::span<const Diagnostic> diagnostics, const std::string& star
 
 /// Warns of each diagnostic of the atoms of a file that correct files do not have, with its lines.
 void warn_about(const AtomFile& file, const pybind11::str& name);
+
+/// Warns of the atoms of find_stray_atoms by their indices in an object, of which the surface has
+/// the atoms `kept`.
+void warn_about_stray_atoms(const Surface& surface, std::span<const std::int64_t> kept);
 
 /// Warns of atoms that make a grid large and empty. Raises ValueError if the program would refuse
 /// the grid and `are_allowed` is false.

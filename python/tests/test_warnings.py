@@ -88,6 +88,21 @@ def test_nanometres_in_frames_are_one_warning(chain):
         eses.measure_frames(20 * frames, radii)
 
 
+def test_stray_atoms_are_named_by_measures():
+    near, radii = [[float(i), 0, 0] for i in range(9)], np.full(10, 1.7)
+    strays = np.array([[9999.0, 9999, 9999], *near])
+    with pytest.warns(UserWarning, match="^1 atom is far from all others: index 0$"):
+        eses.measure(strays, radii)
+    with pytest.warns(UserWarning, match="^1 atom is far from all others: index 9$"):  # of all atoms, not of the selected ones
+        eses.measure(np.array([*near[:4], *near[:1], *near[5:], [9999, 9999, 9999]]), radii, select=np.arange(10) != 4)
+    with pytest.warns(UserWarning, match="^1 atom is far from all others: index 0$"):
+        eses.interface((strays, radii), np.arange(10) < 5, np.arange(10) >= 5)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        eses.measure(near, radii[1:])
+        eses.measure(np.concatenate([near, np.array(near) + 9999]), np.full(18, 1.7))  # two copies of a molecule
+
+
 def test_far_atoms_are_named_and_refused():
     far = [[float(i), 0, 0] for i in range(9)]
     radii = np.full(10, 1.7)

@@ -60,18 +60,15 @@ std::optional<std::string> label_text(const std::map<FileIndex, AtomLabel>& labe
   return found == labels.end() ? std::nullopt : std::optional(label_text(found->second));
 }
 
-/// Returns the warning about a few atoms far from all others, which would make the usual grid large
-/// and empty; nothing if there are none. More atoms are copies of a molecule, and no mistake.
+/// Returns the warning about the atoms of find_stray_atoms; nothing if there are none.
 std::optional<DiagnosticText> far_atoms_text(const AtomFile& atoms, const Surface& surface,
                                              const std::filesystem::path& input) {
-  const std::optional<FarAtoms> far = find_far_atoms(surface, GridOptions());
-  if (!far || far->atoms.empty()) return std::nullopt;
-  constexpr std::size_t atoms_per_far_atom = 10;  // the first far atom needs no others
-  if ((far->atoms.size() - 1) * atoms_per_far_atom > surface.atoms().size()) return std::nullopt;
+  const std::vector<AtomIndex> strays = find_stray_atoms(surface);
+  if (strays.empty()) return std::nullopt;
   DiagnosticText text = program_warning(far_atoms_name, "");
-  text.count = far->atoms.size();
+  text.count = strays.size();
   for (const AtomIndex atom :
-       std::span(far->atoms).first(std::min(far->atoms.size(), Diagnostic::max_examples)))
+       std::span(strays).first(std::min(strays.size(), Diagnostic::max_examples)))
     text.examples.push_back({.atom = atom,
                              .line = atoms.lines[atom],
                              .label = surface.labels().empty()

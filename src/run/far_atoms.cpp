@@ -7,6 +7,8 @@
 #include <cstddef>
 #include <numbers>
 #include <numeric>
+#include <optional>
+#include <utility>
 
 #include "eses/diagnostics.hpp"
 #include "eses/surface.hpp"
@@ -173,6 +175,14 @@ namespace eses {
 
 std::optional<FarAtoms> find_far_atoms(const Surface& surface, const GridOptions& options) {
   return detail::find_far_atoms(surface.atoms(), surface.probe_radius(), options);
+}
+
+std::vector<AtomIndex> find_stray_atoms(const Surface& surface) {
+  constexpr std::size_t atoms_per_stray = 10;  // the first stray atom needs no others
+  std::optional<FarAtoms> far = find_far_atoms(surface);
+  if (!far || far->atoms.empty()) return {};
+  const bool are_few = (far->atoms.size() - 1) * atoms_per_stray <= surface.atoms().size();
+  return are_few ? std::move(far->atoms) : std::vector<AtomIndex>();
 }
 
 std::string describe(const FarAtoms& far) {
