@@ -9,7 +9,8 @@
 
 namespace eses {
 
-/// Index of an atom in the order of the input, from 0.
+/// Index of an atom, from 0, in the atoms that a function gets or returns. Those of a file are in
+/// its order.
 using AtomIndex = std::uint32_t;
 
 /// A van der Waals sphere. Surface accepts only finite numbers.

@@ -57,7 +57,8 @@ enum class ChainNames {
 struct StructureOptions {
   /// The set of radii: `protor`, `bondi`, `msms`, `naccess` or `oons`, or one of them with
   /// Shannon's radii of ions, such as `protor+shannon`; `occupancy` for the radii that the file has
-  /// in place of occupancies; or the path of a file in FreeSASA's configuration format.
+  /// in place of occupancies; or the path of a file in FreeSASA's configuration format, also with
+  /// `+shannon`.
   std::string radii = "protor";
   /// Radius of atoms that are not in the set, in angstrom. If it is empty, such atoms are an error.
   std::optional<double> unknown_radius;

@@ -6,7 +6,7 @@
 #include <memory>
 
 #include "eses/version.hpp"
-#include "input/closest_name.hpp"
+#include "input/advice.hpp"
 #include "input/read_structure.hpp"
 #include "input/text_fields.hpp"
 #include "system/dispatch.hpp"

@@ -9,7 +9,7 @@
 #include "cli/json.hpp"
 #include "cli/messages.hpp"
 #include "cli/shared_report.hpp"
-#include "input/residue_runs.hpp"
+#include "input/atom_names.hpp"
 #include "input/text_source.hpp"
 #include "output/area_formats.hpp"
 #include "output/area_tables.hpp"

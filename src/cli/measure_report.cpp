@@ -16,7 +16,7 @@
 #include "cli/messages.hpp"
 #include "cli/shared_report.hpp"
 #include "eses/radii.hpp"
-#include "input/residue_runs.hpp"
+#include "input/atom_names.hpp"
 #include "input/text_fields.hpp"
 #include "input/text_source.hpp"
 #include "output/area_tables.hpp"

@@ -21,7 +21,7 @@
 #include "cli/msms_surface.hpp"
 #include "eses/error.hpp"
 #include "eses/version.hpp"
-#include "input/read_spheres.hpp"
+#include "input/read_input.hpp"
 #include "input/text_source.hpp"
 #include "output/file.hpp"
 #include "output/file_path.hpp"

@@ -10,7 +10,7 @@
 
 #include "cli/arguments.hpp"
 #include "eses/surface.hpp"
-#include "input/closest_name.hpp"
+#include "input/advice.hpp"
 #include "system/formatted.hpp"
 
 namespace eses::detail::cli {

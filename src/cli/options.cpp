@@ -14,7 +14,7 @@
 #include "cli/option_values.hpp"
 #include "cli/shared_options.hpp"
 #include "eses/error.hpp"
-#include "input/closest_name.hpp"
+#include "input/advice.hpp"
 #include "input/grid_reader.hpp"
 #include "output/grid_map.hpp"
 #include "output/mesh_format.hpp"

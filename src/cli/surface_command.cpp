@@ -20,6 +20,7 @@
 #include "distributed/processes.hpp"
 #include "eses/error.hpp"
 #include "grid/make_grid.hpp"
+#include "input/radii_set.hpp"
 #include "output/file_path.hpp"
 #include "output/output_files.hpp"
 #include "run/engine.hpp"
@@ -64,7 +65,7 @@ void on_rank_zero(const Processes& processes, const std::function<void()>& actio
 std::vector<ReadFile> files_to_read(const Options& options) {
   std::vector<ReadFile> files{{options.input().path, "the input"}};
   if (!options.grid.like.empty()) files.push_back({options.grid.like, "the file of --grid-like"});
-  files.push_back({options.input().structure.radii, "the file of --radii"});
+  files.push_back({radii_file(options.input().structure.radii), "the file of --radii"});
   if (const auto& mesh = options.request.outputs.mesh; mesh && mesh->potential)
     files.push_back({mesh->potential->file, "the file of --potential"});
   return files;

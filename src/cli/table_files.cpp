@@ -9,6 +9,7 @@
 
 #include "cli/messages.hpp"
 #include "eses/error.hpp"
+#include "input/radii_set.hpp"
 #include "output/file_path.hpp"
 #include "system/formatted.hpp"
 #include "system/gzip.hpp"
@@ -41,7 +42,7 @@ void check_outputs(std::span<const ReadFile> read, const std::vector<std::string
 
 /// Returns the files that a command reads.
 std::vector<ReadFile> files_that_are_read(const TableOptions& options) {
-  std::vector<ReadFile> read{{options.structure.radii, "the file of --radii"},
+  std::vector<ReadFile> read{{radii_file(options.structure.radii), "the file of --radii"},
                              {options.choice.list, "the file of --files-from"}};
   for (const std::filesystem::path& input : options.inputs)
     read.push_back({input, "an input file"});

@@ -116,7 +116,7 @@ void add_last_options(CLI::App& app, TableOptions& options, const std::string& c
 void complete_table_options(const CLI::App& app, TableOptions& options) {
   options.radii = find_radii_set(options.structure.radii);
   options.inputs = options.choice.files(options.quiet);
-  if (options.identity) options.identity = identity_of(app, options.structure.radii);
+  if (options.identity) options.identity = identity_of(app, radii_file(options.structure.radii));
   options.prints_csv = is_standard_output(options.csv);
   if (options.prints_csv || is_null_device(options.csv)) options.csv.clear();
   if (options.output_directory == "-")

@@ -7,11 +7,11 @@
 #include <vector>
 
 #include "eses/error.hpp"
+#include "input/atom_records.hpp"
 #include "input/other_formats.hpp"
 #include "input/pdb_elements.hpp"
-#include "input/pqr_records.hpp"
-#include "input/reading_limit.hpp"
 #include "input/text_fields.hpp"
+#include "input/text_source.hpp"
 #include "system/formatted.hpp"
 
 namespace eses::detail {
@@ -271,8 +271,7 @@ void require_atoms(const AtomLines& lines, std::uint64_t atoms, const LinesRead&
 
 }  // namespace
 
-AtomFile read_all_atoms(const ReadText& read, const AtomLines& lines,
-                        const std::function<void(AtomFile& atoms)>& after_part) {
+AtomFile read_all_atoms(const ReadText& read, const AtomLines& lines, const NameStore& store) {
   AtomFile file;
   LinesRead counts;
   const ReadingLimit limit(lines.options.max_memory);
@@ -280,7 +279,8 @@ AtomFile read_all_atoms(const ReadText& read, const AtomLines& lines,
     make_room(text, lines, limit, counts.lines + 1, file);
     parse_lines(text, lines, counts, file);
     if (lines.options.check) lines.options.check();
-    if (after_part) after_part(file);
+    if (store.with_atoms) complete_elements(file.labels);
+    if (store.is_used()) store.take(file);
   });
   require_atoms(lines, file.atoms.size(), counts);
   complete_elements(file.labels);

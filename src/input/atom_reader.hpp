@@ -9,6 +9,7 @@
 #include <string_view>
 
 #include "eses/read_atoms.hpp"
+#include "input/atom_names.hpp"
 
 namespace eses::detail {
 
@@ -24,9 +25,8 @@ struct AtomLines {
 using ReadText = std::function<std::size_t(std::span<char> buffer)>;
 
 /// Reads a whole file. Besides the atoms, the memory does not grow with the file. Calls the check
-/// of the options and `after_part` after each part. Throws Error as read_atoms does.
-AtomFile read_all_atoms(const ReadText& read, const AtomLines& lines,
-                        const std::function<void(AtomFile& atoms)>& after_part = {});
+/// of the options after each part. Throws Error as read_atoms does.
+AtomFile read_all_atoms(const ReadText& read, const AtomLines& lines, const NameStore& store = {});
 
 /// Adds a line with coordinates whose record name is unknown to the diagnostics.
 void add_unread_record(std::uint64_t line, AtomFile& file);

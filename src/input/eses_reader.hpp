@@ -16,7 +16,7 @@
 #include "eses/crossing.hpp"
 #include "eses/grid.hpp"
 #include "eses/vec3.hpp"
-#include "input/line_reader.hpp"
+#include "input/text_source.hpp"
 
 namespace eses::detail {
 

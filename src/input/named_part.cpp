@@ -4,8 +4,8 @@
 #include <cstddef>
 #include <utility>
 
+#include "input/atom_names.hpp"
 #include "input/pdb_elements.hpp"
-#include "input/residue_runs.hpp"
 #include "input/text_fields.hpp"
 #include "system/formatted.hpp"
 

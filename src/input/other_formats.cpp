@@ -6,7 +6,7 @@
 
 #include "eses/error.hpp"
 #include "input/advice.hpp"
-#include "input/pqr_records.hpp"
+#include "input/atom_records.hpp"
 #include "input/text_fields.hpp"
 #include "system/formatted.hpp"
 #include "system/gzip.hpp"

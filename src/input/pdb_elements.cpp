@@ -5,7 +5,7 @@
 #include <unordered_map>
 
 #include "eses/atoms.hpp"
-#include "input/radii_set.hpp"
+#include "input/radii_tables.hpp"
 #include "input/text_fields.hpp"
 
 namespace eses::detail {

@@ -11,7 +11,8 @@
 #include <vector>
 
 #include "eses/error.hpp"
-#include "input/closest_name.hpp"
+#include "input/advice.hpp"
+#include "input/radii_tables.hpp"
 #include "input/text_fields.hpp"
 #include "input/text_source.hpp"
 #include "system/formatted.hpp"
@@ -93,11 +94,22 @@ RadiiSet oons_set(std::string name) {
 
 constexpr std::string_view with_ions = "+shannon";  // the end of the name of a set
 
+/// Returns the name of a set or file without the end that asks for radii of ions.
+std::string without_ions(std::string_view name) {
+  const bool has_end = lower_case(std::string(name)).ends_with(with_ions);
+  return std::string(name.substr(0, name.size() - (has_end ? with_ions.size() : 0)));
+}
+
+bool is_there(const std::string& file) {
+  std::error_code ignored;  // such as a name that is too long
+  return std::filesystem::exists(file, ignored);
+}
+
 /// Returns a set with other radii for ions that are residues by themselves.
 RadiiSet with_ionic_radii(RadiiSet set) {
   set.name += with_ions;
   set.find_named = [others = set.find_named](const AtomIdentity& atom) {
-    const std::optional<double> radius = ionic_radius(atom);
+    const std::optional<double> radius = ionic_radius(atom.residue, atom.atom, atom.element);
     return radius ? radius : others(atom);
   };
   return set;
@@ -247,7 +259,7 @@ AtomClass RadiiSet::class_of(const AtomIdentity& atom) const {
 std::optional<RadiiSet> named_radii_set(std::string_view name) {
   const std::string word = lower_case(std::string(name));  // publications write ProtOr
   if (word.ends_with(with_ions)) {
-    std::optional<RadiiSet> base = named_radii_set(word.substr(0, word.size() - with_ions.size()));
+    std::optional<RadiiSet> base = named_radii_set(without_ions(word));
     if (!base || base->is_occupancy || base->name.ends_with(with_ions)) return std::nullopt;
     return with_ionic_radii(*std::move(base));
   }
@@ -277,15 +289,21 @@ std::optional<RadiiSet> named_radii_set(std::string_view name) {
   return std::nullopt;
 }
 
+std::string radii_file(const std::string& name) {
+  const std::string base = without_ions(name);
+  return !is_there(name) && is_there(base) ? base : name;
+}
+
 RadiiSet find_radii_set(const std::string& name_or_file) {
   if (std::optional<RadiiSet> named = named_radii_set(name_or_file)) return *std::move(named);
   constexpr std::uint64_t max_bytes = std::uint64_t{4} << 20;  // valid files have a few kilobytes
+  const std::string file = radii_file(name_or_file);
   try {
-    TextSource source{std::filesystem::path(name_or_file)};
-    return parse_radii_set(read_text(source, ReadingLimit(0), {}, max_bytes), name_or_file);
+    TextSource source{std::filesystem::path(file)};
+    RadiiSet set = parse_radii_set(read_text(source, ReadingLimit(0), {}, max_bytes), file);
+    return file == name_or_file ? set : with_ionic_radii(std::move(set));
   } catch (const Error& error) {
-    std::error_code ignored;  // such as a name that is too long
-    if (std::filesystem::exists(name_or_file, ignored)) throw;
+    if (is_there(file)) throw;
     const std::vector<std::string> names{"protor", "bondi", "msms", "naccess", "oons", "occupancy"};
     const auto all_but_last = std::span(names).first(names.size() - 1);
     std::vector<std::string> known = names;

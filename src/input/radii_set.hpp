@@ -55,7 +55,12 @@ inline constexpr double max_set_radius = 1000;  // angstrom
 /// ionic_radius.
 std::optional<RadiiSet> named_radii_set(std::string_view name);
 
-/// Returns a built-in set, or reads a file in FreeSASA's configuration format.
+/// Returns the file that a name of radii means, which is FILE for `FILE+shannon`, unless there is a
+/// file of this name; other names as they are.
+std::string radii_file(const std::string& name);
+
+/// Returns a built-in set, or reads a file in FreeSASA's configuration format, also with the radii
+/// of ionic_radius for `FILE+shannon`.
 RadiiSet find_radii_set(const std::string& name_or_file);
 
 /// Parses a set of radii in FreeSASA's configuration format. The section `types:` has lines `TYPE
@@ -64,30 +69,5 @@ RadiiSet find_radii_set(const std::string& name_or_file);
 /// radius of their element. The radii belong to united atoms unless hydrogens are listed. Throws
 /// Error with `file` and the line.
 RadiiSet parse_radii_set(std::string_view text, std::string_view file);
-
-// Tables of the built-in sets, in angstrom. All functions return nothing for atoms that are not in
-// the table.
-
-/// Returns the radius of a united atom by Tsai et al. (1999), as FreeSASA extends them.
-std::optional<double> protor_radius(std::string_view residue, std::string_view atom);
-
-/// Returns the radius of a united atom in the set of NACCESS or of Ooi et al. (1987), as FreeSASA
-/// has them. The residue ANY stands for all residues.
-std::optional<double> naccess_radius(std::string_view residue, std::string_view atom);
-std::optional<double> oons_radius(std::string_view residue, std::string_view atom);
-
-/// Returns the radius of a united atom other than hydrogen, as pdb_to_xyzr of MSMS assigns it.
-std::optional<double> msms_radius(std::string_view residue, std::string_view atom);
-
-/// Returns the radius by Shannon (1976) of an ion that is a residue by itself, such as NA or FE2.
-std::optional<double> ionic_radius(const AtomIdentity& atom);
-
-/// Returns the van der Waals radius of an element, such as `C` or `Zn`: the value of Bondi, else of
-/// Mantina et al., else of Alvarez.
-std::optional<double> bondi_radius(std::string_view element);
-
-/// Returns the radius that FreeSASA assigns to an atom of this element if its sets do not name the
-/// atom.
-std::optional<double> freesasa_element_radius(std::string_view element);
 
 }  // namespace eses::detail

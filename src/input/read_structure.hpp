@@ -2,13 +2,13 @@
 /// Reading of atoms from PDB and mmCIF texts.
 
 #include <cstdint>
-#include <functional>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "eses/read_atoms.hpp"
-#include "input/reading_limit.hpp"
+#include "input/atom_names.hpp"
+#include "input/text_source.hpp"
 
 namespace eses::detail {
 
@@ -36,9 +36,8 @@ struct StructureText {
 /// Returns the version of gemmi; empty in a build without it, which reads no PDB and mmCIF files.
 std::string_view gemmi_version();
 
-/// Reads a text. Calls `after_part` after each part with the atoms so far. Labels that `after_part`
-/// takes are not kept. Throws Error with file and line.
-AtomFile read_structure(StructureText text, const std::function<void(AtomFile& atoms)>& after_part);
+/// Reads a text. The labels go to `store`, if it is used. Throws Error with file and line.
+AtomFile read_structure(StructureText text, const NameStore& store = {});
 
 /// Returns the names of the models of a text, in its order; empty if it has no atoms. Throws Error
 /// with file and line.

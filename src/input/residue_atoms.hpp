@@ -56,6 +56,14 @@ bool is_water_residue(std::string_view residue, const Atoms& atoms, NamesOf&& na
   return is_bead || oxygens.size() == 1;
 }
 
+/// Returns whether a residue has a single atom, or only CA and CB, as in UNRES. `name_of` returns
+/// the name of one of its atoms.
+template <class Atoms, class NameOf>
+bool is_trace(const Atoms& atoms, NameOf&& name_of) {
+  return atoms.size() == 1 ||
+         (atoms.size() == 2 && name_of(atoms[0]) == "CA" && name_of(atoms[1]) == "CB");
+}
+
 /// Returns the standard residue of a residue with these atoms; its own name if there is none.
 std::string_view standard_residue(std::span<const AtomLabel> residue);
 

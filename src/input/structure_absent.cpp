@@ -35,10 +35,7 @@ namespace {
 
 }  // namespace
 
-AtomFile read_structure(StructureText text,
-                        const std::function<void(AtomFile& atoms)>& /*after_part*/) {
-  refuse(text);
-}
+AtomFile read_structure(StructureText text, const NameStore& /*store*/) { refuse(text); }
 
 std::vector<std::string> read_model_names(StructureText text) { refuse(text); }
 

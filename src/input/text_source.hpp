@@ -1,6 +1,8 @@
 #pragma once
-/// Sequential reading of text, plain or gzipped. The memory does not grow with the file.
+/// Reading of files as text, plain or gzipped, in parts or line by line. Except for read_text, the
+/// memory does not grow with the file.
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -12,10 +14,42 @@
 #include <vector>
 
 #include "eses/check.hpp"
-#include "input/reading_limit.hpp"
+#include "system/bytes_text.hpp"
 #include "system/file_descriptor.hpp"
+#include "system/formatted.hpp"
+#include "system/hints.hpp"
+#include "system/resources.hpp"
 
 namespace eses::detail {
+
+/// Keeps the resident memory within ReadOptions::max_memory; 0 for no limit.
+class ReadingLimit {
+ public:
+  explicit ReadingLimit(std::uint64_t max_memory)
+      : max_memory_(max_memory), max_resident_(resident_memory() + always_granted_bytes) {
+    max_resident_ = std::max(max_memory_, max_resident_);
+  }
+
+  /// Throws Error if this number of additional bytes exceeds the limit. `reader` is the subject of
+  /// the message.
+  void require(std::uint64_t bytes, std::string_view reader) const {
+    if (max_memory_ == 0 || resident_memory() + bytes <= max_resident_) return;
+    throw LimitExceeded(formatted("{} exceeds the memory limit of {}; use a larger limit", reader,
+                                  binary_bytes_text(max_memory_)));
+  }
+
+ private:
+  // Memory that reading may always add to the memory of the process. A smaller limit is refused
+  // later, by the plan, whose message names the smallest sufficient limit.
+  static constexpr std::uint64_t always_granted_bytes = std::uint64_t{4} << 20;
+
+  std::uint64_t max_memory_, max_resident_;
+};
+
+/// Returns the subject of messages about the memory for a whole file.
+inline std::string reading_of(std::string_view file) {
+  return formatted("{}: reading the file", file);
+}
 
 /// Returns the name of an input file for messages: its path, or `<stdin>` for `-`.
 std::string input_name(const std::filesystem::path& path);
@@ -73,5 +107,42 @@ class TextSource {
 /// `max_bytes`, or if its memory exceeds the limit.
 std::string read_text(TextSource& source, const ReadingLimit& limit, const CheckCallback& check,
                       std::uint64_t max_bytes = std::numeric_limits<std::uint64_t>::max());
+
+/// The lines of a file. All failures throw Error with the name of the file and, if a line is
+/// faulty, with its number.
+class LineReader {
+ public:
+  explicit LineReader(const std::filesystem::path& path);
+
+  /// Reads the next line without its end, LF or CRLF. It is valid until the next call. Returns
+  /// false at the end of the file. Throws Error for a last line without an end, as the file is
+  /// truncated, and for a long line, unless it is a comment, which begins with #. Only the
+  /// beginning of a long comment is returned.
+  bool next(std::string_view& line);
+
+  /// Reads the next line or, if it is long, its next part, which ends at a blank. Returns false at
+  /// the end of the file.
+  bool next_part(std::string_view& part);
+
+  /// Returns the next line. Throws Error at the end of the file; `what` describes the expected
+  /// line.
+  std::string_view expect(std::string_view what);
+
+  /// Throws Error with the number of the current line.
+  [[noreturn]] void fail(std::string_view what) const;
+
+ private:
+  void refill();
+  /// Returns the beginning of a comment, and skips the rest of it.
+  std::string_view cut_comment();
+  [[noreturn]] void fail_at(std::uint64_t line, std::string_view what) const;
+
+  TextSource source_;
+  std::vector<char> buffer_;
+  std::string comment_;              // the beginning of a long comment
+  std::size_t begin_ = 0, end_ = 0;  // the unread part of the buffer
+  bool at_end_of_file_ = false, is_in_line_ = false;
+  std::uint64_t line_ = 0;  // number of the current line, from 1
+};
 
 }  // namespace eses::detail

@@ -10,8 +10,8 @@
 
 #include "eses/error.hpp"
 #include "eses/radii.hpp"
+#include "input/atom_names.hpp"
 #include "input/pdb_elements.hpp"
-#include "input/residue_runs.hpp"
 #include "input/text_fields.hpp"
 #include "system/formatted.hpp"
 

@@ -53,8 +53,7 @@
 #include "eses/pockets.hpp"
 #include "eses/read_atoms.hpp"
 #include "eses/residue_areas.hpp"
-#include "input/file_index.hpp"
-#include "input/residue_runs.hpp"
+#include "input/atom_names.hpp"
 #include "output/text_buffer.hpp"
 
 namespace eses::detail {

@@ -7,7 +7,7 @@
 
 #include "eses/grid.hpp"
 #include "grid/block_crossing.hpp"
-#include "input/file_index.hpp"
+#include "input/atom_names.hpp"
 #include "output/text_buffer.hpp"
 
 namespace eses::detail {

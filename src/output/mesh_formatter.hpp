@@ -16,7 +16,7 @@
 #include <vector>
 
 #include "eses/grid.hpp"
-#include "input/file_index.hpp"
+#include "input/atom_names.hpp"
 #include "mesh/piece.hpp"
 #include "output/gltf_text.hpp"
 #include "output/mesh_format.hpp"

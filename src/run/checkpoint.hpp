@@ -15,7 +15,7 @@
 
 #include "distributed/processes.hpp"
 #include "grid/plane_range.hpp"
-#include "input/file_index.hpp"
+#include "input/atom_names.hpp"
 #include "output/file.hpp"
 #include "output/output_directory.hpp"
 #include "run/input_atoms.hpp"

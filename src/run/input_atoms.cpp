@@ -11,7 +11,6 @@
 
 #include "eses/error.hpp"
 #include "input/other_formats.hpp"
-#include "input/pdb_elements.hpp"
 #include "input/read_input.hpp"
 #include "output/mesh_format.hpp"
 #include "output/mesh_formatter.hpp"
@@ -138,19 +137,6 @@ std::optional<PotentialMap> read_potential(const Request& request, const Process
   });
 }
 
-// Converts labels into residues and names after each part of the text, so that few labels are in
-// memory.
-void take_labels(AtomFile& atoms, AtomFormat format, bool with_names, AtomNames& names) {
-  if (with_names && format == AtomFormat::pqr) complete_elements(atoms.labels);
-  for (const AtomLabel& label : atoms.labels)
-    if (with_names)
-      names.add(label);
-    else
-      names.add_residue(label);
-  atoms.labels.clear();
-  atoms.charges.clear();
-}
-
 // Throws Error if several processes cannot read the same atoms from this file. Reading refuses
 // other special files.
 void require_readable_by_all(const std::filesystem::path& path, int processes) {
@@ -177,15 +163,14 @@ AtomFile read_file(const InputFile& file, const Request& request, int processes,
                    bool has_diagnostics, AtomNames& names) {
   const Outputs& outputs = request.outputs;
   require_readable_by_all(file.path, processes);
-  const AtomFormat format = format_of(file.path, file.format);
-  const bool is_named = is_structure(format);
+  const bool is_named = is_structure(format_of(file.path, file.format));
   AtomFile atoms = read_input(
       file.path,
       {.format = file.format,
        .with_labels = is_named || outputs.residues || outputs.atoms || needs_groups(outputs),
        .max_memory = request.parameters.max_memory,
        .structure = file.structure},
-      [&](AtomFile& part) { take_labels(part, format, is_named || outputs.atoms, names); });
+      {.names = &names, .with_atoms = is_named || outputs.atoms});
   require_memory_for(atoms.atoms.size(), file, request.parameters.max_memory);
   if (file.added_radius > 0) grow_radii(file.added_radius, has_diagnostics, atoms);
   return atoms;

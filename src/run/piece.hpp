@@ -6,7 +6,7 @@
 #include <optional>
 #include <vector>
 
-#include "input/file_index.hpp"
+#include "input/atom_names.hpp"
 #include "mesh/piece.hpp"
 #include "output/eses_writer.hpp"
 #include "output/grid_map.hpp"

@@ -12,7 +12,7 @@
 
 #include "distributed/processes.hpp"
 #include "grid/plane_range.hpp"
-#include "input/file_index.hpp"
+#include "input/atom_names.hpp"
 #include "output/output_files.hpp"
 #include "run/checkpoint.hpp"
 #include "run/input_atoms.hpp"

@@ -10,7 +10,7 @@
 #include "catch.hpp"
 #include "eses/radii.hpp"
 #include "eses/surface.hpp"
-#include "input/radii_set.hpp"
+#include "input/radii_tables.hpp"
 #include "input/text_fields.hpp"
 #include "support/structures.hpp"
 

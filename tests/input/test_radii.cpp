@@ -344,6 +344,18 @@ TEST_CASE("radii: ions have Shannon's radii of six neighbours", "[radii]") {
   CHECK(pdb_error(line_of({}), options).ends_with("; did you mean bondi+shannon?"));
   options.radii = "shannon";
   CHECK(pdb_error(line_of({}), options).ends_with("; did you mean protor+shannon?"));
+  const TemporaryDirectory directory;
+  const std::string file = (directory.path() / "own.radii").string();
+  std::ofstream(file) << "types:\nC 1.9 apolar\natoms:\nALA CA C\nZN ZN C\n";
+  const RadiiSet own = find_radii_set(file + "+Shannon");
+  CHECK(own.name == "unnamed+shannon");
+  CHECK(own.is_from_file);
+  CHECK(own.find({"ALA", "CA", "C"}).value().radius == 1.9);
+  CHECK(own.find({"ZN", "ZN", "Zn"}).value().radius == 0.74);
+  CHECK(find_radii_set(file).find({"ZN", "ZN", "Zn"}).value().radius == 1.9);
+  CHECK(radii_file(file + "+shannon") == file);
+  std::ofstream(file + "+shannon") << "types:\nC 1.8 apolar\natoms:\nALA CA C\n";
+  CHECK(find_radii_set(file + "+shannon").find({"ALA", "CA", "C"}).value().radius == 1.8);
   for (const char* name : {"protor+ccd", "ProtOr+shannon+CCD"}) {
     options.radii = name;
     CHECK(pdb_error(line_of({}), options).find("radii: +ccd needs the Chemical Component") == 0);

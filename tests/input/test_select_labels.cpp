@@ -8,7 +8,7 @@
 #include "catch.hpp"
 #include "eses/error.hpp"
 #include "eses/select_atoms.hpp"
-#include "input/closest_name.hpp"
+#include "input/advice.hpp"
 #include "support/structures.hpp"
 
 namespace eses::detail::test {

@@ -13,7 +13,7 @@
 
 #include "catch.hpp"
 #include "eses/error.hpp"
-#include "input/potential_map.hpp"
+#include "input/grid_reader.hpp"
 #include "output/mesh_format.hpp"
 #include "support/atom_sets.hpp"
 #include "support/eses_files.hpp"

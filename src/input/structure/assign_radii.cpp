@@ -32,11 +32,9 @@ struct AtomKind {
 /// The kinds of atoms in the order of their first atoms.
 class AtomKinds {
  public:
-  /// `guessed` has the serial numbers of the atoms whose elements follow from their names,
-  /// ascending.
-  AtomKinds(const RadiiSet& radii, std::string_view file, double unknown_radius,
-            const std::vector<int>& guessed)
-      : radii_(radii), file_(file), unknown_radius_(unknown_radius), guessed_(guessed) {}
+  AtomKinds(const ParsedStructure& parsed, const RadiiSet& radii, std::string_view file,
+            double unknown_radius)
+      : parsed_(parsed), radii_(radii), file_(file), unknown_radius_(unknown_radius) {}
 
   /// Counts an atom and returns its kind.
   const AtomKind& add(const StructureAtom& atom) {
@@ -72,12 +70,12 @@ class AtomKinds {
                         found && found->by_element,
                         is_foreign,
                         is_named,
-                        atom.line,
+                        parsed_.source_of(*atom.atom).line,
                         radii_.class_of(identity)});
     }
     AtomKind& kind = kinds_[at->second];
     ++kind.source.count;
-    if (std::binary_search(guessed_.begin(), guessed_.end(), atom.atom->serial)) ++kind.guessed;
+    if (parsed_.source_of(*atom.atom).is_element_by_name) ++kind.guessed;
     return kind;
   }
 
@@ -90,17 +88,17 @@ class AtomKinds {
     double radius = 0;
     parse_number(formatted("{}", atom.atom->occ), radius);
     if (!(radius >= 0 && radius <= max_set_radius))
-      fail_at_line(file_, atom.line,
+      fail_at_line(file_, parsed_.source_of(*atom.atom).line,
                    formatted("expected a radius from 0 to {:.0f} angstrom in place of the "
                              "occupancy, found {}",
                              max_set_radius, radius));
     return radius;
   }
 
+  const ParsedStructure& parsed_;
   const RadiiSet& radii_;
   std::string_view file_;
   double unknown_radius_;
-  const std::vector<int>& guessed_;
   const gemmi::Residue* residue_ = nullptr;  // of the last atom
   std::string_view standard_;                // the standard residue of `residue_`
   std::string key_;
@@ -165,19 +163,19 @@ AtomLabel label_of(const StructureAtom& atom, AtomClass atom_class) {
 
 }  // namespace
 
-void assign_radii(const std::vector<StructureAtom>& atoms, const RadiiSet& radii,
-                  const std::vector<int>& guessed, const StructureText& text, AtomFile& result,
-                  const std::function<void(AtomFile& atoms)>& after_part) {
+void assign_radii(const std::vector<StructureAtom>& atoms, const ParsedStructure& parsed,
+                  const RadiiSet& radii, const StructureText& text, AtomFile& result,
+                  const NameStore& store) {
   constexpr std::size_t part_atoms = std::size_t{1} << 14;
   const std::optional<double> unknown_radius = text.options.structure.unknown_radius;
   result.atoms.reserve(atoms.size());
   result.lines.reserve(atoms.size());
-  if (text.options.with_labels && !after_part) result.labels.reserve(atoms.size());
+  if (text.options.with_labels && !store.is_used()) result.labels.reserve(atoms.size());
   const auto end_part = [&] {
     text.check();
-    if (after_part) after_part(result);
+    if (store.is_used()) store.take(result);
   };
-  AtomKinds kinds(radii, text.name, unknown_radius.value_or(0), guessed);
+  AtomKinds kinds(parsed, radii, text.name, unknown_radius.value_or(0));
   Diagnostic foreign{DiagnosticKind::foreign_residue, 0, {}};
   const gemmi::Residue* last_foreign = nullptr;
   for (const StructureAtom& atom : atoms) {
@@ -189,7 +187,7 @@ void assign_radii(const std::vector<StructureAtom>& atoms, const RadiiSet& radii
       if (++foreign.count <= Diagnostic::max_examples) foreign.examples.push_back({index, index});
     }
     result.atoms.push_back({atom.center, kind.source.radius});
-    result.lines.push_back(atom.line);
+    result.lines.push_back(parsed.source_of(*atom.atom).line);
     if (text.options.with_labels) result.labels.push_back(label_of(atom, kind.atom_class));
     if (result.atoms.size() % part_atoms == 0) end_part();
   }

@@ -1,7 +1,6 @@
 #pragma once
 /// Assignment of radii to the atoms of a structure.
 
-#include <functional>
 #include <vector>
 
 #include "input/radii_set.hpp"
@@ -11,11 +10,10 @@
 namespace eses::detail {
 
 /// Adds the atoms with their radii, their lines and, if the options request them, their labels to
-/// `result`, and completes its report and its diagnostics. `guessed` has the serial numbers of the
-/// atoms whose elements follow from their names. Calls the check and `after_part` after each part.
-/// Throws Error with the names of atoms without a radius.
-void assign_radii(const std::vector<StructureAtom>& atoms, const RadiiSet& radii,
-                  const std::vector<int>& guessed, const StructureText& text, AtomFile& result,
-                  const std::function<void(AtomFile& atoms)>& after_part);
+/// `result` or `store`, and completes its report and its diagnostics. Throws Error with the names
+/// of atoms without a radius.
+void assign_radii(const std::vector<StructureAtom>& atoms, const ParsedStructure& parsed,
+                  const RadiiSet& radii, const StructureText& text, AtomFile& result,
+                  const NameStore& store);
 
 }  // namespace eses::detail

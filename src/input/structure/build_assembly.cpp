@@ -170,9 +170,9 @@ std::vector<ChainPart> parts_of(const gemmi::Assembly::Gen& generator, const gem
 /// Builds an assembly from the selected atoms of a model.
 class AssemblyBuilder {
  public:
-  AssemblyBuilder(const ParsedStructure& parsed, const StructureText& text,
+  AssemblyBuilder(const gemmi::Model& model, const StructureText& text,
                   std::set<std::string>& names)
-      : parsed_(parsed), text_(text), names_(model_, names) {}
+      : model_(model), text_(text), names_(model, names) {}
 
   void add(const gemmi::Assembly::Gen& generator) {
     const std::vector<ChainPart> parts = parts_of(generator, model_);
@@ -217,14 +217,13 @@ class AssemblyBuilder {
       for (const gemmi::Atom& atom : residue->atoms) {
         const gemmi::Position at(transform.apply(atom.pos));
         if (images_.add_if_new(*residue, atom, at))
-          atoms_.push_back({&atom, residue, name, {at.x, at.y, at.z}, parsed_.line_of(atom)});
+          atoms_.push_back({&atom, residue, name, {at.x, at.y, at.z}});
         else
           ++dropped_images_;
       }
   }
 
-  const ParsedStructure& parsed_;
-  const gemmi::Model& model_ = parsed_.structure.models.front();
+  const gemmi::Model& model_;
   const StructureText& text_;
   std::vector<StructureAtom> atoms_;
   DistinctOperators operators_;
@@ -272,13 +271,14 @@ std::vector<OtherAssembly> find_other_assemblies(const gemmi::Structure& structu
   return others;
 }
 
-std::vector<StructureAtom> build_assembly(const ParsedStructure& parsed, const StructureText& text,
-                                          std::set<std::string>& names, StructureReport& report) {
+std::vector<StructureAtom> build_assembly(const gemmi::Structure& structure,
+                                          const StructureText& text, std::set<std::string>& names,
+                                          StructureReport& report) {
   const std::string& id = text.options.structure.assembly;
-  const gemmi::Assembly& assembly = find_assembly(parsed.structure, id, text);
+  const gemmi::Assembly& assembly = find_assembly(structure, id, text);
   check_description(assembly, id, text);
   report.assembly = id;
-  AssemblyBuilder builder(parsed, text, names);
+  AssemblyBuilder builder(structure.models.front(), text, names);
   for (const gemmi::Assembly::Gen& generator : assembly.generators) builder.add(generator);
   return builder.finish(report);
 }

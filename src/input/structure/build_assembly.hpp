@@ -17,8 +17,9 @@ namespace eses::detail {
 /// contain from the counts of atoms that were read to StructureReport::dropped_assembly. Throws
 /// Error if there is no such assembly, if its description is incomplete, or if it has too many
 /// operators or atoms.
-std::vector<StructureAtom> build_assembly(const ParsedStructure& parsed, const StructureText& text,
-                                          std::set<std::string>& names, StructureReport& report);
+std::vector<StructureAtom> build_assembly(const gemmi::Structure& structure,
+                                          const StructureText& text, std::set<std::string>& names,
+                                          StructureReport& report);
 
 /// Returns the assemblies that have several operators, or not all of the selected atoms, which are
 /// those of the only model. Assemblies without selected atoms are left out.

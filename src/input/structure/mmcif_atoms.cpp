@@ -120,50 +120,51 @@ struct ResidueKey {
 };
 
 /// Checks the rows and makes the chains of the chosen model.
-class ChainBuilder {
+class AtomTable {
  public:
-  ChainBuilder(gemmi::cif::Block& block, ModelList& models, const ParseOptions& options)
-      : block_(block), models_(models), options_(options) {}
+  AtomTable(gemmi::cif::Block& block, const ParseOptions& options, ParsedStructure& parsed)
+      : block_(block), options_(options), parsed_(parsed) {}
 
-  AtomTable build(const std::vector<std::uint64_t>& lines) {
-    table_.has_label_chains = label_chain_.is_found();
-    add_charges(lines.size());
-    for (std::size_t i = 0; i < lines.size(); ++i) {
+  std::vector<gemmi::Chain> read() {
+    parsed_.has_label_chains = label_chain_.is_found();
+    add_charges();
+    for (std::size_t i = 0; i < parsed_.sources.size(); ++i) {
       check_at(i, options_.check);
-      const Row row{static_cast<int>(i), lines[i]};
+      const Row row = row_of(i);
       ResidueKey residue = residue_of(row);
       gemmi::Atom atom = atom_of(row, residue.id.name);
       if (!is_in_chosen_model(row)) continue;
-      if (!residue.has_number()) number_residue(atom, lines, residue);
-      if (element_text(row, residue.id.name).empty()) table_.guessed_elements.push_back(row.index);
-      place_of(residue, row).atoms.push_back(std::move(atom));
+      if (!residue.has_number()) number_residue(atom, residue);
+      parsed_.sources[i].is_element_by_name = element_text(row, residue.id.name).empty();
+      const auto complete = [&](gemmi::Residue& added) { complete_residue(row, added); };
+      chains_.residue(residue.chain, residue.id, complete).atoms.push_back(std::move(atom));
     }
-    return std::move(table_);
+    return std::move(chains_.chains);
   }
 
  private:
+  Row row_of(std::size_t i) const { return {static_cast<int>(i), parsed_.sources[i].line}; }
+
   bool is_in_chosen_model(const Row& row) {
     std::string name = model_number_.text(row);
     if (name.empty()) name = "1";
     if (name == last_model_) return is_chosen_;
-    const std::vector<std::string>& known = models_.names;
-    is_chosen_ = std::find(known.begin(), known.end(), name) == known.end()
-                     ? models_.add(name)
-                     : name == models_.chosen;
+    ModelList& models = parsed_.models;
+    const std::vector<std::string>& known = models.names;
+    is_chosen_ = std::find(known.begin(), known.end(), name) == known.end() ? models.add(name)
+                                                                            : name == models.chosen;
     last_model_ = name;
     return is_chosen_;
   }
 
-  void add_charges(std::size_t rows) {
+  void add_charges() {
     if (!charge_.is_found() && charges_.empty()) return;
-    for (Row row{0, 0}; table_.charges.size() < rows; ++row.index) {
-      if (charge_.is_found()) {
-        table_.charges.push_back(gemmi::cif::as_number(charge_.text(row)));
-        continue;
-      }
-      const auto found = charges_.find(id_.text(row));
-      table_.charges.push_back(found == charges_.end() ? NAN : found->second);
-    }
+    parsed_.charges.assign(parsed_.sources.size(), NAN);
+    for (std::size_t i = 0; i < parsed_.sources.size(); ++i)
+      if (charge_.is_found())
+        parsed_.charges[i] = gemmi::cif::as_number(charge_.text(row_of(i)));
+      else if (const auto found = charges_.find(id_.text(row_of(i))); found != charges_.end())
+        parsed_.charges[i] = found->second;
   }
 
   ResidueKey residue_of(const Row& row) const {
@@ -186,11 +187,10 @@ class ChainBuilder {
 
   // Gives a residue without a number, such as a water or an ion, a number behind all numbers of the
   // file. A new residue begins with another name or chain, or with an atom that repeats.
-  void number_residue(const gemmi::Atom& atom, const std::vector<std::uint64_t>& lines,
-                      ResidueKey& residue) {
+  void number_residue(const gemmi::Atom& atom, ResidueKey& residue) {
     if (last_number_ == 0)
-      for (std::size_t i = 0; i < lines.size(); ++i)
-        if (const auto other = residue_of({static_cast<int>(i), lines[i]}); other.has_number())
+      for (std::size_t i = 0; i < parsed_.sources.size(); ++i)
+        if (const auto other = residue_of(row_of(i)); other.has_number())
           last_number_ = std::max(last_number_, *other.id.seqid.num);
     std::set<char>& known = unnumbered_altlocs_[atom.name];
     // An atom has one location without a letter, or several with letters.
@@ -229,24 +229,12 @@ class ChainBuilder {
     return atom;
   }
 
-  // Returns the residue of a row, which may be new. The rows of a residue may be anywhere in those
-  // of its chain. Chains are runs of rows.
-  gemmi::Residue& place_of(const ResidueKey& key, const Row& row) {
-    std::vector<gemmi::Chain>& chains = table_.chains;
-    if (chains.empty() || chains.back().name != key.chain) {
-      chains.emplace_back(key.chain);
-      indices_.clear();
-    }
-    std::vector<gemmi::Residue>& residues = chains.back().residues;
-    const auto [found, is_new] = indices_.emplace(key.id, residues.size());
-    if (is_new) {
-      gemmi::Residue& residue = residues.emplace_back(key.id);
-      residue.subchain = subchain_.text(row);
-      if (options_.label_chains) residue.segment = auth_chain_.text(row);
-      residue.entity_id = entity_.text(row);
-      residue.het_flag = is_hetatm(row, key.id.name) ? 'H' : 'A';
-    }
-    return residues[found->second];
+  // Completes a new residue by the row of its first atom.
+  void complete_residue(const Row& row, gemmi::Residue& residue) const {
+    residue.subchain = subchain_.text(row);
+    if (options_.label_chains) residue.segment = auth_chain_.text(row);
+    residue.entity_id = entity_.text(row);
+    residue.het_flag = is_hetatm(row, residue.name) ? 'H' : 'A';
   }
 
   bool is_hetatm(const Row& row, const std::string& residue_name) const {
@@ -255,8 +243,8 @@ class ChainBuilder {
   }
 
   gemmi::cif::Block& block_;
-  ModelList& models_;
   const ParseOptions& options_;
+  ParsedStructure& parsed_;
   // The required columns come first, in the order in which they are reported.
   Column atom_name_ = required("label_atom_id", {block_, "auth_atom_id", "label_atom_id"});
   Column residue_name_ = required("label_comp_id", {block_, "auth_comp_id", "label_comp_id"});
@@ -281,20 +269,19 @@ class ChainBuilder {
   Column charge_{block_, "partial_charge"};
   Column id_{block_, "id"};
   std::unordered_map<std::string, double> charges_ = charges_by_id(block_);
-  AtomTable table_;
-  std::unordered_map<gemmi::ResidueId, std::size_t> indices_;  // of residues of the last chain
-  int last_number_ = 0;                                        // of residues without a number
-  ResidueKey unnumbered_;                                      // the last of these
-  std::map<std::string, std::set<char>> unnumbered_altlocs_;   // by names of its atoms
+  ChainBuilder chains_;
+  int last_number_ = 0;                                       // of residues without a number
+  ResidueKey unnumbered_;                                     // the last of these
+  std::map<std::string, std::set<char>> unnumbered_altlocs_;  // by names of its atoms
   std::string last_model_;
   bool is_chosen_ = false;
 };
 
 }  // namespace
 
-AtomTable read_atom_table(gemmi::cif::Block& block, const std::vector<std::uint64_t>& lines,
-                          ModelList& models, const ParseOptions& options) {
-  return ChainBuilder(block, models, options).build(lines);
+std::vector<gemmi::Chain> read_atom_table(gemmi::cif::Block& block, const ParseOptions& options,
+                                          ParsedStructure& parsed) {
+  return AtomTable(block, options, parsed).read();
 }
 
 }  // namespace eses::detail

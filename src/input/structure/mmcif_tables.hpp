@@ -25,30 +25,12 @@ inline constexpr const char* atom_category = "_atom_site.";
 /// Prefix of the tags of partial charges that Atomic Charge Calculator II and Mol* share.
 inline constexpr const char* charge_category = "_sb_ncbr_partial_atomic_charges.";
 
-/// Throws MmcifError if a table that `is_used` accepts lacks values or has the same tag twice.
-void check_tables(const gemmi::cif::Block& block, bool (*is_used)(const std::string& tag));
-
-/// The atoms of the chosen model.
-struct AtomTable {
-  std::vector<gemmi::Chain> chains;
-  std::vector<int> guessed_elements;  ///< rows of atoms with elements by name, ascending
-  std::vector<double> charges;        ///< of rows, NaN if unknown; empty if the file has none
-  bool has_label_chains = false;      ///< whether the table has label_asym_id
-};
-
-/// Checks the table of atoms, whose rows are in `lines`, and returns those of the chosen model.
-/// Their serial numbers are the rows, from 0. With ParseOptions::label_chains, chains have the
-/// names of label_asym_id, and the segment of a residue is its chain in auth_asym_id. Throws
-/// MmcifError if the table lacks a column or has an invalid value.
-AtomTable read_atom_table(gemmi::cif::Block& block, const std::vector<std::uint64_t>& lines,
-                          ModelList& models, const ParseOptions& options);
-
-/// Returns whether read_assemblies needs the table of a tag.
-bool is_assembly_tag(const std::string& tag);
-
-/// Returns the assemblies of a data block in the order of the file. Only the assembly `chosen` has
-/// generators. Throws MmcifError if its operators or tables are invalid. If `chosen` is empty,
-/// returns the assemblies before the first invalid one, with their generators.
-std::vector<gemmi::Assembly> read_assemblies(gemmi::cif::Block& block, const std::string& chosen);
+/// Checks the table of atoms and returns the chains of the chosen model. `parsed` has the lines of
+/// its rows as sources, whose indices are the serial numbers of atoms, and gets their charges and
+/// names of models. With ParseOptions::label_chains, chains have the names of label_asym_id, and
+/// the segment of a residue is its chain in auth_asym_id. Throws MmcifError if the table lacks a
+/// column or has an invalid value.
+std::vector<gemmi::Chain> read_atom_table(gemmi::cif::Block& block, const ParseOptions& options,
+                                          ParsedStructure& parsed);
 
 }  // namespace eses::detail

@@ -3,6 +3,7 @@
 /// invalid numbers as 0, and its messages do not have the line. This header is valid C++17, for the
 /// reason given in mmcif_text.cpp.
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <gemmi/model.hpp>
@@ -10,6 +11,7 @@
 #include <string>
 #include <string_view>
 #include <type_traits>
+#include <unordered_map>
 #include <vector>
 
 #include "eses/check.hpp"
@@ -66,22 +68,63 @@ struct ModelList {
   }
 };
 
-/// A parsed text. Its structure has one model or, without atoms, perhaps none. The serial numbers
-/// of the atoms are the line numbers, from 1, of a PDB text, and the rows, from 0, of the table of
-/// atoms of an mmCIF text. The types of entities are unknown unless the file tells them.
+/// Makes the chains of a model from atoms in the order of the file. A chain is a run of atoms, in
+/// which the atoms of a residue may be anywhere.
+class ChainBuilder {
+ public:
+  std::vector<gemmi::Chain> chains;
+
+  gemmi::Chain& last() { return chains.back(); }
+
+  /// Returns whether the polymer of the first chain with the name of the last one has ended before.
+  bool has_polymer_before() const {
+    const auto is_same = [this](const gemmi::Chain& chain) {
+      return chain.name == chains.back().name;
+    };
+    const gemmi::Chain& first = *std::find_if(chains.begin(), chains.end(), is_same);
+    return first.residues.front().entity_type == gemmi::EntityType::Polymer;
+  }
+
+  /// Returns the residue of an atom. Calls `complete` with it if it is new.
+  template <class Complete>
+  gemmi::Residue& residue(const std::string& chain, const gemmi::ResidueId& id,
+                          Complete&& complete) {
+    if (chains.empty() || chains.back().name != chain) {
+      chains.emplace_back(chain);
+      indices_.clear();
+    }
+    std::vector<gemmi::Residue>& residues = chains.back().residues;
+    if (!residues.empty() && residues[last_].matches(id)) return residues[last_];
+    const auto [found, is_new] = indices_.emplace(id, residues.size());
+    last_ = found->second;
+    if (is_new) complete(residues.emplace_back(id));
+    return residues[last_];
+  }
+
+ private:
+  std::unordered_map<gemmi::ResidueId, std::size_t> indices_;  // of residues of the last chain
+  std::size_t last_ = 0;                                       // index of the last residue
+};
+
+/// What a file says about an atom besides its members in gemmi. It has 8 bytes.
+struct AtomSource {
+  std::uint32_t line = 0;  ///< in the file, from 1; a file in memory has fewer than 2^32
+  /// Whether the element follows from the names, because the file has none or another one.
+  bool is_element_by_name = false;
+};
+
+/// A parsed text. Its structure has one model or, without atoms, perhaps none. The serial number of
+/// an atom is its index in `sources`. The types of entities are unknown unless the file tells them.
 struct ParsedStructure {
   gemmi::Structure structure;
   ModelList models;
-  std::vector<std::uint64_t> lines = {};   ///< lines of rows; empty if serial numbers are lines
-  std::vector<int> guessed_elements = {};  ///< ascending serial numbers, elements by name
-  std::vector<std::uint64_t> unread_records = {};  ///< lines with coordinates but unknown names
-  std::vector<double> charges = {};  ///< by rows, NaN if unknown; empty if the text has none
-  bool has_label_chains = false;     ///< whether the subchains are those of label_asym_id
+  std::vector<AtomSource> sources;
+  std::vector<std::uint64_t> unread_records;  ///< lines with coordinates but unknown names
+  std::vector<double> charges;    ///< of sources, NaN if unknown; empty if there are none
+  bool has_label_chains = false;  ///< whether the subchains are those of label_asym_id
 
-  /// Returns the line of an atom, from 1.
-  std::uint64_t line_of(const gemmi::Atom& atom) const {
-    const auto serial = static_cast<std::uint64_t>(atom.serial);
-    return lines.empty() ? serial : lines[serial];
+  const AtomSource& source_of(const gemmi::Atom& atom) const {
+    return sources[static_cast<std::size_t>(atom.serial)];
   }
 };
 

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <string>
 
+#include "input/atom_records.hpp"
 #include "input/pdb_elements.hpp"
-#include "input/pqr_records.hpp"
 #include "input/structure/structure_atoms.hpp"
 
 namespace eses::detail {

@@ -17,9 +17,10 @@ struct Columns {
 
 // https://www.wwpdb.org/documentation/file-format-content/format33/sect9.html
 inline constexpr Columns serial_columns{6, 5}, name_columns{12, 4}, residue_columns{17, 3},
-    chain_columns{20, 2};
+    chain_columns{20, 2}, sequence_columns{22, 5};
+inline constexpr std::size_t altloc_column = 16;
 inline constexpr std::array<Columns, 3> coordinate_columns{{{30, 8}, {38, 8}, {46, 8}}};
-inline constexpr Columns occupancy_columns{54, 6}, segment_columns{72, 4};
+inline constexpr Columns occupancy_columns{54, 6}, b_factor_columns{60, 6}, segment_columns{72, 4};
 inline constexpr Columns element_columns{76, 2};
 // The charges in the last two columns are not used: old files have line numbers there.
 inline constexpr std::size_t end_of_fields = 78, record_width = 80;

@@ -3,8 +3,10 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <cstdlib>
+#include <gemmi/atof.hpp>
+#include <gemmi/atox.hpp>
 #include <gemmi/pdb.hpp>
-#include <map>
 #include <optional>
 #include <set>
 #include <string>
@@ -14,8 +16,8 @@
 
 #include "eses/error.hpp"
 #include "input/atom_reader.hpp"
+#include "input/atom_records.hpp"
 #include "input/pdb_elements.hpp"
-#include "input/pqr_records.hpp"
 #include "input/structure/parse_structure.hpp"
 #include "input/structure/pdb_columns.hpp"
 #include "input/structure/structure_atoms.hpp"
@@ -71,16 +73,6 @@ bool is_long(std::string_view name) {
   const std::string start(name.substr(0, residue_columns.width));
   return is_known_long(name) ||
          !(is_polymer_residue(start) || gemmi::find_tabulated_residue(start).found());
-}
-
-/// Returns whether a text is digits around a decimal point, as nearly all numbers are. Such a
-/// number is valid and need not be converted to be checked.
-bool is_decimal_fraction(std::string_view text) {
-  if (text.starts_with('-')) text.remove_prefix(1);
-  const std::size_t point = text.find('.');
-  if (point == text.npos || text.size() == 1) return false;
-  return std::all_of(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(point), is_digit) &&
-         std::all_of(text.begin() + static_cast<std::ptrdiff_t>(point) + 1, text.end(), is_digit);
 }
 
 /// Returns why the fields of an atom's record may not be in their columns; empty if it is unknown
@@ -192,19 +184,39 @@ PdbLayout layout_of(PdbLines lines) {
 
 // ---------------------------------------------------------------------------------------- records
 
-/// Writes a number with leading zeros into the columns of a field.
-void write_number(char* field, int width, std::uint64_t number, std::uint64_t base) {
-  for (int i = width - 1; i >= 0; --i, number /= base)
-    field[i] = "0123456789ABCDEFGHIJKLMNOPQRSTUVWXYZ"[number % base];
+/// Returns the residue number and insertion code in the five columns of a record. Numbers above
+/// 9999 are in hybrid-36 (http://cci.lbl.gov/hybrid_36).
+gemmi::SeqId number_in_columns(std::string_view columns) {
+  constexpr int first_hybrid = 10000, first_in_base_36 = 10 * 36 * 36 * 36;
+  const std::string text(without_leading_blanks(columns.substr(0, 4)));
+  gemmi::SeqId id;
+  id.icode = columns[4];
+  if (columns[0] >= 'A')
+    id.num =
+        static_cast<int>(std::strtol(text.c_str(), nullptr, 36)) - first_in_base_36 + first_hybrid;
+  else if (!text.empty())
+    id.num = gemmi::string_to_int(text, false);
+  return id;
 }
 
-// Five digits of hybrid-36 (http://cci.lbl.gov/hybrid_36), the first of which is a letter.
-constexpr std::uint64_t first_hybrid = 100000, letter_digits = 36 * 36 * 36 * 36;
-constexpr std::uint64_t max_lines = first_hybrid + 26 * letter_digits - 1;
+/// Returns the number at the start of a field; 0 if there is none.
+float number_at_start(std::string_view field) {
+  double value = 0;
+  gemmi::fast_from_chars(field.data(), field.data() + field.size(), value);
+  return static_cast<float>(value);
+}
 
-/// Checks the records of a PDB text, and writes those of the chosen model for gemmi. In the written
-/// records, the serial number is the line number, and all atoms have an occupancy. Elements are
-/// written where names decide them; otherwise gemmi derives them from the columns of the names.
+/// Returns the element by the four columns of a name, in which symbols are right-justified in the
+/// first two. Names of four letters that begin with H are those of hydrogens, and digits belong to
+/// no symbol.
+gemmi::Element element_of_name_columns(std::string_view name) {
+  if (lower_case(name[0]) == 'h' && name[3] != ' ') return gemmi::El::H;
+  if (is_digit(name[0])) return gemmi::Element(std::string{' ', name[1]});
+  if (is_digit(name[1])) return gemmi::Element(std::string{' ', name[0]});
+  return gemmi::Element(std::string(name));
+}
+
+/// Checks the records of a PDB text and makes the chains of the chosen model.
 class PdbRecords {
  public:
   PdbRecords(const PdbLines& lines, const ParseOptions& options)
@@ -212,7 +224,7 @@ class PdbRecords {
         all_lines_(lines),
         needs_assemblies_(!options.assembly.empty()),
         needs_occupancies_(options.needs_occupancies) {
-    models_.wanted = options.model;
+    result_.models.wanted = options.model;
   }
 
   ParsedStructure parse() {
@@ -224,19 +236,21 @@ class PdbRecords {
     require_whole_operator();
     refuse_further_atoms();
     if (!has_atoms_) throw Error(no_atoms_message(lines_.name(), AtomFormat::pdb, lines_.number()));
-    ParsedStructure result{gemmi::read_pdb_from_memory(records_.data(), records_.size(), ""),
-                           std::move(models_)};
-    restore_names(result.structure);
-    result.guessed_elements = std::move(guessed_);
-    result.unread_records = std::move(unread_);
-    return result;
+    if (!remarks_.empty()) result_.structure = gemmi::read_pdb_string(remarks_, "");
+    for (std::size_t i = 0; i < result_.structure.assemblies.size(); ++i)
+      result_.structure.assemblies[i].name = assemblies_.at(i);
+    result_.structure.input_format = gemmi::CoorFormat::Pdb;
+    result_.structure.models = {make_model()};
+    result_.structure.models.front().chains = std::move(chains_.chains);
+    result_.sources.shrink_to_fit();
+    return std::move(result_);
   }
 
  private:
   void add_record(std::string_view line, const std::string& type) {
     check_characters(line);
     if (is_atom_record(line)) {
-      add_atom(line);
+      check_atom(line);
     } else if (is_assembly_record(line)) {
       add_to_assembly(line);
     } else if (is_model_type(type)) {
@@ -247,7 +261,7 @@ class PdbRecords {
     } else if (type == "ter") {
       end_polymer();
     } else {
-      if (is_unread_atom(line)) unread_.push_back(lines_.number());
+      if (is_unread_atom(line)) result_.unread_records.push_back(lines_.number());
       if (!is_in_model_) refuse_other_format(line);
     }
   }
@@ -268,14 +282,14 @@ class PdbRecords {
           tab + 1));
   }
 
-  void check_number(std::string_view line, const Columns& columns, std::string_view what) const {
+  double number_in(std::string_view line, const Columns& columns, std::string_view what) const {
     const std::string_view field = field_of(line, columns);
     double value = 0;
-    if (is_decimal_fraction(field)) return;
     if (parse_number(field, value) != std::errc{} || !std::isfinite(value))
       lines_.fail(formatted("expected a number for {} in columns {} to {}, found {}{}", what,
                             columns.first + 1, columns.first + columns.width, quoted(field),
                             reason_for_columns(line)));
+    return value;
   }
 
   void refuse_other_format(std::string_view line) const {
@@ -298,79 +312,69 @@ class PdbRecords {
 
   // ---------------------------------------------------------------------------------------- atoms
 
-  void add_atom(std::string_view line) {
+  void check_atom(std::string_view line) {
     check_columns(line);
     if (line.size() < occupancy_columns.first) {
       const std::string_view reason = reason_for_columns(line);
       lines_.fail(formatted("the record ends before its coordinates{}",
                             reason.empty() ? "; the file seems to be damaged" : reason));
     }
-    check_number(line, coordinate_columns[0], "x");
-    check_number(line, coordinate_columns[1], "y");
-    check_number(line, coordinate_columns[2], "z");
+    const gemmi::Position position{number_in(line, coordinate_columns[0], "x"),
+                                   number_in(line, coordinate_columns[1], "y"),
+                                   number_in(line, coordinate_columns[2], "z")};
     require_whole_operator();
     if (!is_in_model_) begin_model({});
     has_atoms_ = true;
-    if (lines_.number() > max_lines) lines_.fail("too many lines for a PDB file");
-    if (is_chosen_) write_atom(line);
+    if (is_chosen_) add_atom(line, position);
     previous_ = line;
   }
 
-  void write_atom(std::string_view line) {
-    begin_record(line);
-    const std::uint64_t number = lines_.number();
-    const bool is_decimal = number < first_hybrid;
-    write_number(&record_[serial_columns.first], 5,
-                 is_decimal ? number : number - first_hybrid + 10 * letter_digits,
-                 is_decimal ? 10 : 36);
-    // Columns of residue and chain do not overlap for gemmi.
+  void add_atom(std::string_view line, const gemmi::Position& position) {
+    // Columns of residue and chain do not overlap for most names.
     const bool may_be_long = !is_blank(line[chain_columns.first]) && !layout().has_long_chain_names;
-    const auto [residue, chain, is_long_name] = split_residue(line, may_be_long, is_long);
-    if (is_long_name)
-      record_.replace(residue_columns.first, 5,
-                      formatted("{:3} {:1}", residue.substr(0, residue_columns.width), chain));
-    chain_ = field_of(record_, chain_columns);
-    // gemmi does not know the exponent letter of Fortran.
-    for (std::size_t i = coordinate_columns[0].first; i < occupancy_columns.first; ++i)
-      if (record_[i] == 'D' || record_[i] == 'd') record_[i] = 'E';
-    if (needs_occupancies_)
-      check_number(line, occupancy_columns, "the radius");
-    else if (field_of(record_, occupancy_columns).empty())
-      record_.replace(occupancy_columns.first, occupancy_columns.width, "  1.00");
-    write_segment(has_element_in_segment(line) ? std::string_view() : segment_of(line),
-                  is_long_name ? residue : std::string_view());
-    write_element(line, residue);
-    records_.append(record_, 0, end_of_fields).append(1, '\n');
+    const ResidueColumns names = split_residue(line, may_be_long, is_long);
+    const bool has_symbol_in_segment = has_element_in_segment(line);
+    gemmi::Residue& residue = residue_of(line, names, has_symbol_in_segment);
+    gemmi::Atom& atom = residue.atoms.emplace_back();
+    atom.serial = static_cast<int>(result_.sources.size());
+    atom.name = field_of(line, name_columns);
+    atom.altloc = is_blank(line[altloc_column]) ? '\0' : line[altloc_column];
+    atom.pos = position;
+    const std::string_view occupancy = field_of(line, occupancy_columns);
+    atom.occ = needs_occupancies_
+                   ? static_cast<float>(number_in(line, occupancy_columns, "the radius"))
+               : occupancy.empty() ? 1
+                                   : number_at_start(occupancy);
+    atom.b_iso = number_at_start(field_of(line, b_factor_columns));
+    result_.sources.push_back({static_cast<std::uint32_t>(lines_.number())});
+    atom.element =
+        element_of(line, names.residue,
+                   has_symbol_in_segment ? element_in_segment(line) : element_of_columns(line));
   }
 
-  // Makes `record_` a line with all columns, which gemmi needs.
-  void begin_record(std::string_view line) {
-    record_.assign(line.substr(0, record_width)).resize(record_width, ' ');
+  gemmi::Residue& residue_of(std::string_view line, const ResidueColumns& names,
+                             bool has_symbol_in_segment) {
+    gemmi::ResidueId id;
+    id.seqid = number_in_columns(line.substr(sequence_columns.first, sequence_columns.width));
+    if (!has_symbol_in_segment) id.segment = segment_of(line);
+    id.name = names.residue;
+    return chains_.residue(std::string(names.chain), id, [&](gemmi::Residue& residue) {
+      if (chains_.last().residues.size() == 1) is_after_polymer_ = chains_.has_polymer_before();
+      residue.het_flag = lower_case(line[0]) == 'h' ? 'H' : 'A';
+      if (is_after_polymer_)
+        residue.entity_type =
+            residue.is_water() ? gemmi::EntityType::Water : gemmi::EntityType::NonPolymer;
+    });
   }
 
-  // gemmi knows neither residue names of four letters nor residues that differ only in the fourth
-  // one. As a residue has a segment, the field has the index of segment and name in a list instead.
-  void write_segment(std::string_view segment, std::string_view long_name) {
-    std::string field(segment_columns.width, ' ');
-    if (!segment.empty() || !long_name.empty()) {
-      const std::pair<std::string, std::string> names{segment, long_name};
-      const auto [at, is_new] = segment_indices_.emplace(names, segments_.size());
-      if (is_new) segments_.push_back(names);
-      if (segments_.size() > letter_digits) lines_.fail("too many different segments");
-      write_number(field.data(), 4, at->second, 36);
-    }
-    record_.replace(segment_columns.first, segment_columns.width, field);
-  }
-
-  // Writes the element of the file or, if it has none, of the names, unless the columns of the name
-  // decide. An atom that is named as an ion and alone in its residue is an ion, because programs
-  // that derive elements from names write C for calcium, and P for potassium.
-  void write_element(std::string_view line, std::string_view residue) {
-    std::string_view given =
-        has_element_in_segment(line) ? element_in_segment(line) : element_of_columns(line);
+  // Returns `given`, the element of the file or, if it has none, that of the names, unless the
+  // columns of the name decide. An atom that is named as an ion and alone in its residue is an ion,
+  // because programs that derive elements from names write C for calcium, and P for potassium.
+  gemmi::Element element_of(std::string_view line, std::string_view residue,
+                            std::string_view given) {
     if (is_unknown_element(given) && is_polymer_residue(residue)) given = {};
-    const std::string name = in_capitals(line.substr(name_columns.first, name_columns.width), line),
-                      of = in_capitals(residue, line);
+    const std::string_view columns = line.substr(name_columns.first, name_columns.width);
+    const std::string name = in_capitals(columns, line), of = in_capitals(residue, line);
     NamedAtom atom{name, of};
     atom.is_alone = true;
     atom.is_alone = !is_same_residue(previous_, line) && is_ion(atom) && is_last_of_residue(line);
@@ -379,11 +383,10 @@ class PdbRecords {
       atom.is_polymer = is_polymer_residue(residue);
       atom.is_left_aligned = given.empty() && layout().is_left_aligned;
       if (given.empty() || !atom.is_polymer) element = element_by_name(atom);
-      if (lower_case(element) != lower_case(std::string(given)) || given.empty())
-        guessed_.push_back(static_cast<int>(lines_.number()));
+      result_.sources.back().is_element_by_name =
+          lower_case(element) != lower_case(std::string(given)) || given.empty();
     }
-    if (element != field_of(record_, element_columns))
-      record_.replace(element_columns.first, element_columns.width, formatted("{:>2}", element));
+    return element.empty() ? element_of_name_columns(columns) : gemmi::Element(element);
   }
 
   // Returns whether the next atom belongs to another residue.
@@ -410,23 +413,27 @@ class PdbRecords {
   // programs do not write the end of the previous model.
   void begin_model(std::string_view field) {
     constexpr std::size_t max_models = 9999;
-    if (models_.names.size() == max_models)
+    ModelList& models = result_.models;
+    if (models.names.size() == max_models)
       lines_.fail(formatted("more than {} models; split the file", max_models));
-    int number = static_cast<int>(models_.names.size()) + 1;
+    int number = static_cast<int>(models.names.size()) + 1;
     if (!field.empty() && !parse_integer(field, number))
       lines_.fail(formatted("expected the number of the model, found {}", quoted(field)));
     const std::string name = std::to_string(number);
-    if (std::find(models_.names.begin(), models_.names.end(), name) != models_.names.end())
+    if (gemmi::in_vector(name, models.names))
       lines_.fail(formatted("there are two models {}; give them different numbers", number));
     is_in_model_ = true;
-    is_chosen_ = models_.add(name);
+    is_chosen_ = models.add(name);
   }
 
-  // Writes the first TER record of a chain. After it, the chain may have ligands and water. Others
-  // do not end the polymer, and versions of gemmi differ in them.
+  // The first TER record of a chain ends its polymer. After it, the chain may have ligands and
+  // water. Other TER records do not end a polymer.
   void end_polymer() {
-    if (is_in_model_ && is_chosen_ && chain_ && ended_chains_.insert(*chain_).second)
-      records_ += "TER\n";
+    if (!is_in_model_ || !is_chosen_ || chains_.chains.empty()) return;
+    if (!ended_chains_.insert(chains_.last().name).second || is_after_polymer_) return;
+    for (gemmi::Residue& residue : chains_.last().residues)
+      residue.entity_type = gemmi::EntityType::Polymer;
+    is_after_polymer_ = true;
   }
 
   // ------------------------------------------------------------------------------------ assemblies
@@ -434,11 +441,13 @@ class PdbRecords {
   // gemmi takes only the first 20 characters of a name, which may be a list of assemblies.
   void add_to_assembly(std::string_view line) {
     if (needs_assemblies_) check_operator(line);
-    begin_record(line);
+    // gemmi needs all columns.
+    std::string record(line.substr(0, record_width));
+    record.resize(record_width, ' ');
     constexpr std::string_view key = "BIOMOLECULE:";
-    if (std::string_view(record_).substr(remark_column).starts_with(key))
+    if (std::string_view(record).substr(remark_column).starts_with(key))
       assemblies_.emplace_back(trimmed(line.substr(remark_column + key.size())));
-    records_.append(record_).append(1, '\n');
+    remarks_.append(record).append(1, '\n');
   }
 
   // gemmi reads invalid numbers as 0, and takes missing rows from the identity.
@@ -459,7 +468,7 @@ class PdbRecords {
       lines_.fail(formatted("expected a row of operator {}, found one of operator {}",
                             printable(operator_number_), printable(number)));
     for (const std::size_t column : std::array<std::size_t, 4>{23, 33, 43, 58})
-      check_number(line, {column, width}, "the operator");
+      number_in(line, {column, width}, "the operator");
     operator_rows_ = (operator_rows_ + 1) % 3;
   }
 
@@ -469,33 +478,17 @@ class PdbRecords {
       lines_.fail(formatted("expected the record BIOMT{} of an operator", operator_rows_ + 1));
   }
 
-  void restore_names(gemmi::Structure& structure) const {
-    for (std::size_t i = 0; i < structure.assemblies.size(); ++i)
-      structure.assemblies[i].name = assemblies_.at(i);
-    for (gemmi::Chain& chain : structure.models.front().chains)
-      for (gemmi::Residue& residue : chain.residues) {
-        if (residue.segment.empty()) continue;
-        const auto& [segment, long_name] = segments_.at(std::stoul(residue.segment, nullptr, 36));
-        residue.segment = segment;
-        if (!long_name.empty()) residue.name = long_name;
-      }
-  }
-
   PdbLines lines_, all_lines_;
   bool needs_assemblies_, needs_occupancies_;
-  ModelList models_;
-  std::string record_;         // the current line with all columns
-  std::string records_;        // the text for gemmi
+  ParsedStructure result_;
+  ChainBuilder chains_;
   std::string_view previous_;  // the last record of an atom
-  std::vector<int> guessed_;   // lines
-  std::vector<std::uint64_t> unread_;
-  std::optional<std::string> chain_;  // name of the chain of the last atom that was written
-  std::set<std::string> ended_chains_;
-  std::map<std::pair<std::string, std::string>, std::size_t> segment_indices_;
-  std::vector<std::pair<std::string, std::string>> segments_;  // segment and long residue name
-  std::vector<std::string> assemblies_;                        // names
   bool has_atoms_ = false, is_in_model_ = false, is_chosen_ = false;
-  int operator_rows_ = 0;  // number of rows of an unfinished operator
+  bool is_after_polymer_ = false;  // whether the polymer of the last chain has ended
+  std::set<std::string> ended_chains_;
+  std::string remarks_;                  // REMARK 350 for gemmi
+  std::vector<std::string> assemblies_;  // names
+  int operator_rows_ = 0;                // number of rows of an unfinished operator
   std::string_view operator_number_;
   std::optional<PdbLayout> layout_;
 };

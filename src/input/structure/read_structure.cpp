@@ -20,8 +20,8 @@
 #include "eses/radii.hpp"
 #include "eses/surface.hpp"
 #include "input/atom_reader.hpp"
+#include "input/atom_records.hpp"
 #include "input/other_formats.hpp"
-#include "input/pqr_records.hpp"
 #include "input/radii_set.hpp"
 #include "input/structure/assign_radii.hpp"
 #include "input/structure/build_assembly.hpp"
@@ -161,26 +161,24 @@ void split_residues(gemmi::Model& model) {
 
 /// Returns whether an atom of a ligand has an element that follows from its name, and bonds can
 /// contradict it. The distances between alternate locations are no bonds.
-bool has_guessed_element(const gemmi::Residue& residue, const std::vector<int>& guessed) {
-  if (residue.atoms.size() < 2 || is_polymer_residue(residue.name) ||
-      gemmi::find_tabulated_residue(residue.name).is_water())
-    return false;
-  const auto is_guessed = [&](const gemmi::Atom& atom) {
-    return std::binary_search(guessed.begin(), guessed.end(), atom.serial);
-  };
-  return std::any_of(residue.atoms.begin(), residue.atoms.end(), is_guessed) &&
-         std::all_of(residue.atoms.begin(), residue.atoms.end(),
-                     [](const gemmi::Atom& atom) { return atom.altloc == '\0'; });
+bool has_guessed_element(const gemmi::Residue& residue, const ParsedStructure& parsed) {
+  const std::vector<gemmi::Atom>& atoms = residue.atoms;
+  return atoms.size() > 1 &&
+         std::any_of(atoms.begin(), atoms.end(),
+                     [&](const auto& atom) { return parsed.source_of(atom).is_element_by_name; }) &&
+         std::all_of(atoms.begin(), atoms.end(),
+                     [](const auto& atom) { return atom.altloc == '\0'; }) &&
+         !is_polymer_residue(residue.name) &&
+         !gemmi::find_tabulated_residue(residue.name).is_water();
 }
 
 /// Corrects the elements of ligands that follow from names, as for atoms of other sources.
-void correct_guessed_elements(gemmi::Model& model, const std::vector<int>& guessed) {
-  if (guessed.empty()) return;
+void correct_guessed_elements(ParsedStructure& parsed) {
   std::vector<Vec3> centers;
   std::vector<AtomLabel> labels;
-  for (gemmi::Chain& chain : model.chains)
+  for (gemmi::Chain& chain : parsed.structure.models.front().chains)
     for (gemmi::Residue& residue : chain.residues) {
-      if (!has_guessed_element(residue, guessed)) continue;
+      if (!has_guessed_element(residue, parsed)) continue;
       centers.clear();
       labels.clear();
       for (const gemmi::Atom& atom : residue.atoms) {
@@ -189,7 +187,7 @@ void correct_guessed_elements(gemmi::Model& model, const std::vector<int>& guess
       }
       for (const AtomIndex changed : correct_elements(centers, labels)) {
         gemmi::Atom& atom = residue.atoms[changed];
-        if (std::binary_search(guessed.begin(), guessed.end(), atom.serial))
+        if (parsed.source_of(atom).is_element_by_name)
           atom.element = gemmi::Element(labels[changed].element);
       }
     }
@@ -207,31 +205,27 @@ ParsedStructure parse(const StructureText& text, bool needs_occupancies) {
   require_model(parsed, text.name);
   mark_residues(parsed.structure.models.front());
   split_residues(parsed.structure.models.front());
-  correct_guessed_elements(parsed.structure.models.front(), parsed.guessed_elements);
+  correct_guessed_elements(parsed);
   text.require_memory(0);
   return parsed;
 }
 
-std::vector<StructureAtom> atoms_of(const ParsedStructure& parsed) {
-  const gemmi::Model& model = parsed.structure.models.front();
+std::vector<StructureAtom> atoms_of(const gemmi::Model& model) {
   std::vector<StructureAtom> atoms;
   atoms.reserve(count_atoms(model));
   for (const gemmi::Chain& chain : model.chains)
     for (const gemmi::Residue& residue : chain.residues)
       for (const gemmi::Atom& atom : residue.atoms)
-        atoms.push_back({&atom,
-                         &residue,
-                         &chain.name,
-                         {atom.pos.x, atom.pos.y, atom.pos.z},
-                         parsed.line_of(atom)});
+        atoms.push_back({&atom, &residue, &chain.name, {atom.pos.x, atom.pos.y, atom.pos.z}});
   return atoms;
 }
 
-void check_coordinates(const std::vector<StructureAtom>& atoms, std::string_view file) {
+void check_coordinates(const std::vector<StructureAtom>& atoms, const ParsedStructure& parsed,
+                       std::string_view file) {
   for (const StructureAtom& atom : atoms)
     for (const double value : {atom.center.x, atom.center.y, atom.center.z})
       if (!(std::fabs(value) <= max_coordinate))
-        fail_at_line(file, atom.line,
+        fail_at_line(file, parsed.source_of(*atom.atom).line,
                      formatted("expected coordinates of at most {:.0f} angstrom", max_coordinate));
 }
 
@@ -267,13 +261,6 @@ void sort_as_in_file(std::vector<StructureAtom>& atoms) {
   throw Error(formatted("{}: {}; left out: {}", name, cause, fmt::join(reasons, ", ")));
 }
 
-/// Returns whether a residue has a single atom, or only CA and CB, as in UNRES.
-bool is_trace(const gemmi::Residue& residue) {
-  if (residue.atoms.size() == 1) return true;
-  return residue.atoms.size() == 2 && residue.atoms[0].name == "CA" &&
-         residue.atoms[1].name == "CB";
-}
-
 /// Returns the diagnostic of residues that are traces, if these are most residues of the polymers.
 std::vector<Diagnostic> find_one_atom_residues(const std::vector<StructureAtom>& atoms) {
   std::uint64_t residues = 0;
@@ -282,7 +269,9 @@ std::vector<Diagnostic> find_one_atom_residues(const std::vector<StructureAtom>&
     const gemmi::Residue& residue = *atoms[i].residue;
     if (atoms[i].atom != &residue.atoms.front() || !is_polymer_residue(residue.name)) continue;
     ++residues;
-    if (is_trace(residue) && ++diagnostic.count <= Diagnostic::max_examples)
+    const bool is_alone =
+        is_trace(residue.atoms, [](const gemmi::Atom& each) { return each.name; });
+    if (is_alone && ++diagnostic.count <= Diagnostic::max_examples)
       diagnostic.examples.push_back({i, i});
   }
   if (2 * diagnostic.count <= residues) return {};
@@ -313,8 +302,7 @@ std::vector<std::string> read_model_names(StructureText text) {
   return parse_text(text.text, text.name, {0, {}, text.options.check}).models.names;
 }
 
-AtomFile read_structure(StructureText text,
-                        const std::function<void(AtomFile& atoms)>& after_part) {
+AtomFile read_structure(StructureText text, const NameStore& store) {
   text.text = checked_text(text.text, text.name, text.format, text.is_chosen);
   if (text.format == AtomFormat::pdb && !text.is_chosen) refuse_pqr_records(text.text, text.name);
   const StructureOptions& options = text.options.structure;
@@ -337,24 +325,24 @@ AtomFile read_structure(StructureText text,
   std::vector<StructureAtom> atoms;
   if (options.assembly.empty()) {
     if (!text.is_assembly_file) report.other_assemblies = find_other_assemblies(structure);
-    atoms = atoms_of(parsed);
+    atoms = atoms_of(structure.models.front());
   } else {
-    atoms = build_assembly(parsed, text, copies, report);
+    atoms = build_assembly(structure, text, copies, report);
   }
-  check_coordinates(atoms, text.name);
+  check_coordinates(atoms, parsed, text.name);
   if (options.assembly.empty()) sort_as_in_file(atoms);
   text.check();
   // Returns the memory that gemmi has freed to the system, so that the limit does not include it.
   release_free_memory();
   if (atoms.empty()) fail_without_atoms(text.name, report);
-  const bool keeps_labels = text.options.with_labels && !after_part;
+  const bool keeps_labels = text.options.with_labels && !store.is_used();
   text.require_memory(atoms.size() * (sizeof(Atom) + sizeof(std::uint64_t) +
                                       (keeps_labels ? sizeof(AtomLabel) : 0)));
   result.diagnostics = find_one_atom_residues(atoms);
   report.chain_names = options.chain_names;
   if (parsed.has_label_chains)
     report.chains = names_of_chains(structure.models.front(), options.chain_names);
-  assign_radii(atoms, radii, parsed.guessed_elements, text, result, after_part);
+  assign_radii(atoms, parsed, radii, text, result, store);
   if (keeps_labels && !parsed.charges.empty())
     for (const StructureAtom& atom : atoms)
       result.charges.push_back(parsed.charges[static_cast<std::size_t>(atom.atom->serial)]);

@@ -19,7 +19,6 @@ struct StructureAtom {
   const gemmi::Residue* residue;
   const std::string* chain;  ///< name of the chain or of its copy, such as A-2
   Vec3 center;
-  std::uint64_t line;  ///< in the file, from 1
 };
 
 /// Returns the symbol of an element, such as Zn; X if it is unknown, and H for deuterium.

@@ -1,3 +1,5 @@
+// The functions of eses/radii.hpp: radii, elements, water and polarity of labelled atoms.
+
 #include <algorithm>
 #include <array>
 #include <cstddef>
@@ -12,9 +14,10 @@
 #include "eses/error.hpp"
 #include "eses/radii.hpp"
 #include "eses/vec3.hpp"
+#include "input/atom_names.hpp"
 #include "input/pdb_elements.hpp"
+#include "input/radii_set.hpp"
 #include "input/residue_atoms.hpp"
-#include "input/residue_runs.hpp"
 #include "input/text_fields.hpp"
 #include "system/formatted.hpp"
 
@@ -112,19 +115,14 @@ std::string corrected_element(const ResidueRange& residue, std::size_t atom) {
   return element;
 }
 
-/// Returns whether a residue has a single atom, or only CA and CB, as in UNRES.
-bool is_trace(std::span<const AtomLabel> residue) {
-  return residue.size() == 1 ||
-         (residue.size() == 2 && residue[0].atom_name == "CA" && residue[1].atom_name == "CB");
-}
+bool is_hydrogen(const AtomLabel& label) { return label.element == "H" || label.element == "D"; }
 
 /// Returns whether a residue is a bead of water, or has an atom that it cannot have by its name.
 bool is_foreign(std::span<const AtomLabel> residue) {
   const std::string_view standard = standard_residue(residue);
   return std::any_of(residue.begin(), residue.end(), [&](const AtomLabel& atom) {
-    const bool is_hydrogen = atom.element == "H" || atom.element == "D";
     return is_water_bead(atom.residue) ||
-           (!is_hydrogen && !may_have_atom(standard, atom.atom_name));
+           (!is_hydrogen(atom) && !may_have_atom(standard, atom.atom_name));
   });
 }
 
@@ -133,6 +131,33 @@ std::pair<std::string, std::string> names_of(const AtomLabel& atom) {
   const std::string element = usual_spelling(atom.element);
   return {atom.atom_name, element.empty() ? symbol_by_name(atom.atom_name, atom.residue) : element};
 }
+
+/// The atoms of a residue, for their polarity.
+struct PolarityOfResidue {
+  std::span<const Atom> atoms;
+  std::span<const AtomLabel> labels;
+
+  /// Returns whether an atom that is no hydrogen is polar.
+  bool is_polar(std::size_t i) const {
+    if (labels[i].atom_class != AtomClass::none) return labels[i].atom_class == AtomClass::polar;
+    const std::string_view element = labels[i].element;
+    const bool is_halogen = has_word("F Cl Br I", element);
+    return !has_word("C B Si", element) && !(is_halogen && labels.size() > 1);
+  }
+
+  /// Returns whether the nearest atom to a hydrogen that is no hydrogen is polar.
+  bool has_polar_parent(const Atom& hydrogen) const {
+    double least = std::numeric_limits<double>::infinity();
+    bool has_polar = false;
+    for (std::size_t i = 0; i < atoms.size(); ++i) {
+      const double distance = squared_norm(atoms[i].center - hydrogen.center);
+      if (is_hydrogen(labels[i]) || distance >= least) continue;
+      least = distance;
+      has_polar = is_polar(i);
+    }
+    return has_polar;
+  }
+};
 
 void add_example(Diagnostic& diagnostic, std::size_t atom) {
   const auto index = static_cast<AtomIndex>(atom);
@@ -182,7 +207,8 @@ std::vector<Diagnostic> check_residues(std::span<const AtomLabel> atoms) {
     const std::span residue = atoms.subspan(begin, end - begin);
     if (detail::is_named_polymer(residue.front().residue)) {
       ++polymers;
-      if (detail::is_trace(residue)) detail::add_example(traces, begin);
+      if (detail::is_trace(residue, [](const AtomLabel& atom) { return atom.atom_name; }))
+        detail::add_example(traces, begin);
     }
     if (detail::is_foreign(residue)) detail::add_example(foreign, begin);
   });
@@ -190,6 +216,47 @@ std::vector<Diagnostic> check_residues(std::span<const AtomLabel> atoms) {
   if (2 * traces.count > polymers) found.push_back(std::move(traces));
   if (foreign.count > 0) found.push_back(std::move(foreign));
   return found;
+}
+
+NamedRadii find_radii(std::span<const AtomLabel> atoms, const std::string& set) {
+  const detail::RadiiSet radii = detail::find_radii_set(set);
+  if (radii.is_occupancy)
+    throw Error("radii: 'occupancy' needs a PDB or mmCIF file, which has the radii");
+  std::vector<AtomLabel> labels(atoms.begin(), atoms.end());
+  detail::complete_elements(labels);
+  NamedRadii found{.set = radii.name, .are_united = radii.is_united, .atoms = {}};
+  found.atoms.reserve(labels.size());
+  detail::for_each_residue(labels, [&](std::size_t begin, std::size_t end) {
+    const std::string_view standard =
+        detail::standard_residue(std::span(labels).subspan(begin, end - begin));
+    for (std::size_t i = begin; i < end; ++i) {
+      AtomLabel& label = labels[i];
+      if (label.element == "D") label.element = "H";
+      const detail::AtomIdentity identity{label.residue, label.atom_name, label.element,
+                                          label.element == "H", standard};
+      const auto radius = radii.find(identity);
+      found.atoms.push_back(
+          {.radius = radius ? radius->radius : std::numeric_limits<double>::quiet_NaN(),
+           .element = label.element,
+           .is_by_element = radius && radius->by_element,
+           .is_element_by_name = atoms[i].element.empty() && !label.element.empty(),
+           .atom_class = radii.class_of(identity)});
+    }
+  });
+  return found;
+}
+
+std::vector<bool> find_polar_atoms(std::span<const Atom> atoms, std::span<const AtomLabel> labels) {
+  std::vector<bool> are_polar(atoms.size());
+  detail::for_each_residue(labels, [&](std::size_t first, std::size_t end) {
+    const detail::PolarityOfResidue residue{atoms.subspan(first, end - first),
+                                            labels.subspan(first, end - first)};
+    for (std::size_t i = first; i < end; ++i)
+      are_polar[i] = detail::is_hydrogen(labels[i]) && labels[i].atom_class == AtomClass::none
+                         ? residue.has_polar_parent(atoms[i])
+                         : residue.is_polar(i - first);
+  });
+  return are_polar;
 }
 
 }  // namespace eses
