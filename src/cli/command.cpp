@@ -155,6 +155,7 @@ int perform(const Command& command, int argc, char** argv) {
   std::optional<Processes> processes;
   try {
     require_stack();
+    keep_free_memory();
     if (asks_to_be_independent(arguments()))
       processes.emplace();
     else

@@ -30,6 +30,7 @@ constexpr double kept_per_block = 256;
 constexpr double bytes_per_layer = 64;  // an empty layer
 // The density of crossings is higher than average if the surface faces a cell's corner.
 constexpr double crossing_slack = 1.05;
+constexpr double fullest_block = 1.5;  // maximum memory of a block, relative to the mean
 
 double as_double(std::int64_t value) { return static_cast<double>(value); }
 
@@ -91,11 +92,20 @@ double max_batches(const BlockTiling& tiling, const Outputs& outputs) {
                       : as_double(tiling.blocks[2]) * batches_in(planes * size[1]);
 }
 
+// Returns the memory of the crossings of a block, which are not kept.
+double bytes_of_block(const SurfaceSurvey& survey, const Grid& grid, const BlockTiling& tiling) {
+  const double height = grid.spacing * as_double(points_of_block(tiling)[2]);
+  return sizeof(BlockCrossing) * std::min(1.0, fullest_block / blocks_in_layer(tiling)) *
+         expected_crossings(survey.max_slab_area(height), grid.spacing);
+}
+
 double bytes_of_threads(const SurfaceSurvey& survey, const Grid& grid, const Schedule& schedule,
                         const Outputs& outputs) {
   const BlockTiling& tiling = schedule.tiling;
   const double threads = schedule.threads;
-  return threads * (bytes_per_thread + kept_per_block * blocks_in_layer(tiling)) +
+  const double crossings =
+      extras_of(outputs).keeps_crossings ? 0 : bytes_of_block(survey, grid, tiling);
+  return threads * (bytes_per_thread + crossings + kept_per_block * blocks_in_layer(tiling)) +
          std::min(threads, max_batches(tiling, outputs)) *
              text_bytes(survey, grid, tiling.region, outputs) +
          BlockWorkspace::memory_bytes(survey, grid, tiling, schedule.threads);
@@ -114,7 +124,7 @@ double bytes_of_layers(const SurfaceSurvey& survey, const Grid& grid, const Bloc
   // A layer has the bits of all its points as soon as one of its blocks is solved.
   const double layers_of_bits = fraction_of_next > 0 ? 2 : 1;
   return layers_of_bits * blocks_in_layer(tiling) * BlockResult::memory_bytes(points, extras) +
-         BlockResult::crossing_bytes(extras) * crossing_slack *
+         BlockResult::kept_crossing_bytes(extras) * crossing_slack *
              (outputs.mesh ? halo_growth(tiling) : 1) * expected_crossings(area, grid.spacing);
 }
 
@@ -130,10 +140,9 @@ double bytes_of_improving(const SurfaceSurvey& survey, const Grid& grid,
 
 // Returns the maximum fraction of the next layer that is solved before the current one is written.
 double fraction_ahead(const Schedule& schedule) {
-  constexpr double fullest = 1.5;  // maximum memory of a block, relative to the mean
   if (schedule.tiling.blocks[2] < 2) return 0;
   return std::min(1.0,
-                  fullest * as_double(schedule.blocks_ahead) / blocks_in_layer(schedule.tiling));
+                  fullest_block * as_double(schedule.blocks_ahead) / blocks_in_layer(schedule.tiling));
 }
 
 }  // namespace
@@ -141,6 +150,7 @@ double fraction_ahead(const Schedule& schedule) {
 BlockExtras extras_of(const Outputs& outputs) {
   BlockExtras extras;
   extras.inside_fractions = outputs.dielectric.has_value();
+  extras.keeps_crossings = outputs.edges || outputs.mesh;
   if (outputs.ion_access) extras.ion_radius = outputs.ion_access->ion_radius;
   return extras;
 }

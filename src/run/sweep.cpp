@@ -174,6 +174,7 @@ void Sweep::solve(const WorkItem& block, Worker& worker) {
     worker.block.tally.atom_shares.move_into(atom_shares_);
   }
   sink_.take_block(result, worker.thread);
+  if (!worker.block.extras.keeps_crossings) worker.block.recycle_crossings(result);
   add_bits(result, layer_at(block.layer));
   require_memory_within(parameters_.max_memory, parameters_.memory_before);
   progress_.add(1);

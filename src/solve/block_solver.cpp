@@ -51,6 +51,8 @@ BlockResult find_crossings(const Patches& patches, const Grid& grid, const Block
                            const GridIndex& owned, BlockWorkspace& workspace) {
   BlockResult result;
   result.block = block;
+  result.crossings.swap(workspace.spare.crossings);
+  result.row_begin.swap(workspace.spare.row_begin);
   const Stopwatch classifying;
   workspace.grid.reset(grid, block);
   if (workspace.extras.ion_radius)
@@ -135,8 +137,8 @@ double BlockResult::memory_bytes(const GridIndex& points, const BlockExtras& ext
          sizeof(std::uint32_t) * static_cast<double>(points[1] * points[2]) * edge_lists;
 }
 
-double BlockResult::crossing_bytes(const BlockExtras& extras) {
-  return sizeof(BlockCrossing) +
+double BlockResult::kept_crossing_bytes(const BlockExtras& extras) {
+  return (extras.keeps_crossings ? sizeof(BlockCrossing) : 0) +
          (extras.inside_fractions ? list_growth * sizeof(InsideFractions::Edge) : 0);
 }
 
@@ -148,6 +150,14 @@ double BlockWorkspace::memory_bytes(const SurfaceSurvey& survey, const Grid& gri
       static_cast<double>(PointBits::word_count(tiling.block_with_halo(0, 0, 0).points));
   return threads * bytes_per_word * words +
          BlockFeatures::memory_bytes(survey, grid, tiling, threads);
+}
+
+void BlockWorkspace::recycle_crossings(BlockResult& result) {
+  spare.crossings = std::move(result.crossings);
+  spare.row_begin = std::move(result.row_begin);
+  spare.row_begin.clear();
+  result.crossings.clear();
+  result.row_begin.clear();
 }
 
 BlockResult solve_block(const Patches& patches, const Grid& grid, const BlockBounds& block,

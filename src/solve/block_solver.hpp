@@ -19,6 +19,9 @@ namespace eses::detail {
 /// Optional results of a block besides its points and crossings.
 struct BlockExtras {
   bool inside_fractions = false;     ///< whether to compute BlockResult::fractions
+  /// Whether results keep their crossings after they were passed on. If not, their memory serves
+  /// the next block. See BlockWorkspace::recycle_crossings.
+  bool keeps_crossings = true;
   std::optional<double> ion_radius;  ///< radius of the ions for BlockResult::covered (angstrom)
 };
 
@@ -43,12 +46,18 @@ struct BlockResult {
   /// Returns the memory in bytes of the result of a block with this number of points, without
   /// crossings.
   static double memory_bytes(const GridIndex& points, const BlockExtras& extras);
-  /// Returns the memory of a crossing in bytes.
-  static double crossing_bytes(const BlockExtras& extras);
+  /// Returns the memory in bytes that is kept for a crossing.
+  static double kept_crossing_bytes(const BlockExtras& extras);
 };
 
 /// Scratch memory and sums of one thread.
 struct BlockWorkspace {
+  /// Crossings and rows of a result.
+  struct CrossingLists {
+    std::vector<BlockCrossing> crossings;
+    std::vector<std::uint32_t> row_begin;
+  };
+
   /// Returns the estimated memory in bytes of all threads.
   static double memory_bytes(const SurfaceSurvey& survey, const Grid& grid,
                              const BlockTiling& tiling, int threads);
@@ -60,8 +69,12 @@ struct BlockWorkspace {
   FilledScratch filled;
   IntersectScratch intersect;
   Tally tally;
+  CrossingLists spare;  ///< memory for the lists of the next result
   double classify_seconds = 0;
   double intersect_seconds = 0;
+
+  /// Drops the crossings of a result, and keeps their memory for the next result.
+  void recycle_crossings(BlockResult& result);
 };
 
 /// Solves a block, and adds its crossings to the sums of the workspace. The clusters of all atoms

@@ -39,6 +39,10 @@ std::uint64_t peak_memory();
 /// Returns freed memory to the system. Without this call glibc keeps it for each thread.
 void release_free_memory();
 
+/// Lets glibc keep freed memory until release_free_memory(). Otherwise lists that are made for each
+/// block go back to the system and are cleared by it again.
+void keep_free_memory();
+
 /// Average ratio of the touched memory of a growing list to its size, for estimates of memory.
 inline constexpr double list_growth = 1.5;
 
