@@ -141,8 +141,8 @@ double bytes_of_improving(const SurfaceSurvey& survey, const Grid& grid,
 // Returns the maximum fraction of the next layer that is solved before the current one is written.
 double fraction_ahead(const Schedule& schedule) {
   if (schedule.tiling.blocks[2] < 2) return 0;
-  return std::min(1.0,
-                  fullest_block * as_double(schedule.blocks_ahead) / blocks_in_layer(schedule.tiling));
+  return std::min(
+      1.0, fullest_block * as_double(schedule.blocks_ahead) / blocks_in_layer(schedule.tiling));
 }
 
 }  // namespace

@@ -18,7 +18,7 @@ namespace eses::detail {
 
 /// Optional results of a block besides its points and crossings.
 struct BlockExtras {
-  bool inside_fractions = false;     ///< whether to compute BlockResult::fractions
+  bool inside_fractions = false;  ///< whether to compute BlockResult::fractions
   /// Whether results keep their crossings after they were passed on. If not, their memory serves
   /// the next block. See BlockWorkspace::recycle_crossings.
   bool keeps_crossings = true;

@@ -38,6 +38,18 @@ struct LaneEdges {
   HWY_INLINE DoubleVector step() const { return to - from; }
 };
 
+/// Copies the edges from `first` on that are set in the mask to the places from `to` on, which is
+/// at most `first`, and returns their number.
+HWY_INLINE std::size_t keep_edges(EdgeBatch& batch, std::size_t first, DoubleMask mask,
+                                  std::size_t to) {
+  const Doubles doubles;
+  const Words words;
+  for (auto* values : {&batch.x, &batch.y, &batch.z, &batch.to, &batch.axis})
+    compress_store(doubles, load(values->data() + first), mask, values->data() + to);
+  return compress_store(words, hn::LoadU(words, batch.key.data() + first),
+                        hn::RebindMask(words, mask), batch.key.data() + to);
+}
+
 }  // namespace eses::detail::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 

@@ -20,12 +20,6 @@ struct EdgeBatch {
   List<double> axis{};         ///< 0, 1 or 2
   List<std::uint64_t> key{};   ///< any number by which the caller knows the edge
   std::size_t count = 0;
-
-  /// Copies the edge at one index to another index.
-  void move(std::size_t index, std::size_t copy) {
-    for (auto* values : {&x, &y, &z, &to, &axis}) (*values)[copy] = (*values)[index];
-    key[copy] = key[index];
-  }
 };
 
 }  // namespace eses::detail

@@ -72,8 +72,7 @@ HWY_INLINE void keep_near_saddle(const ArcFeature& arc, double probe, double len
     if (arc.sector.kind == ArcKind::minor)
       is_off = hn::Or(is_off, hn::Or(passes_beyond(arc.sector.start_normal, edges),
                                      passes_beyond(arc.sector.end_normal, edges)));
-    const auto may_cross = hn::AndNot(is_off, hn::FirstN(doubles, batch.count - i));
-    for_each_lane(may_cross, [&](std::size_t lane) { batch.move(i + lane, kept++); });
+    kept += keep_edges(batch, i, hn::AndNot(is_off, hn::FirstN(doubles, batch.count - i)), kept);
   }
   batch.count = kept;
 }

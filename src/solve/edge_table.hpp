@@ -2,19 +2,32 @@
 /// The edges of a block with one end inside and one outside.
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
-#include "grid/point_bits.hpp"
+#include "system/padding.hpp"
 
 namespace eses::detail {
 
-/// Edges in canonical order: by lower point (z, y, x), then axis. `changes` and `rank` are indexed
-/// like PointBits::words.
+/// Edges by word of PointBits, then axis, then point. `changes` and `first` are indexed like
+/// PointBits::words. Coordinates are in angstrom.
 struct EdgeTable {
   std::array<std::vector<std::uint64_t>, 3> changes;  ///< by axis: bits of the edges' lower points
-  std::vector<std::uint32_t> rank;  ///< number of edges before the first one of a word
+  std::vector<std::uint32_t> first;                   ///< index of the first edge of a word
+  std::vector<double> x, y, z;                        ///< the outside ends
+  std::vector<double> to;  ///< coordinate of the inside end along the axis
+  std::vector<std::uint32_t>
+      rank;  ///< index in canonical order: by lower point (z, y, x), then axis
   std::uint32_t count = 0;
+
+  /// Sets the number of edges. Their values are unspecified; there is room for one more edge.
+  void resize(std::uint32_t new_count) {
+    count = new_count;
+    if (rank.size() > count) return;
+    for (auto* values : {&x, &y, &z, &to}) values->resize(count + 1 + vector_padding);
+    rank.resize(count + 1);
+  }
 };
 
 }  // namespace eses::detail

@@ -42,29 +42,60 @@ struct BoxRange {
   }
 };
 
-// Appends the edges along an axis that start at the points `changes` of a word to the batch.
-template <std::size_t axis>
-HWY_INLINE void append_edges(const Candidates& candidates, const WordPosition& word,
-                             std::uint64_t changes, EdgeBatch& batch) {
-  const auto& coordinates = candidates.grid.coordinates;
-  const std::uint64_t inside = candidates.inside.words[word.word];
-  const double* const x = coordinates[0].data() + word.column * PointBits::column_step;
-  const double* const y = coordinates[1].data() + word.y;
-  const double* const z = coordinates[2].data() + word.z;
-  std::size_t n = batch.count;
-  for (; changes != 0; changes &= changes - 1, ++n) {
-    const int bit = std::countr_zero(changes);
-    const double* const ends = axis == 0 ? x + bit : axis == 1 ? y : z;
-    const std::size_t outside = inside >> bit & 1;  // 1 if the upper end is outside
-    const double from = ends[outside];
-    batch.x[n] = axis == 0 ? from : x[bit];
-    batch.y[n] = axis == 1 ? from : *y;
-    batch.z[n] = axis == 2 ? from : *z;
-    batch.to[n] = ends[1 - outside];
-    batch.axis[n] = axis;
-    batch.key[n] = Candidates::key_of(word.word, bit, axis);
+// Edges of a table that may meet a patch. A code is four times the index of an edge, plus its axis.
+// Several codes are stored at a time, without a branch for each, which would often be predicted
+// wrongly.
+struct EdgeCodes {
+  std::array<std::uint64_t, EdgeBatch::capacity + vector_padding>& codes;
+  std::size_t count = 0;
+
+  // Appends `added` edges along an axis, from `first` on.
+  HWY_INLINE void append(std::size_t first, std::size_t added, std::size_t axis) {
+    const Words words;
+    const std::size_t lanes = hn::Lanes(words);
+    const auto steps = hn::ShiftLeft<2>(hn::Iota(words, 0));
+    std::size_t stored = 0;
+    do {
+      const auto code = hn::Set(words, std::uint64_t{4} * (first + stored) + axis);
+      hn::StoreU(hn::Add(code, steps), words, &codes[count + stored]);
+      stored += lanes;
+    } while (stored < added);
+    count += added;
   }
-  batch.count = n;
+};
+
+// Copies the edges with these codes from the table to the batch, whose keys become their indices.
+HWY_INLINE void load_edges(const EdgeTable& table, EdgeCodes& edges, EdgeBatch& batch) {
+  const Doubles doubles;
+  const Words words;
+  const hn::RebindToSigned<Doubles> indices;
+  batch.count = edges.count;
+  for (std::size_t i = 0; i < edges.count; i += hn::Lanes(doubles)) {
+    const auto code =
+        hn::IfThenElseZero(hn::FirstN(words, edges.count - i), hn::LoadU(words, &edges.codes[i]));
+    const auto index = hn::ShiftRight<2>(code);
+    const auto copy = [&](const std::vector<double>& from, double* to) {
+      hn::StoreU(hn::GatherIndex(doubles, from.data(), hn::BitCast(indices, index)), doubles, to);
+    };
+    copy(table.x, &batch.x[i]);
+    copy(table.y, &batch.y[i]);
+    copy(table.z, &batch.z[i]);
+    copy(table.to, &batch.to[i]);
+    const auto axis = hn::ConvertTo(
+        doubles, hn::BitCast(indices, hn::And(code, hn::Set(words, std::uint64_t{3}))));
+    hn::StoreU(axis, doubles, &batch.axis[i]);
+    hn::StoreU(index, words, &batch.key[i]);
+  }
+  edges.count = 0;
+}
+
+HWY_INLINE std::size_t bit_count(std::uint64_t word) {
+  return static_cast<std::size_t>(std::popcount(word));
+}
+
+// Returns the bits below the lowest one of a word.
+HWY_INLINE std::uint64_t bits_before(std::uint64_t word) {
+  return word == 0 ? 0 : (word & (~word + 1)) - 1;
 }
 
 // Gathers the edges with one end inside and one outside that may meet a box. Calls `meet()`, which
@@ -73,9 +104,14 @@ template <class Meet>
 HWY_INLINE void for_edges_near(const Candidates& candidates, const Box& box, Meet&& meet) {
   const Words lanes;
   const PointBits& inside = candidates.inside;
-  EdgeBatch& batch = candidates.scratch.batch;
+  const EdgeTable& table = candidates.scratch.edges;
+  EdgeCodes edges{candidates.scratch.codes};
+  const auto meet_edges = [&] {
+    load_edges(table, edges, candidates.scratch.batch);
+    meet();
+  };
   const BoxRange x(candidates.grid, 0, box), y(candidates.grid, 1, box), z(candidates.grid, 2, box);
-  const auto& changes = candidates.scratch.edges.changes;
+  const auto& changes = table.changes;
   const AxisRange columns = columns_of(x.edges, inside.columns);
   // The rows of a plane that are in the box, in the lanes from `first` on.
   const auto rows_in_box = [&](std::int64_t first) {
@@ -85,8 +121,11 @@ HWY_INLINE void for_edges_near(const Candidates& candidates, const Box& box, Mee
     return hn::VecFromMask(lanes, hn::AndNot(rows(y.points.begin), rows(y.points.end)));
   };
   for (std::int64_t column = columns.begin; column < columns.end; ++column) {
-    const auto x_edges = hn::Set(lanes, column_bits(x.edges, column));
-    const auto x_points = hn::Set(lanes, column_bits(x.points, column));
+    const std::uint64_t x_edge_bits = column_bits(x.edges, column);
+    const std::uint64_t x_point_bits = column_bits(x.points, column);
+    const std::uint64_t before_edges = bits_before(x_edge_bits);
+    const std::uint64_t before_points = bits_before(x_point_bits);
+    const auto x_edges = hn::Set(lanes, x_edge_bits), x_points = hn::Set(lanes, x_point_bits);
     for (std::int64_t k = z.edges.begin; k < z.edges.end; ++k) {
       const std::uint64_t is_in_z = k >= z.points.begin && k < z.points.end ? ~std::uint64_t{0} : 0;
       const auto in_z = hn::Set(lanes, is_in_z);
@@ -108,16 +147,21 @@ HWY_INLINE void for_edges_near(const Candidates& candidates, const Box& box, Mee
         hn::StoreU(along_y, lanes, found[1].data());
         hn::StoreU(along_z, lanes, found[2].data());
         for_each_lane(lanes, has_edges, [&](std::size_t lane) {
-          const WordPosition position{column, j + static_cast<std::int64_t>(lane), k, word + lane};
-          append_edges<0>(candidates, position, found[0][lane], batch);
-          append_edges<1>(candidates, position, found[1][lane], batch);
-          append_edges<2>(candidates, position, found[2][lane], batch);
-          if (batch.count + 3 * PointBits::column_points > EdgeBatch::capacity) meet();
+          std::size_t first = table.first[word + lane];
+          const auto append = [&](std::size_t axis, std::uint64_t before) {
+            const std::uint64_t all = changes[axis][word + lane];
+            edges.append(first + bit_count(all & before), bit_count(found[axis][lane]), axis);
+            first += bit_count(all);
+          };
+          append(0, before_edges);
+          append(1, before_points);
+          append(2, before_points);
+          if (edges.count + 3 * PointBits::column_points > EdgeBatch::capacity) meet_edges();
         });
       }
     }
   }
-  meet();
+  meet_edges();
 }
 
 }  // namespace eses::detail::HWY_NAMESPACE

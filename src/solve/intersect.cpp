@@ -7,7 +7,6 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <limits>
 #include <span>
 
@@ -42,10 +41,10 @@ void find_changes(const BlockGrid& grid, const PointBits& inside, std::int64_t c
   if (owned[1] == points[1]) y[owned[1] - 1] = 0;
 }
 
-// Fills the table of edges.
-void tabulate_edges(const BlockGrid& grid, const PointBits& inside, EdgeTable& edges) {
+// Finds the edges, and counts those of each word.
+void find_all_changes(const BlockGrid& grid, const PointBits& inside, EdgeTable& edges) {
   for (auto& changes : edges.changes) changes.resize(inside.words.size());
-  edges.rank.resize(inside.words.size());
+  edges.first.resize(inside.words.size());
   std::uint64_t count = 0;
   for (std::int64_t z = 0; z < grid.block.owned[2]; ++z) {
     for (std::int64_t column = 0; column < inside.columns; ++column)
@@ -53,14 +52,13 @@ void tabulate_edges(const BlockGrid& grid, const PointBits& inside, EdgeTable& e
     for (std::int64_t y = 0; y < grid.block.owned[1]; ++y)
       for (std::int64_t column = 0; column < inside.columns; ++column) {
         const std::size_t w = inside.word_index(column, y, z);
-        edges.rank[w] = static_cast<std::uint32_t>(count);
-        for (const auto& changes : edges.changes)
-          count += static_cast<std::uint64_t>(std::popcount(changes[w]));
+        edges.first[w] = static_cast<std::uint32_t>(count);
+        for (const auto& changes : edges.changes) count += bit_count(changes[w]);
       }
   }
   if (count > std::numeric_limits<std::uint32_t>::max())
     throw Error("a block has more than 4.29e9 crossings; use a smaller block size");
-  edges.count = static_cast<std::uint32_t>(count);
+  edges.resize(static_cast<std::uint32_t>(count));
 }
 
 void search_all(const Candidates& candidates) {
@@ -79,29 +77,64 @@ void search_all(const Candidates& candidates) {
 
 static_assert(max_block_size - 1 <= std::numeric_limits<decltype(BlockCrossing::x)>::max());
 
-// Makes a crossing for each edge in canonical order, with the edge only. Atom count 0 means that no
-// candidate is known yet.
-void list_edges(const BlockGrid& grid, const PointBits& inside, const EdgeTable& edges,
-                std::vector<BlockCrossing>& crossings, std::vector<std::uint32_t>& row_begin) {
-  crossings.clear();
-  crossings.reserve(edges.count);
+// Fills the table with the edges of one word, and makes their crossings, with the edge only. Atom
+// count 0 means that no candidate is known yet. `rank` is the number of edges before the word.
+// Edges that do not exist are stored, too, where nothing is read, as branches for the edges of a
+// point would often be predicted wrongly.
+HWY_INLINE std::uint32_t tabulate_word(const BlockGrid& grid, const PointBits& inside,
+                                       const WordPosition& word, std::uint32_t rank,
+                                       EdgeTable& edges, BlockCrossing* crossings) {
+  const std::int64_t first_x = word.column * PointBits::column_step;
+  const double* const x = grid.coordinates[0].data() + first_x;
+  const double* const y = grid.coordinates[1].data() + word.y;
+  const double* const z = grid.coordinates[2].data() + word.z;
+  const std::uint64_t is_inside = inside.words[word.word];
+  std::array<std::uint64_t, 3> changes{};
+  std::array<std::size_t, 3> next{};
+  std::size_t end = edges.first[word.word];
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    changes[axis] = edges.changes[axis][word.word];
+    next[axis] = end;
+    end += bit_count(changes[axis]);
+  }
+  BlockCrossing unused;
+  for_each_bit(changes[0] | changes[1] | changes[2], [&](int bit) {
+    const bool lower_is_inside = (is_inside >> bit & 1) != 0;
+    const std::array<const double*, 3> lower{x + bit, y, z};
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const bool exists = (changes[axis] >> bit & 1) != 0;
+      const std::size_t at = exists ? next[axis] : edges.count;
+      const double low = lower[axis][0], high = lower[axis][1];
+      const double from = lower_is_inside ? high : low;
+      edges.x[at] = axis == 0 ? from : *lower[0];
+      edges.y[at] = axis == 1 ? from : *lower[1];
+      edges.z[at] = axis == 2 ? from : *lower[2];
+      edges.to[at] = lower_is_inside ? low : high;
+      edges.rank[at] = rank;
+      BlockCrossing& crossing = exists ? crossings[rank] : unused;
+      crossing.x = static_cast<std::uint16_t>(first_x + bit);
+      crossing.axis = static_cast<std::uint8_t>(axis);
+      crossing.atom_count = 0;
+      crossing.lower_is_inside = lower_is_inside;
+      next[axis] += exists ? 1 : 0;
+      rank += exists ? 1 : 0;
+    }
+  });
+  return rank;
+}
+
+// Fills the table of edges, and makes a crossing for each edge in canonical order.
+void tabulate_edges(const BlockGrid& grid, const PointBits& inside, EdgeTable& edges,
+                    std::vector<BlockCrossing>& crossings, std::vector<std::uint32_t>& row_begin) {
+  find_all_changes(grid, inside, edges);
+  crossings.resize(edges.count);
+  std::uint32_t rank = 0;
   for (std::int64_t z = 0; z < grid.block.owned[2]; ++z)
     for (std::int64_t y = 0; y < grid.block.owned[1]; ++y) {
-      row_begin.push_back(static_cast<std::uint32_t>(crossings.size()));
-      for (std::int64_t column = 0; column < inside.columns; ++column) {
-        const std::size_t word = inside.word_index(column, y, z);
-        const std::array<std::uint64_t, 3> changes{edges.changes[0][word], edges.changes[1][word],
-                                                   edges.changes[2][word]};
-        for_each_bit(changes[0] | changes[1] | changes[2], [&](int bit) {
-          for (std::size_t axis = 0; axis < 3; ++axis) {
-            if ((changes[axis] >> bit & 1) == 0) continue;
-            BlockCrossing& crossing = crossings.emplace_back();
-            crossing.x = static_cast<std::uint16_t>(column * PointBits::column_step + bit);
-            crossing.axis = static_cast<std::uint8_t>(axis);
-            crossing.lower_is_inside = (inside.words[word] >> bit & 1) != 0;
-          }
-        });
-      }
+      row_begin.push_back(rank);
+      for (std::int64_t column = 0; column < inside.columns; ++column)
+        rank = tabulate_word(grid, inside, {column, y, z, inside.word_index(column, y, z)}, rank,
+                             edges, crossings.data());
     }
   row_begin.push_back(edges.count);
 }
@@ -158,8 +191,7 @@ void decide_remaining(const SurfaceModel& surface, const BlockGrid& grid,
 void intersect(const SurfaceModel& surface, const BlockGrid& grid, const BlockFeatures& features,
                const PointBits& inside, IntersectScratch& scratch, Tally& tally,
                std::vector<BlockCrossing>& crossings, std::vector<std::uint32_t>& row_begin) {
-  tabulate_edges(grid, inside, scratch.edges);
-  list_edges(grid, inside, scratch.edges, crossings, row_begin);
+  tabulate_edges(grid, inside, scratch.edges, crossings, row_begin);
   scratch.more_candidates.clear();
   scratch.doubtful.clear();
   search_all({grid, features, inside, scratch, crossings, surface, tally});

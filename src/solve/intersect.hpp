@@ -1,6 +1,7 @@
 #pragma once
 /// Crossings of the edges that a block owns with the solvent excluded surface.
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -9,6 +10,7 @@
 #include "solve/edge_batch.hpp"
 #include "solve/edge_table.hpp"
 #include "solve/tally.hpp"
+#include "system/padding.hpp"
 
 namespace eses::detail {
 
@@ -30,6 +32,7 @@ struct IntersectScratch {
   };
   EdgeTable edges;
   EdgeBatch batch;
+  std::array<std::uint64_t, EdgeBatch::capacity + vector_padding> codes{};  ///< see EdgeCodes
   PatchIndex patches;
   /// All candidates of each edge except the first one, and all candidates that need a proof.
   std::vector<Candidate> more_candidates;

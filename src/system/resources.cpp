@@ -189,7 +189,7 @@ void release_free_memory() {
 
 void keep_free_memory() {
 #ifdef __GLIBC__
-  constexpr int max_kept = 64 << 20;    // free bytes at the end of the heap
+  constexpr int max_kept = 64 << 20;     // free bytes at the end of the heap
   constexpr int largest_list = 4 << 20;  // larger lists grow and are freed without the heap
   mallopt(M_TRIM_THRESHOLD, max_kept);
   mallopt(M_MMAP_THRESHOLD, largest_list);
