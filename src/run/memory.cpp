@@ -13,6 +13,7 @@
 #include "run/layer.hpp"
 #include "run/mesh_piece_maker.hpp"
 #include "run/plan.hpp"
+#include "solve/edge_table.hpp"
 #include "system/gzip.hpp"
 #include "system/resources.hpp"
 
@@ -30,7 +31,6 @@ constexpr double kept_per_block = 256;
 constexpr double bytes_per_layer = 64;  // an empty layer
 // The density of crossings is higher than average if the surface faces a cell's corner.
 constexpr double crossing_slack = 1.05;
-constexpr double fullest_block = 1.5;  // maximum memory of a block, relative to the mean
 
 double as_double(std::int64_t value) { return static_cast<double>(value); }
 
@@ -92,20 +92,24 @@ double max_batches(const BlockTiling& tiling, const Outputs& outputs) {
                       : as_double(tiling.blocks[2]) * batches_in(planes * size[1]);
 }
 
-// Returns the memory of the crossings of a block, which are not kept.
-double bytes_of_block(const SurfaceSurvey& survey, const Grid& grid, const BlockTiling& tiling) {
-  const double height = grid.spacing * as_double(points_of_block(tiling)[2]);
-  return sizeof(BlockCrossing) * std::min(1.0, fullest_block / blocks_in_layer(tiling)) *
-         expected_crossings(survey.max_slab_area(height), grid.spacing);
+// Returns the memory of the edges of a block, and of its crossings if they are not kept.
+double bytes_of_edges(const SurfaceSurvey& survey, const Grid& grid, const BlockTiling& tiling,
+                      const BlockExtras& extras) {
+  constexpr double max_folds = 6;  // maximum area in a block, relative to its side across z
+  const GridIndex points = points_of_block(tiling);
+  const auto side = [&](std::size_t axis) { return grid.spacing * as_double(points[axis]); };
+  const double area = std::min(survey.max_slab_area(side(2)), max_folds * side(0) * side(1));
+  return expected_crossings(area, grid.spacing) *
+         static_cast<double>(EdgeTable::bytes_per_edge +
+                             (extras.keeps_crossings ? 0 : sizeof(BlockCrossing)));
 }
 
 double bytes_of_threads(const SurfaceSurvey& survey, const Grid& grid, const Schedule& schedule,
                         const Outputs& outputs) {
   const BlockTiling& tiling = schedule.tiling;
   const double threads = schedule.threads;
-  const double crossings =
-      extras_of(outputs).keeps_crossings ? 0 : bytes_of_block(survey, grid, tiling);
-  return threads * (bytes_per_thread + crossings + kept_per_block * blocks_in_layer(tiling)) +
+  const double edges = bytes_of_edges(survey, grid, tiling, extras_of(outputs));
+  return threads * (bytes_per_thread + edges + kept_per_block * blocks_in_layer(tiling)) +
          std::min(threads, max_batches(tiling, outputs)) *
              text_bytes(survey, grid, tiling.region, outputs) +
          BlockWorkspace::memory_bytes(survey, grid, tiling, schedule.threads);
@@ -140,9 +144,10 @@ double bytes_of_improving(const SurfaceSurvey& survey, const Grid& grid,
 
 // Returns the maximum fraction of the next layer that is solved before the current one is written.
 double fraction_ahead(const Schedule& schedule) {
+  constexpr double fullest = 1.5;  // maximum memory of a block, relative to the mean
   if (schedule.tiling.blocks[2] < 2) return 0;
-  return std::min(
-      1.0, fullest_block * as_double(schedule.blocks_ahead) / blocks_in_layer(schedule.tiling));
+  return std::min(1.0,
+                  fullest * as_double(schedule.blocks_ahead) / blocks_in_layer(schedule.tiling));
 }
 
 }  // namespace

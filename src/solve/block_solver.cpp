@@ -51,8 +51,6 @@ BlockResult find_crossings(const Patches& patches, const Grid& grid, const Block
                            const GridIndex& owned, BlockWorkspace& workspace) {
   BlockResult result;
   result.block = block;
-  result.crossings.swap(workspace.spare.crossings);
-  result.row_begin.swap(workspace.spare.row_begin);
   const Stopwatch classifying;
   workspace.grid.reset(grid, block);
   if (workspace.extras.ion_radius)
@@ -72,6 +70,8 @@ BlockResult find_crossings(const Patches& patches, const Grid& grid, const Block
   if (workspace.features.cavities != nullptr) fill_cavities(surface, workspace, result);
   workspace.classify_seconds += classifying.seconds();
   const Stopwatch intersecting;
+  result.crossings.swap(workspace.spare.crossings);
+  result.row_begin.swap(workspace.spare.row_begin);
   workspace.intersect.finds_doubtful = workspace.extras.inside_fractions;
   intersect_edges(surface, workspace.grid, workspace.features, result.inside, workspace.intersect,
                   workspace.tally, result.crossings, result.row_begin);
@@ -153,11 +153,10 @@ double BlockWorkspace::memory_bytes(const SurfaceSurvey& survey, const Grid& gri
 }
 
 void BlockWorkspace::recycle_crossings(BlockResult& result) {
-  spare.crossings = std::move(result.crossings);
-  spare.row_begin = std::move(result.row_begin);
+  if (result.row_begin.empty()) return;
+  spare.crossings.swap(result.crossings);
+  spare.row_begin.swap(result.row_begin);
   spare.row_begin.clear();
-  result.crossings.clear();
-  result.row_begin.clear();
 }
 
 BlockResult solve_block(const Patches& patches, const Grid& grid, const BlockBounds& block,

@@ -21,11 +21,18 @@ struct EdgeTable {
       rank;  ///< index in canonical order: by lower point (z, y, x), then axis
   std::uint32_t count = 0;
 
+  /// Memory of an edge in bytes.
+  static constexpr std::size_t bytes_per_edge = 4 * sizeof(double) + sizeof(std::uint32_t);
+
   /// Sets the number of edges. Their values are unspecified; there is room for one more edge.
   void resize(std::uint32_t new_count) {
     count = new_count;
     if (rank.size() > count) return;
-    for (auto* values : {&x, &y, &z, &to}) values->resize(count + 1 + vector_padding);
+    for (auto* values : {&x, &y, &z, &to}) {
+      values->clear();  // nothing is copied, and memory does not grow in large steps
+      values->resize(count + 1 + vector_padding);
+    }
+    rank.clear();
     rank.resize(count + 1);
   }
 };

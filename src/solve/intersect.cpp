@@ -127,6 +127,7 @@ HWY_INLINE std::uint32_t tabulate_word(const BlockGrid& grid, const PointBits& i
 void tabulate_edges(const BlockGrid& grid, const PointBits& inside, EdgeTable& edges,
                     std::vector<BlockCrossing>& crossings, std::vector<std::uint32_t>& row_begin) {
   find_all_changes(grid, inside, edges);
+  if (crossings.capacity() < edges.count) crossings.clear();
   crossings.resize(edges.count);
   std::uint32_t rank = 0;
   for (std::int64_t z = 0; z < grid.block.owned[2]; ++z)
