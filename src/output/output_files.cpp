@@ -82,6 +82,16 @@ std::vector<FilePath> mesh_paths(const MeshOptions& mesh) {
   return paths;
 }
 
+// Returns the paths of the chosen files and of the mesh.
+std::vector<FilePath> all_paths(const Outputs& choice, const std::filesystem::path& directory) {
+  std::vector<FilePath> paths;
+  for (NamedFile& file : named_files(choice))
+    paths.push_back({directory.native(), std::move(file.name)});
+  if (choice.mesh)
+    for (FilePath& path : mesh_paths(*choice.mesh)) paths.push_back(std::move(path));
+  return paths;
+}
+
 std::optional<dev_t> file_system_of(const std::filesystem::path& directory) {
   struct stat status {};
   if (stat(directory.c_str(), &status) != 0) return std::nullopt;
@@ -165,20 +175,6 @@ std::vector<std::string> file_names(const Outputs& choice) {
   for (NamedFile& file : named_files(choice)) names.push_back(std::move(file.name));
   return names;
 }
-
-namespace {
-
-// Returns the paths of the chosen files and of the mesh.
-std::vector<FilePath> all_paths(const Outputs& choice, const std::filesystem::path& directory) {
-  std::vector<FilePath> paths;
-  for (std::string& name : file_names(choice))
-    paths.push_back({directory.native(), std::move(name)});
-  if (choice.mesh)
-    for (FilePath& path : mesh_paths(*choice.mesh)) paths.push_back(std::move(path));
-  return paths;
-}
-
-}  // namespace
 
 OutputPaths output_paths(const Outputs& choice, const std::filesystem::path& directory) {
   OutputPaths paths;

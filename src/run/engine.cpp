@@ -79,14 +79,14 @@ Measures measure_surface(const PlannedRun& run, const std::function<void()>& che
                                  .threads = run.schedule.threads,
                                  .check = check,
                                  .max_filled_void = parameters.max_filled_void};
-  return run.cavities.patches ? measure_kept_patches(run.cavities.patches, settings)
-                              : measure_patches(run.slab.molecule, settings);
+  return run.slab.cavities.patches ? measure_kept_patches(run.slab.cavities.patches, settings)
+                                   : measure_patches(run.slab.molecule, settings);
 }
 
 // Compares the number of inside points with the exact volume, if the grid encloses the molecule and
 // no cavities are filled.
 void verify_volume(const PlannedRun& run, const std::function<void()>& check, Summary& summary) {
-  if (run.filled() || !run.plan.is_whole_surface()) return;
+  if (run.slab.filled() || !run.plan.is_whole_surface()) return;
   const Stopwatch watch;
   const VolumeBounds bounds =
       bound_inside_cells(run.slab.molecule, run.request.parameters.probe_radius,
@@ -206,7 +206,7 @@ SweepSums sweep_range(const PlannedRun& run, const SweepRange& range, PatchSched
   if (range.checks > 0) {
     const Stopwatch drawing;
     verifier.emplace(run.slab.molecule.atoms(), run.request.parameters.probe_radius, run.plan.grid,
-                     tiling, run.schedule.threads, range.checks, run.filled().get());
+                     tiling, run.schedule.threads, range.checks, run.slab.filled().get());
     summary.seconds.verify += drawing.seconds();
     sinks.add(*verifier);
   }
@@ -219,8 +219,10 @@ SweepSums sweep_range(const PlannedRun& run, const SweepRange& range, PatchSched
   return sums;
 }
 
-// Sets the results in the summary. Frees the area shares.
-void set_results(const PlannedRun& run, SweepSums& sums, Summary& summary) {
+// Sets the results in the summary, except for those of the files. Frees the area shares.
+void set_results(const PlannedRun& run, SweepSums& sums, const std::function<void()>& check,
+                 RunResult& result) {
+  Summary& summary = result.summary;
   const std::optional<MeshOptions>& mesh = run.request.outputs.mesh;
   const bool is_void = mesh && mesh->component.value_or(0) > 0;
   fill_totals(is_void ? complement(sums.totals, run.plan.region.point_count()) : sums.totals,
@@ -229,13 +231,7 @@ void set_results(const PlannedRun& run, SweepSums& sums, Summary& summary) {
   for (const AreaShare share : std::exchange(sums.atom_shares, {}))
     summary.atom_areas.push_back(atom_area(share, run.plan.grid.spacing));
   summary.area = std::accumulate(summary.atom_areas.begin(), summary.atom_areas.end(), 0.0);
-}
-
-// Completes the summary, except for the files.
-void complete_summary(const PlannedRun& run, SweepSums& sums, const std::function<void()>& check,
-                      RunResult& result) {
-  set_results(run, sums, result.summary);
-  if (result.exact && result.summary.verification) verify_volume(run, check, result.summary);
+  if (result.exact && summary.verification) verify_volume(run, check, summary);
 }
 
 // The heap memory of patches and blocks is too fragmented for the long lists of areas.
@@ -253,7 +249,7 @@ void sweep_into_files(PlannedRun& run, const SweepRange& range, RunFiles& files,
   }
   release_memory_of_sweep(run);
   const auto check = [&report] { report.check(); };
-  complete_summary(run, sums, check, result);
+  set_results(run, sums, check, result);
   if (!has_faults(result.summary)) files.finish(check, result.summary);
 }
 
@@ -281,7 +277,7 @@ void merge_chunks(PlannedRun& run, RunFiles& files, ProgressReport& report, RunR
     summary.verification->points += merge.sums().totals.verified_points;
     summary.verification->edges += merge.sums().totals.verified_edges;
   }
-  complete_summary(run, merge.sums(), check, result);
+  set_results(run, merge.sums(), check, result);
   if (has_faults(summary)) return;
   merge.replay(files.sink());
   files.finish(check, summary);
@@ -317,7 +313,7 @@ RunResult execute(PlannedRun& run, const Callbacks& callbacks, const Processes& 
 
   RunResult result;
   Summary& summary = result.summary;
-  if (request.parameters.max_filled_void) summary.filled_cavities = run.cavities.map->filled();
+  if (request.parameters.max_filled_void) summary.filled_cavities = run.slab.cavities.map->filled();
   if (request.parameters.verify > 0) summary.verification.emplace();
   // The sweep takes the patches that these measures have made.
   if (request.parameters.exact) result.exact = measure_surface(run, [&report] { report.check(); });

@@ -71,7 +71,7 @@ mesh::Vertex MeshPieceMaker::make_vertex(const GridIndex& lower,
     Vec3 position = run_.plan.grid.point(lower);
     position[crossing.axis] = crossing.coordinate;
     const Vec3 probe_center = position + run_.request.parameters.probe_radius * crossing.normal;
-    labels.component = as_number(run_.cavities.map->number_at(atoms, adjacent, probe_center));
+    labels.component = as_number(run_.slab.cavities.map->number_at(atoms, adjacent, probe_center));
   }
   if (run_.input.potential)
     labels.potential =

@@ -174,21 +174,6 @@ Slab make_slab(std::span<const Atom> atoms, std::span<const GroupNumbers> groups
   return slab;
 }
 
-// The planes of a process, the atoms near them, and the cavities with these atoms.
-struct SlabWithCavities {
-  Slab slab;
-  FoundCavities cavities;
-};
-
-SlabWithCavities take_whole(InputAtoms& input, const Request& request, const Plan& plan,
-                            std::span<const PlaneRange> finished) {
-  return {{range_around(remaining(plan.planes(), finished)),
-           input.molecule,
-           {},
-           std::move(input.groups)},
-          prepare_patches(input.molecule, request, plan)};
-}
-
 // Returns the planes of this process. The planes of parts do not depend on the chunks that happen
 // to be complete.
 PlaneRange planes_of_share(std::span<const Atom> atoms, const Request& request, const Share& share,
@@ -216,19 +201,23 @@ std::shared_ptr<const CavityMap> with_slab_indices(std::shared_ptr<const CavityM
   return std::make_shared<const CavityMap>(std::move(renumbered));
 }
 
-// Gives a process its share of the planes and the atoms near them, and finds the cavities, if they
-// are needed. Takes the groups of a single process.
-SlabWithCavities take_slab(InputAtoms& input, const Request& request, const Share& share,
-                           const Plan& plan, std::span<const PlaneRange> finished) {
-  if (share.count == 1) return take_whole(input, request, plan, finished);
+// Returns the slab of a process, with the cavities if they are needed. A single process takes the
+// groups.
+Slab take_slab(InputAtoms& input, const Request& request, const Share& share, const Plan& plan,
+               std::span<const PlaneRange> finished) {
+  if (share.count == 1)
+    return {range_around(remaining(plan.planes(), finished)),
+            input.molecule,
+            {},
+            std::move(input.groups),
+            prepare_patches(input.molecule, request, plan)};
   const std::span<const Atom> atoms = input.atoms();
-  SlabWithCavities part{make_slab(atoms, input.groups, request, plan,
-                                  planes_of_share(atoms, request, share, plan, finished)),
-                        {}};
+  Slab slab = make_slab(atoms, input.groups, request, plan,
+                        planes_of_share(atoms, request, share, plan, finished));
   if (request.searches_cavities())
-    part.cavities.map =
-        with_slab_indices(find_cavities_of(input.molecule, request, false).map, part.slab);
-  return part;
+    slab.cavities.map =
+        with_slab_indices(find_cavities_of(input.molecule, request, false).map, slab);
+  return slab;
 }
 
 // Throws Error if reading and indexing the atoms has exceeded the memory limit.
@@ -243,9 +232,9 @@ void require_memory_held(const InputFile& file, std::uint64_t limit) {
 // Chooses the schedule of this process for its slab. `sharing` is the number of processes on this
 // machine. Kept patches are dropped if the memory limit excludes them: the minimum limit in
 // messages is without them.
-Schedule schedule_slab(const Slab& slab, const Request& request, const InputInfo& input,
-                       const Plan& plan, std::uint64_t sharing, const Processes& processes,
-                       std::shared_ptr<ScheduledSurface>& kept_patches) {
+Schedule schedule_slab(Slab& slab, const Request& request, const InputInfo& input, const Plan& plan,
+                       std::uint64_t sharing, const Processes& processes) {
+  std::shared_ptr<ScheduledSurface>& kept_patches = slab.cavities.patches;
   const auto schedule = [&] {
     const std::uint64_t of_patches =
         kept_patches ? kept_patch_bytes * slab.molecule.atoms().size() : 0;
@@ -328,17 +317,16 @@ PlannedRun plan_run(Request request, const Processes& processes) {
   const Plan plan =
       processes.all_or_throw([&] { return plan_grid(sphere_bounds(all.atoms()), parameters); });
   OpenCheckpoint opened = open_checkpoint(all, request, plan, processes);
-  SlabWithCavities part =
+  Slab slab =
       processes.all_or_throw([&] { return take_slab(all, request, share, plan, opened.finished); });
   InputInfo input =
-      kept_info(std::move(all), part.slab.molecule.atoms().size(), request.outputs, processes);
+      kept_info(std::move(all), slab.molecule.atoms().size(), request.outputs, processes);
   if (file != nullptr) release_free_memory();
 
   const Schedule schedule = processes.all_or_throw([&] {
-    if (part.slab.planes.is_empty()) return empty_schedule(parameters);
-    const Schedule chosen = schedule_slab(part.slab, request, input, plan,
-                                          static_cast<std::uint64_t>(machine.processes), processes,
-                                          part.cavities.patches);
+    if (slab.planes.is_empty()) return empty_schedule(parameters);
+    const Schedule chosen = schedule_slab(slab, request, input, plan,
+                                          static_cast<std::uint64_t>(machine.processes), processes);
     if (file != nullptr) require_memory_held(*file, parameters.max_memory);
     return chosen;
   });
@@ -351,18 +339,17 @@ PlannedRun plan_run(Request request, const Processes& processes) {
           .plan = plan,
           .checkpoint = std::move(opened.checkpoint),
           .finished_planes = std::move(opened.finished),
-          .slab = std::move(part.slab),
-          .cavities = std::move(part.cavities),
+          .slab = std::move(slab),
           .schedule = schedule,
           .largest_schedule = largest,
           .file_sizes = sizes};
 }
 
 std::shared_ptr<ScheduledSurface> surface_of(const PlannedRun& run) {
-  if (run.cavities.patches) return run.cavities.patches;
+  if (run.slab.cavities.patches) return run.slab.cavities.patches;
   const Box slab = slab_box(run.plan, run.slab.planes);
   SurfaceModel surface(run.slab.molecule, run.request.parameters.probe_radius);
-  surface.cavities = run.filled();
+  surface.cavities = run.slab.filled();
   if (!run.plan.is_whole_surface() || run.slab.planes != run.plan.planes())
     surface.confine_to(slab);
   return std::make_shared<ScheduledSurface>(std::move(surface),

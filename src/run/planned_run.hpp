@@ -33,8 +33,15 @@ struct Slab {
   /// atoms.
   std::vector<FileIndex> atoms_in_file;
   std::vector<GroupNumbers> groups;  ///< by atom; empty if groups are not numbered
+  /// The cavities, with these atoms, if the run needs them; and the surface, if its patches are
+  /// kept: those of the search for cavities, or of exact measures.
+  FoundCavities cavities;
 
   FileIndices file_indices() const { return FileIndices(atoms_in_file); }
+  /// Returns the cavities if some component is filled, else null.
+  std::shared_ptr<const CavityMap> filled() const {
+    return cavities.map && cavities.map->has_filled() ? cavities.map : nullptr;
+  }
 };
 
 /// A run that is ready: its plan, its input, and the part of it that belongs to this process.
@@ -50,19 +57,11 @@ struct PlannedRun {
   /// Planes of the chunks of an earlier run, ascending and disjoint.
   std::vector<PlaneRange> finished_planes;
   Slab slab;
-  /// The cavities, with the atoms of the slab, if the run needs them; and the surface, if its
-  /// patches are kept: those of the search for cavities, or of exact measures.
-  FoundCavities cavities;
   Schedule schedule;  ///< of the slab
   /// Threads, blocks and memory are maxima over the processes; the crossings are those of the whole
   /// region. For reports and sizes of files: no process sweeps it.
   Schedule largest_schedule;
   FileSizes file_sizes;
-
-  /// Returns the cavities if some component is filled, else null.
-  std::shared_ptr<const CavityMap> filled() const {
-    return cavities.map && cavities.map->has_filled() ? cavities.map : nullptr;
-  }
 };
 
 /// Plans a run: reads the file of the request, or takes its molecule. All processes must
