@@ -10,7 +10,6 @@ Arguments after -- are passed to eses-blocks and choose how structures are read,
 -- --radii bondi --chains A. Needs numpy (Debian: python3-numpy).
 """
 
-import os
 import sys
 
 from eses_tools import quiet_interrupt  # before the modules that take time to load
