@@ -17,6 +17,7 @@
 
 #include "arrays.hpp"
 #include "background.hpp"
+#include "chosen_surface.hpp"
 #include "instances.hpp"
 #include "measure_records.hpp"
 #include "read_file.hpp"
@@ -547,10 +548,10 @@ void bind_molecule_helpers(py::module_& module) {
   module.def("_correct_elements", &correct);
   module.def("_guessed_names", &guessed_names);
   module.def("_warn_about_residues", &warn_about_residues);
-  module.def(
-      "_warn_about_stray_atoms", [](const Surface& surface, const py::array_t<std::int64_t>& kept) {
-        warn_about_stray_atoms(surface, {kept.data(), static_cast<std::size_t>(kept.size())});
-      });
+  module.def("_warn_about_stray_atoms", [](const ChosenSurface& surface,
+                                           const py::array_t<std::int64_t>& kept) {
+    warn_about_stray_atoms(surface, {kept.data(), static_cast<std::size_t>(kept.size())});
+  });
   module.def("_select_atoms", &selected);
   module.def("_maximum_area", &maximum_area);
   module.def("_source_of_reference", &source_of_reference);
