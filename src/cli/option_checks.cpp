@@ -2,7 +2,6 @@
 
 #include <CLI/CLI.hpp>
 #include <filesystem>
-#include <initializer_list>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -10,6 +9,7 @@
 #include <vector>
 
 #include "cli/arguments.hpp"
+#include "cli/messages.hpp"
 #include "cli/option_values.hpp"
 #include "cli/shared_options.hpp"
 #include "output/file_path.hpp"
@@ -22,7 +22,7 @@ namespace eses::detail::cli {
 namespace {
 
 // Returns the first of these options and arguments that is given; null if none is.
-const char* given(const CLI::App& app, std::initializer_list<const char*> names) {
+const char* given(const CLI::App& app, const std::vector<const char*>& names) {
   for (const char* const name : names)
     if (app.count(name) > 0) return name;
   return nullptr;
@@ -63,60 +63,57 @@ std::string map_name(std::string_view option, const std::filesystem::path& map,
   return map.filename();
 }
 
-// Checks the maps, and removes those that are not chosen.
-void choose_maps(const std::filesystem::path& directory, Outputs& outputs) {
+// Sets the maps that are chosen.
+void choose_maps(const std::filesystem::path& directory, OutputChoice& choice, Outputs& outputs) {
   outputs.inside_map = map_name("--inside", outputs.inside_map, directory);
-  std::string& prefix = outputs.dielectric->prefix;
-  prefix = map_name("--dielectric", prefix, directory);
-  if (prefix.empty()) outputs.dielectric.reset();
-  std::string& ion_access = outputs.ion_access->file;
-  ion_access = map_name("--kappa", ion_access, directory);
-  if (ion_access.empty()) outputs.ion_access.reset();
+  auto& [prefix, solute, solvent] = choice.dielectric;
+  if (!prefix.empty()) {
+    prefix = map_name("--dielectric", prefix, directory);
+    outputs.dielectric = choice.dielectric;
+  }
+  if (std::string& file = choice.ion_access.file; !file.empty()) {
+    file = map_name("--kappa", file, directory);
+    outputs.ion_access = choice.ion_access;
+  }
   try {
     require_valid_maps(outputs);
   } catch (const std::invalid_argument& error) {
-    throw UsageError(error.what());
+    throw UsageError(message_of(error));
   }
 }
 
 // The mesh of one component belongs to another surface than the other outputs.
-void choose_component(const CLI::App& app, Outputs& outputs) {
-  if (!outputs.mesh->component) return;
+void check_component(const CLI::App& app, Outputs& outputs) {
   if (app.count("--write") == 0) leave_out_text_files(outputs);
   std::vector<const char*> others{"--fill-cavities", "--exact", "--inside", "--dielectric",
                                   "--kappa"};
   if (!file_names(outputs).empty()) others.push_back("--write");
-  for (const char* const option : others)
-    if (app.count(option) > 0)
-      throw UsageError(
-          formatted("--component cannot be combined with {}; it makes only a mesh", option));
+  if (const char* const option = given(app, others))
+    throw UsageError(
+        formatted("--component cannot be combined with {}; it makes only a mesh", option));
 }
 
-// Checks the potential, and removes it if it is not chosen.
-void choose_potential(const CLI::App& app, MeshOptions& mesh) {
-  const bool has_colors = mesh.color == MeshColor::potential;
-  if (has_colors && mesh.potential->file.empty())
+// Sets the mesh if it is chosen.
+void choose_mesh(const CLI::App& app, const InputFile& input, OutputChoice& choice,
+                 Outputs& outputs) {
+  MeshOptions& mesh = choice.mesh;
+  if (mesh.component) check_component(app, outputs);
+  const bool has_potential = mesh.color == MeshColor::potential;
+  if (has_potential && choice.potential.file.empty())
     throw UsageError("--color potential needs --potential with a map of the potential");
-  refuse_without(app, {"--potential", "--potential-offset", "--potential-limit"}, has_colors,
+  refuse_without(app, {"--potential", "--potential-offset", "--potential-limit"}, has_potential,
                  "--color potential");
-  if (!has_colors) mesh.potential.reset();
-}
-
-// Checks the mesh, and removes it if it is not chosen.
-void choose_mesh(const CLI::App& app, const InputFile& input, Outputs& outputs) {
-  choose_component(app, outputs);
-  MeshOptions& mesh = *outputs.mesh;
-  choose_potential(app, mesh);
+  if (has_potential) mesh.potential = choice.potential;
   const std::optional<MeshFormat> format = mesh_format(mesh.file);
   refuse_without(app, {"--color"}, can_have_colors(format),
                  "--mesh with a .ply, .obj, .vtp or .glb file");
   refuse_without(app, {"--ply-ascii"}, format == MeshFormat::ply, "--mesh with a .ply file");
   if (mesh.color == MeshColor::chain) refuse_xyzr(input, "--color chain", "chains");
-  if (mesh.file.empty()) outputs.mesh.reset();
+  if (!mesh.file.empty()) outputs.mesh = mesh;
 }
 
 // Sets the radii of the surface. Options that need a probe that rolls over the atoms are refused.
-void choose_surface(const CLI::App& app, Options& options) {
+void choose_surface(const CLI::App& app, MeshColor color, Options& options) {
   Parameters& parameters = options.request.parameters;
   if (options.surface == SurfaceKind::ses) return;
   const bool is_sas = options.surface == SurfaceKind::sas;
@@ -131,7 +128,7 @@ void choose_surface(const CLI::App& app, Options& options) {
   };
   for (const char* const option : {"--fill-cavities", "--component", "--verify", "--kappa"})
     refuse_if(app.count(option) > 0, option);
-  refuse_if(options.request.outputs.mesh->color == MeshColor::component, "--color component");
+  refuse_if(color == MeshColor::component, "--color component");
   const double probe_radius = std::exchange(parameters.probe_radius, 0);
   parameters.has_grown_atoms = is_sas;
   if (is_sas) options.input().added_radius = probe_radius;
@@ -146,11 +143,11 @@ void refuse_files(const Outputs& outputs) {
 
 }  // namespace
 
-void choose_values(const CLI::App& app, Options& options) {
+void choose_values(const CLI::App& app, OutputChoice choice, Options& options) {
   refuse_different(app, "PROBE", "--probe-radius");
   refuse_different(app, "SPACING", "--spacing");
   refuse_different(app, "MARGIN", "--margin");
-  choose_surface(app, options);
+  choose_surface(app, choice.mesh.color, options);
   check_grid_choice(app, options.grid);
   options.grid.has_spacing = given(app, {"--spacing", "SPACING"}) != nullptr;
   if (options.request.part && options.request.parameters.exact)
@@ -162,8 +159,8 @@ void choose_values(const CLI::App& app, Options& options) {
     options.request.output_directory = ".";
     leave_out_text_files(options.request.outputs);
   }
-  choose_maps(options.request.output_directory, options.request.outputs);
-  choose_mesh(app, options.input(), options.request.outputs);
+  choose_maps(options.request.output_directory, choice, options.request.outputs);
+  choose_mesh(app, options.input(), choice, options.request.outputs);
   if (!has_directory) refuse_files(options.request.outputs);
 }
 

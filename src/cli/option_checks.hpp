@@ -9,8 +9,7 @@ class App;
 
 namespace eses::detail::cli {
 
-/// Checks values that depend on each other, and sets those of outputs. Removes outputs that are not
-/// chosen. Throws UsageError.
-void choose_values(const CLI::App& app, Options& options);
+/// Checks values that depend on each other, and sets the outputs of the request. Throws UsageError.
+void choose_values(const CLI::App& app, OutputChoice choice, Options& options);
 
 }  // namespace eses::detail::cli

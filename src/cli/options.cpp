@@ -144,9 +144,9 @@ void add_grid_options(CLI::App& app, Options& options) {
            parameters.exact);
 }
 
-void add_solver_maps(CLI::App& app, Outputs& outputs) {
-  DielectricMaps& dielectric = outputs.dielectric.emplace();
-  IonAccessMap& ion_access = outputs.ion_access.emplace();
+void add_solver_maps(CLI::App& app, OutputChoice& choice) {
+  DielectricMaps& dielectric = choice.dielectric;
+  IonAccessMap& ion_access = choice.ion_access;
   begin_group(app, "Maps for Poisson-Boltzmann solvers (APBS), in the output directory");
   const auto permittivity =
       number_between(min_dielectric, max_dielectric,
@@ -176,8 +176,9 @@ void add_solver_maps(CLI::App& app, Outputs& outputs) {
       ->needs("--kappa");
 }
 
-void add_mesh_options(CLI::App& app, MeshOptions& mesh) {
-  MeshPotential& potential = mesh.potential.emplace();
+void add_mesh_options(CLI::App& app, OutputChoice& choice) {
+  MeshOptions& mesh = choice.mesh;
+  MeshPotential& potential = choice.potential;
   add_value(app, "--mesh", "FILE",
             "write a triangle mesh: .ply, .obj, .off, .vtp, .stl,\n"
             ".glb, or .vert or .face (both files of MSMS)",
@@ -245,7 +246,7 @@ void add_sharing_options(CLI::App& app, Options& options) {
            options.independent);
 }
 
-void add_file_options(CLI::App& app, Options& options) {
+void add_file_options(CLI::App& app, Options& options, OutputChoice& choice) {
   begin_group(app, "Input and output");
   Outputs& outputs = options.request.outputs;
   add_format(app, options.input().format);
@@ -263,7 +264,7 @@ void add_file_options(CLI::App& app, Options& options) {
             ".dx or .dx.gz (OpenDX), or .vti (VTK image data)",
             outputs.inside_map, text_if(is_map, "a file name with the suffix .dx, .dx.gz or .vti"));
   add_flag(app, "--gzip", "compress text files and maps of the dielectric", outputs.gzip);
-  add_mesh_options(app, outputs.mesh.emplace());
+  add_mesh_options(app, choice);
   add_sharing_options(app, options);
 }
 
@@ -307,7 +308,7 @@ void add_messages(CLI::App& app, Options& options) {
   add_notices(app);
 }
 
-void add_options(CLI::App& app, Options& options) {
+void add_options(CLI::App& app, Options& options, OutputChoice& choice) {
   set_up(app,
          {.usage = surface_usage,
           .examples = surface_examples,
@@ -316,9 +317,9 @@ void add_options(CLI::App& app, Options& options) {
                      "--write", "--mesh", "--color", "--radii", "--waters", "--no-hetatm",
                      "--chains", "--select", "--threads", "--dry-run", "--quiet", "--json"}});
   add_grid_options(app, options);
-  add_file_options(app, options);
+  add_file_options(app, options, choice);
   add_structure_options(app, options.input().structure);
-  add_solver_maps(app, options.request.outputs);
+  add_solver_maps(app, choice);
   add_computation_options(app, options.request.parameters);
   add_checks(app, options.request.parameters);
   add_messages(app, options);
@@ -395,8 +396,9 @@ Options parse_arguments(const Arguments& arguments) {
       "another one, and -o - or --write none writes none.",
       "eses-blocks");
   Options options;
+  OutputChoice choice;
   options.request.output_directory = ".";
-  add_options(app, options);
+  add_options(app, options, choice);
   require_known_instruction_set();
   refuse_separate_number(arguments);
   try {
@@ -404,7 +406,7 @@ Options parse_arguments(const Arguments& arguments) {
   } catch (const UsageError& error) {
     throw UsageError(error.what() + advice_for_command(arguments, error.what()));
   }
-  choose_values(app, options);
+  choose_values(app, choice, options);
   refuse_structure_options(app, options.input());
   return options;
 }
