@@ -77,9 +77,9 @@ InterfaceFile read_interfaces(const InterfaceOptions& options, const InputRun& r
 void write_tables(const InterfaceOptions& options, std::size_t input, const InterfaceFile& found,
                   const TableFiles& files) {
   std::vector<TableContent> contents;
-  for (const NamedInterfaceTable* const table : options.written_tables)
-    contents.push_back({options.name_of_table(input, table->ending), [&, table](OutputFile& file) {
-                          file.append(interface_table(options, table->table, found));
+  for (const Table* const table : options.written_tables)
+    contents.push_back({options.name_of_table(input, *table), [&, table](OutputFile& file) {
+                          file.append(interface_table(options, *table, found));
                         }});
   if (!contents.empty()) files.write(contents);
 }
@@ -93,16 +93,16 @@ std::string printed_text(const InterfaceOptions& options, std::size_t input,
                ? text
                : text + written_text(options.output_directory, options.names_of_tables(input));
   }
-  const InterfaceTable table = options.printed_table->table;
+  const Table& table = *options.printed_table;
   if (!options.has_many()) return interface_table(options, table, file);
   // The heading has been printed.
-  return interface_rows(options, table, file, csv_field(file.path.string()) + ",",
+  return rows_text(options, table.traits, file, csv_field(file.path.string()) + ",",
                         options.all_models ? formatted(",{}", file.model) : "");
 }
 
 /// Returns the names of the columns of the table of --csv.
 std::vector<std::string> csv_columns() {
-  return split(formatted("file,{},model,error", interface_heading(InterfaceTable::interfaces)),
+  return split(formatted("file,{},model,error", heading_of_rows(rows_of_interfaces)),
                ',');
 }
 
@@ -116,14 +116,14 @@ void measure_input(const InterfaceOptions& options, const InputRun& run, Outcome
       outcome.notes.push_back(reason);
   const std::string model = file.file.structure ? csv_field(file.file.structure->model) : "";
   outcome.text = printed_text(options, run.input, file);
-  outcome.rows = interface_rows(options, InterfaceTable::interfaces, file,
+  outcome.rows = rows_text(options, rows_of_interfaces, file,
                                 csv_field(file.path.string()) + ",", formatted(",{},", model));
 }
 
 /// Returns the heading of a table of several files or models; empty for reports.
 std::string heading_of(const InterfaceOptions& options) {
   if (options.printed_table == nullptr || !options.has_many()) return "";
-  return formatted("file,{}{}\n", interface_heading(options.printed_table->table),
+  return formatted("file,{}{}\n", heading_of_rows(options.printed_table->traits),
                    options.all_models ? ",model" : "");
 }
 
@@ -136,7 +136,6 @@ int perform_interface(const Arguments& arguments) {
   expand_models(options);
   return run_table_command(options, {.heading = heading_of(options),
                                      .csv_columns = csv_columns(),
-                                     .tables = names_of(interface_tables, options),
                                      .measure = [&](const InputRun& run, Outcome& outcome) {
                                        measure_input(options, run, outcome);
                                      }});

@@ -1,6 +1,7 @@
 #include "cli/interface_options.hpp"
 
 #include <CLI/CLI.hpp>
+#include <array>
 #include <filesystem>
 #include <limits>
 #include <vector>
@@ -8,6 +9,7 @@
 #include "cli/arguments.hpp"
 #include "cli/input_files.hpp"
 #include "cli/shared_options.hpp"
+#include "output/area_formats.hpp"
 #include "system/formatted.hpp"
 
 namespace eses::detail::cli {
@@ -48,6 +50,17 @@ Exit codes:
   0  done
   1  input, output or resource error
   2  error in the command line)";
+
+constexpr std::array interface_tables{
+    Table{"interfaces", ".interfaces.csv", rows_of_interfaces},
+    Table{"residues", ".interface.residues.csv", rows_of_residues},
+    Table{"atoms", ".interface.atoms.csv", rows_of_atoms},
+    Table{"pdb", ".interface.areas.pdb", no_rows,
+          [](const MeasuredAtoms& atoms, BufferedText& text) {
+            append_pdb(pdb_heading_of_interface, atoms, text);
+          }},
+    Table{"cif", ".interface.areas.cif", no_rows, append_cif},
+};
 
 void add_interface_options(CLI::App& app, InterfaceOptions& options) {
   set_up(app, {.usage = "eses-blocks interface [OPTIONS] FILE...",
@@ -92,13 +105,6 @@ void add_interface_options(CLI::App& app, InterfaceOptions& options) {
       "write the interfaces of all files as a table; - prints it\nin place of the report");
 }
 
-/// Returns whether the atoms with buried areas are printed.
-bool prints_atoms(const InterfaceOptions& options) {
-  const NamedInterfaceTable* const printed = options.printed_table;
-  return printed != nullptr &&
-         (printed->table == InterfaceTable::pdb || printed->table == InterfaceTable::cif);
-}
-
 /// Throws UsageError if a side follows the two of --groups, as it would be read as a file.
 void refuse_third_side(const InterfaceOptions& options) {
   const std::vector<PartSelector>& sides = options.groups.parts;
@@ -121,7 +127,8 @@ InterfaceOptions parse_interface_arguments(const Arguments& arguments) {
   parse(app, arguments, "FILE...");
   options.groups.by_chain = options.groups.parts.empty();
   complete_table_options(app, options);
-  if (prints_atoms(options) && options.has_many())
+  const bool prints_atoms = options.printed_table != nullptr && options.printed_table->append;
+  if (prints_atoms && options.has_many())
     throw UsageError("--table pdb and cif print the atoms of a single file or model; use --write");
   refuse_third_side(options);
   check_inputs(options, [&](const std::filesystem::path& path) {

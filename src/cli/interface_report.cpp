@@ -4,15 +4,13 @@
 #include <cstddef>
 #include <set>
 #include <span>
-#include <utility>
 
 #include "cli/json.hpp"
 #include "cli/messages.hpp"
 #include "cli/shared_report.hpp"
 #include "input/atom_names.hpp"
 #include "input/text_source.hpp"
-#include "output/area_formats.hpp"
-#include "output/area_tables.hpp"
+#include "output/measure_tables.hpp"
 #include "output/text_buffer.hpp"
 #include "system/formatted.hpp"
 
@@ -197,33 +195,36 @@ Json atom_record(const AtomLabel& label, const BuriedAtom& buried, bool is_polar
           {"ses_lost", buried.ses}};
 }
 
-/// Returns the rows of a table about an interface.
-std::vector<std::string> rows_of(const InterfaceOptions& options, InterfaceTable table,
-                                 const InterfaceFile& file, const NamedInterface& interface) {
-  std::vector<std::string> rows;
-  // The sides of a residue or atom, its own one first.
-  const auto add = [&](std::uint32_t part, const Json& record) {
-    std::string side = csv_field(interface.first), other = csv_field(interface.second);
-    if (part != interface.areas.first) std::swap(side, other);
-    rows.push_back(formatted("{},{},{}", side, other, csv_row(record)));
-  };
-  if (table == InterfaceTable::interfaces) {
-    rows.push_back(csv_row(interface_record(options, file, interface)));
-  } else if (table == InterfaceTable::residues) {
+/// Returns a record of a part with the names of its side and of the other one before its members.
+Json with_sides(const NamedInterface& interface, std::uint32_t part, const Json& record) {
+  const bool is_first = part == interface.areas.first;
+  Json row{{"side", is_first ? interface.first : interface.second},
+           {"other_side", is_first ? interface.second : interface.first}};
+  row.update(record);
+  return row;
+}
+
+/// Returns the records of the rows about an interface.
+std::vector<Json> records_of(const InterfaceOptions& options, unsigned rows,
+                             const InterfaceFile& file, const NamedInterface& interface) {
+  if (rows == rows_of_interfaces) return {interface_record(options, file, interface)};
+  std::vector<Json> records;
+  if (rows == rows_of_residues) {
     for (const BuriedResidue& residue : residues_of(options, file, interface))
-      add(residue.part, residue_record(residue));
-  } else {
-    for (std::size_t i = 0; i < interface.parts.size(); ++i) {
-      const BuriedAtom& buried = interface.areas.atoms[i];
-      add(interface.parts[i],
-          atom_record(file.file.labels[buried.atom], buried, file.are_polar[buried.atom]));
-    }
+      records.push_back(with_sides(interface, residue.part, residue_record(residue)));
+    return records;
   }
-  return rows;
+  for (std::size_t i = 0; i < interface.parts.size(); ++i) {
+    const BuriedAtom& buried = interface.areas.atoms[i];
+    records.push_back(with_sides(
+        interface, interface.parts[i],
+        atom_record(file.file.labels[buried.atom], buried, file.are_polar[buried.atom])));
+  }
+  return records;
 }
 
 /// Returns the atoms with the SAS areas that they lose in all interfaces as B-factors.
-std::string atoms_text(InterfaceTable table, const InterfaceFile& file) {
+std::string atoms_text(const Table& table, const InterfaceFile& file) {
   eses::AtomAreas lost;
   lost.sas.resize(file.file.atoms.size());
   for (const NamedInterface& interface : file.interfaces)
@@ -241,10 +242,7 @@ std::string atoms_text(InterfaceTable table, const InterfaceFile& file) {
     atoms.chains = file.file.structure->chains;
   std::string all;
   BufferedText text([&](std::string_view part) { all += part; });
-  if (table == InterfaceTable::pdb)
-    append_pdb(pdb_heading_of_interface, atoms, text);
-  else
-    append_cif(atoms, text);
+  table.append(atoms, text);
   text.flush();
   return all;
 }
@@ -283,43 +281,33 @@ std::string interface_json(const InterfaceOptions& options, const InterfaceFile&
 
 std::string empty_table_reason(const InterfaceOptions& options, const InterfaceFile& file) {
   if (file.interfaces.empty()) return no_interface_reason(options, file);
-  constexpr InterfaceTable residues = InterfaceTable::residues;
-  const bool has_table =
-      std::ranges::count(options.needed_tables(), residues, &NamedInterfaceTable::table) > 0;
-  if (!has_table || !interface_rows(options, residues, file).empty()) return "";
+  if (!options.needs(rows_of_residues) || !rows_text(options, rows_of_residues, file).empty())
+    return "";
   return formatted("no residue loses {} A^2, the area of --residue-cutoff",
                    options.min_residue_area);
 }
 
-std::string interface_heading(InterfaceTable table) {
+std::string heading_of_rows(unsigned rows) {
+  if (rows == rows_of_interfaces) return csv_heading(interface_record({}, {}, {}));
   const AtomLabel label;
-  switch (table) {
-    case InterfaceTable::interfaces:
-      return csv_heading(interface_record({}, {}, {}));
-    case InterfaceTable::residues:
-      return "side,other_side," + csv_heading(residue_record({.label = label}));
-    case InterfaceTable::atoms:
-      return "side,other_side," + csv_heading(atom_record(label, {}, false));
-    default:
-      return "";
-  }
+  return csv_heading(with_sides(
+      {}, 0,
+      rows == rows_of_residues ? residue_record({.label = label}) : atom_record(label, {}, false)));
 }
 
-std::string interface_rows(const InterfaceOptions& options, InterfaceTable table,
-                           const InterfaceFile& file, std::string_view start,
-                           std::string_view end) {
+std::string rows_text(const InterfaceOptions& options, unsigned rows, const InterfaceFile& file,
+                      std::string_view start, std::string_view end) {
   std::string text;
   for (const NamedInterface& interface : file.interfaces)
-    for (const std::string& row : rows_of(options, table, file, interface))
-      text += formatted("{}{}{}\n", start, row, end);
+    for (const Json& record : records_of(options, rows, file, interface))
+      text += formatted("{}{}{}\n", start, csv_row(record), end);
   return text;
 }
 
-std::string interface_table(const InterfaceOptions& options, InterfaceTable table,
+std::string interface_table(const InterfaceOptions& options, const Table& table,
                             const InterfaceFile& file) {
-  const std::string heading = interface_heading(table);
-  return heading.empty() ? atoms_text(table, file)
-                         : heading + "\n" + interface_rows(options, table, file);
+  if (table.append != nullptr) return atoms_text(table, file);
+  return heading_of_rows(table.traits) + "\n" + rows_text(options, table.traits, file);
 }
 
 std::string interface_text(const InterfaceOptions& options, const InterfaceFile& file) {

@@ -34,17 +34,16 @@ struct InterfaceFile {
 /// Returns why the tables of interfaces or residues have no rows; empty if they have some.
 std::string empty_table_reason(const InterfaceOptions& options, const InterfaceFile& file);
 
-/// Returns the heading of a table as CSV; empty for files of atoms.
-std::string interface_heading(InterfaceTable table);
+/// Returns the names of the columns of rows (see InterfaceRows) as CSV.
+std::string heading_of_rows(unsigned rows);
 
-/// Returns the rows of a table as CSV. Each begins with `start` and ends with `end`.
-std::string interface_rows(const InterfaceOptions& options, InterfaceTable table,
-                           const InterfaceFile& file, std::string_view start = "",
-                           std::string_view end = "");
+/// Returns rows of a file as CSV. Each begins with `start` and ends with `end`.
+std::string rows_text(const InterfaceOptions& options, unsigned rows, const InterfaceFile& file,
+                      std::string_view start = "", std::string_view end = "");
 
 /// Returns a whole table of a file: CSV with its heading, or the atoms with the SAS areas that they
 /// lose in all interfaces as B-factors. Throws Error if a name is too wide for its columns.
-std::string interface_table(const InterfaceOptions& options, InterfaceTable table,
+std::string interface_table(const InterfaceOptions& options, const Table& table,
                             const InterfaceFile& file);
 
 /// Returns the report about a file, or with --json its JSON object.

@@ -40,7 +40,7 @@ void write_tables(const MeasureCommandOptions& options, std::size_t input, const
   std::vector<TableContent> contents;
   for (const Table* const table : options.written_tables)
     contents.push_back(
-        {options.name_of_table(input, table->ending), [&, table](OutputFile& output) {
+        {options.name_of_table(input, *table), [&, table](OutputFile& output) {
            append_table(*table, file, reported,
                         [&](std::string_view part) { output.append(part); });
          }});
@@ -85,7 +85,6 @@ int perform_measure(const Arguments& arguments) {
   const bool has_lines = options.inputs.size() > 1 && !options.json && !options.quiet;
   return run_table_command(options, {.heading = has_lines ? measure_heading(options) : "",
                                      .csv_columns = measure_csv_columns(options),
-                                     .tables = names_of(measure_tables, options),
                                      .measure = [&](const InputRun& run, Outcome& outcome) {
                                        measure_input(options, run, outcome);
                                      }});

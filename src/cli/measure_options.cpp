@@ -1,13 +1,17 @@
 #include "cli/measure_options.hpp"
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <stdexcept>
+#include <string_view>
 
 #include "cli/arguments.hpp"
 #include "cli/input_files.hpp"
+#include "cli/measure_records.hpp"
 #include "cli/messages.hpp"
 #include "cli/option_values.hpp"
 #include "cli/shared_options.hpp"
+#include "output/area_formats.hpp"
 #include "run/pocket_sweep.hpp"
 #include "system/formatted.hpp"
 
@@ -56,6 +60,22 @@ Exit codes:
   0  done
   1  a file could not be measured, or another input, output or resource error
   2  error in the command line)";
+
+constexpr std::array measure_tables{
+    Table{"atoms", ".atoms.csv", has_areas, append_measured_atoms},
+    Table{"residues", ".residues.csv", needs_names | has_areas | has_relative_areas,
+          append_measured_residues},
+    Table{"chains", ".chains.csv", needs_names | has_areas, append_measured_chains},
+    Table{"derivatives", ".derivatives.csv", needs_ses | has_derivatives, append_derivatives},
+    Table{"cavities", ".cavities.csv", needs_ses | has_cavities, append_cavities},
+    Table{"pieces", ".pieces.csv", needs_ses | has_pieces, append_pieces},
+    Table{"pockets", ".pockets.csv", needs_ses | has_pockets, append_pockets},
+    Table{"rsa", ".rsa", needs_names | has_areas | has_relative_areas, append_rsa},
+    Table{"seq", ".seq", needs_names | has_areas, append_seq},
+    Table{"res", ".res", needs_names | has_areas, append_res},
+    Table{"pdb", ".areas.pdb", needs_names | has_areas, append_pdb},
+    Table{"cif", ".areas.cif", needs_names | has_areas, append_cif},
+};
 
 std::optional<double> probe_radius_in(const std::string& text) {
   const std::optional<double> value = whole_text<double>(text);

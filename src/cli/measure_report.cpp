@@ -460,7 +460,7 @@ std::string measure_text(const MeasureCommandOptions& options, const MeasuredFil
 std::vector<std::string> table_notes(const MeasureCommandOptions& options, const MeasuredFile& file,
                                      const MeasuredFile& reported) {
   std::vector<std::string> reasons;
-  const bool has_cavities =
+  const bool has_cavity =
       file.place ? !file.place->cavities.empty() : !file.measures.cavities.empty();
   const PocketOptions& search = options.pocket_options;
   const Pockets& found = file.pockets;
@@ -468,9 +468,9 @@ std::vector<std::string> table_notes(const MeasureCommandOptions& options, const
     if (std::string reason = no_relative_area_reason(reported.table()); !reason.empty())
       reasons.push_back(std::move(reason));
   for (const Table* const table : options.needed_tables()) {
-    if (table->name == "cavities" && !has_cavities)
+    if (table->has(has_cavities) && !has_cavity)
       reasons.push_back(no_cavity_reason(options, file));
-    if (table->name != "pockets" || !found.pockets.empty()) continue;
+    if (!table->has(has_pockets) || !found.pockets.empty()) continue;
     reasons.push_back(
         file.place ? no_pocket_reason(search, *file.place)
                    : formatted("no pocket has the volume of --min-pocket-volume: {:.2f} A^3 are "

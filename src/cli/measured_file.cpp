@@ -208,7 +208,7 @@ void measure_atoms(const MeasureCommandOptions& options, int threads, const Chec
       .van_der_waals = surfaces.has_vdw(),
       .by_atom = options.needs(has_areas) || has_chains || !options.reports.empty(),
       .gradients = options.needs(has_derivatives),
-      .cavities = options.cavities || options.needs(has_cavities),
+      .cavities = options.cavities || options.needs(has_cavities | has_pieces),
       .threads = threads,
       .check = check};
   file.measures = measure(file.surface, measuring);

@@ -94,8 +94,7 @@ void check_component(const CLI::App& app, Outputs& outputs) {
 }
 
 // Sets the mesh if it is chosen.
-void choose_mesh(const CLI::App& app, const InputFile& input, OutputChoice& choice,
-                 Outputs& outputs) {
+void choose_mesh(const CLI::App& app, OutputChoice& choice, Outputs& outputs) {
   MeshOptions& mesh = choice.mesh;
   if (mesh.component) check_component(app, outputs);
   const bool has_potential = mesh.color == MeshColor::potential;
@@ -108,7 +107,6 @@ void choose_mesh(const CLI::App& app, const InputFile& input, OutputChoice& choi
   refuse_without(app, {"--color"}, can_have_colors(format),
                  "--mesh with a .ply, .obj, .vtp or .glb file");
   refuse_without(app, {"--ply-ascii"}, format == MeshFormat::ply, "--mesh with a .ply file");
-  if (mesh.color == MeshColor::chain) refuse_xyzr(input, "--color chain", "chains");
   if (!mesh.file.empty()) outputs.mesh = mesh;
 }
 
@@ -134,6 +132,15 @@ void choose_surface(const CLI::App& app, MeshColor color, Options& options) {
   if (is_sas) options.input().added_radius = probe_radius;
 }
 
+// Throws UsageError if options need another format of the input file.
+void check_input(const CLI::App& app, const Outputs& outputs, const InputFile& input) {
+  if (is_missing(input.path)) return;
+  if (outputs.residues) refuse_xyzr(input, "--write residues", "residues");
+  if (outputs.mesh && outputs.mesh->color == MeshColor::chain)
+    refuse_xyzr(input, "--color chain", "chains");
+  refuse_structure_options(app, input);
+}
+
 // Throws UsageError if files need a directory in spite of `-o -`.
 void refuse_files(const Outputs& outputs) {
   if (const std::vector<std::string> files = file_names(outputs); !files.empty())
@@ -152,16 +159,15 @@ void choose_values(const CLI::App& app, OutputChoice choice, Options& options) {
   options.grid.has_spacing = given(app, {"--spacing", "SPACING"}) != nullptr;
   if (options.request.part && options.request.parameters.exact)
     throw UsageError("--exact cannot be combined with --part; it needs all atoms in one process");
-  if (options.request.outputs.residues)
-    refuse_xyzr(options.input(), "--write residues", "residues");
   const bool has_directory = options.request.output_directory != "-";
   if (!has_directory) {
     options.request.output_directory = ".";
     leave_out_text_files(options.request.outputs);
   }
   choose_maps(options.request.output_directory, choice, options.request.outputs);
-  choose_mesh(app, options.input(), choice, options.request.outputs);
+  choose_mesh(app, choice, options.request.outputs);
   if (!has_directory) refuse_files(options.request.outputs);
+  check_input(app, options.request.outputs, options.input());
 }
 
 }  // namespace eses::detail::cli

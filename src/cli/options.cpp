@@ -407,7 +407,6 @@ Options parse_arguments(const Arguments& arguments) {
     throw UsageError(error.what() + advice_for_command(arguments, error.what()));
   }
   choose_values(app, choice, options);
-  refuse_structure_options(app, options.input());
   return options;
 }
 

@@ -173,7 +173,7 @@ bool is_missing(const std::filesystem::path& input) {
 }
 
 void refuse_xyzr(const InputFile& input, std::string_view option, std::string_view names) {
-  if (format_of(input.path, input.format) == AtomFormat::xyzr && !is_missing(input.path))
+  if (format_of(input.path, input.format) == AtomFormat::xyzr)
     throw UsageError(
         formatted("{} needs a PQR, PDB or mmCIF file; {} is read as xyzr, which has no {} (use "
                   "--format pqr, pdb or mmcif if it is such a file)",
@@ -182,7 +182,7 @@ void refuse_xyzr(const InputFile& input, std::string_view option, std::string_vi
 
 void refuse_structure_options(const CLI::App& app, const InputFile& input) {
   const AtomFormat format = format_of(input.path, input.format);
-  if (is_structure(format) || is_missing(input.path)) return;
+  if (is_structure(format)) return;
   for (const CLI::Option* const option : app.get_options()) {
     if (option->count() == 0 || option->get_group() != structure_group) continue;
     const std::string name = option->get_name();

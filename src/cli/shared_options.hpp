@@ -33,15 +33,15 @@ void add_fill_cavities(CLI::App& app, std::optional<double>& max_filled_void);
 /// `--model all` is accepted and sets it.
 void add_structure_options(CLI::App& app, StructureOptions& structure, bool* all_models = nullptr);
 
-/// Returns whether there is no input of this name. `-` is standard input.
+/// Returns whether there is no input of this name. `-` is standard input. Options are not compared
+/// with the format of such a file, as the error about the file is clearer.
 bool is_missing(const std::filesystem::path& input);
 
 /// Throws UsageError if an option for PDB and mmCIF files is given with a file of another format.
-/// Accepts a missing file, as an error about it is clearer.
 void refuse_structure_options(const CLI::App& app, const InputFile& input);
 
 /// Throws UsageError if the input is an xyzr file, which does not have the names that an option
-/// needs. Accepts a missing file.
+/// needs.
 void refuse_xyzr(const InputFile& input, std::string_view option, std::string_view names);
 
 }  // namespace eses::detail::cli

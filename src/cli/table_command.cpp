@@ -3,6 +3,7 @@
 #include <fmt/ranges.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstdint>
 #include <map>
 #include <stdexcept>
@@ -145,7 +146,7 @@ Outcome measured(const TableOptions& options, const TableCommand& command, const
 /// Returns the outcome that an earlier run has kept, or measures the input.
 Outcome outcome_of(const TableOptions& options, const TableCommand& command, const InputRun& run,
                    TableFiles& files) {
-  const std::vector<std::string> names = command.tables.of_input(run.input);
+  const std::vector<std::string> names = options.names_of_tables(run.input);
   const ResumedInput resumed =
       files.resume(options.inputs[run.input], options.model_of(run.input), names);
   if (resumed.result) return {resumed.result->printed, resumed.result->rows};
@@ -157,10 +158,7 @@ Outcome outcome_of(const TableOptions& options, const TableCommand& command, con
 }  // namespace
 
 int run_table_command(const TableOptions& options, const TableCommand& command) {
-  std::vector<std::string> tables;
-  for (std::size_t input = 0; input < options.inputs.size(); ++input)
-    for (std::string& name : command.tables.of_input(input)) tables.push_back(std::move(name));
-  TableFiles files(options, tables, command.tables.has);
+  TableFiles files(options);
   Reporter reporter(options, command, files.csv());
   const CheckCallback check = [&] {
     files.check();

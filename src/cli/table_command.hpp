@@ -1,12 +1,9 @@
 #pragma once
 /// The course of `eses-blocks measure` and `interface`: input files in parallel, results in order.
 
-#include <algorithm>
-#include <array>
 #include <cstddef>
 #include <functional>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "cli/table_files.hpp"
@@ -32,31 +29,12 @@ struct InputRun {
   const TableFiles& files;
 };
 
-/// The names of the tables of a command.
-struct TableNames {
-  std::function<bool(std::string_view name)> has;  ///< whether a file may be a table
-  std::function<std::vector<std::string>(std::size_t input)> of_input;
-};
-
-/// Returns the names of the tables of `options`, which are some of `tables`. Both must outlive
-/// them.
-template <class Table, std::size_t count>
-TableNames names_of(const std::array<Table, count>& tables, const OptionsOfTables<Table>& options) {
-  return {.has =
-              [&tables](std::string_view name) {
-                return std::ranges::any_of(
-                    tables, [&](const Table& table) { return name.ends_with(table.ending); });
-              },
-          .of_input = [&options](std::size_t input) { return options.names_of_tables(input); }};
-}
-
 /// The parts of a command that depend on what it measures.
 struct TableCommand {
   std::string heading;  ///< printed before the results; may be empty
   /// Names of the columns of the table of --csv. The columns `file`, `model` and `error` also have
   /// values for an input that cannot be measured.
   std::vector<std::string> csv_columns;
-  TableNames tables;
   /// Writes the tables of an input, and sets its result. Warnings that it has set before an
   /// exception are printed, too. Several threads call it.
   std::function<void(const InputRun& run, Outcome& outcome)> measure;

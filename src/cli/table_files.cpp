@@ -2,6 +2,7 @@
 
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <memory>
 #include <set>
 #include <system_error>
@@ -38,6 +39,14 @@ void check_outputs(std::span<const ReadFile> read, const std::vector<std::string
       throw Error(formatted("{} would be written twice; use separate output directories", output));
     files.refuse(output);
   }
+}
+
+/// Returns the names of the tables of all inputs.
+std::vector<std::string> names_of_tables(const TableOptions& options) {
+  std::vector<std::string> names;
+  for (std::size_t input = 0; input < options.inputs.size(); ++input)
+    for (std::string& name : options.names_of_tables(input)) names.push_back(std::move(name));
+  return names;
 }
 
 /// Returns the files that a command reads.
@@ -85,15 +94,20 @@ std::string written_text(const std::filesystem::path& directory,
   return formatted("written: {}\n", fmt::join(paths, ", "));
 }
 
-TableFiles::TableFiles(const TableOptions& options, std::span<const std::string> tables,
-                       const std::function<bool(std::string_view name)>& is_table)
+TableFiles::TableFiles(const TableOptions& options) : TableFiles(options, names_of_tables(options)) {}
+
+// `tables` has the names of the tables of all inputs.
+TableFiles::TableFiles(const TableOptions& options, std::span<const std::string> tables)
     : run_(paths_of(options, tables)), directory_of_tables_(options.output_directory) {
   const bool has_many = options.inputs.size() > 1;  // the result of a single one is not kept
   if (!options.identity || has_many) log_path_ = log_path(options, !tables.empty());
   if (!tables.empty()) {
     directory_.emplace(options.output_directory);
     run_.hold_locks();
-    directory_->remove_abandoned(is_table);
+    directory_->remove_abandoned([&](std::string_view name) {
+      return std::ranges::any_of(
+          options.tables, [&](const Table& table) { return name.ends_with(table.ending); });
+    });
   }
   if (!options.csv.empty()) {
     const auto [parent, name] = end_of_links(options.csv);

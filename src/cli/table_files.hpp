@@ -8,7 +8,6 @@
 #include <optional>
 #include <span>
 #include <string>
-#include <string_view>
 
 #include "cli/interruption.hpp"
 #include "cli/table_options.hpp"
@@ -38,11 +37,10 @@ struct ResumedInput {
 /// results of --resume.
 class TableFiles {
  public:
-  /// Creates the directories and the file of --csv. `tables` has the names of the tables of all
-  /// inputs. `is_table` accepts names that may be left of killed runs. Throws Error if a file would
-  /// replace one that is read, another output file, or something else than a regular file.
-  TableFiles(const TableOptions& options, std::span<const std::string> tables,
-             const std::function<bool(std::string_view name)>& is_table);
+  /// Creates the directories and the file of --csv, and removes tables that killed runs have left.
+  /// Throws Error if a file would replace one that is read, another output file, or something else
+  /// than a regular file.
+  explicit TableFiles(const TableOptions& options);
 
   /// Throws Interrupted after a signal. Several threads may call it.
   void check() { run_.check(); }
@@ -67,6 +65,7 @@ class TableFiles {
   void finish(bool has_errors, bool is_quiet);
 
  private:
+  TableFiles(const TableOptions& options, std::span<const std::string> tables);
   std::uint32_t checksum_of(std::span<const std::string> names) const;
 
   InterruptibleRun run_;

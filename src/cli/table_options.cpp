@@ -61,7 +61,7 @@ std::string identity_of(const CLI::App& app, const std::filesystem::path& radii)
 void require_models(const InputFile& input) {
   if (input.path == "-")
     throw UsageError("--model all reads the file once for each model; give its name");
-  if (!is_structure(format_of(input.path, input.format)) && !is_missing(input.path))
+  if (!is_structure(format_of(input.path, input.format)))
     throw UsageError(
         formatted("--model all needs PDB or mmCIF files; {} is read as PQR", input.path.string()));
 }
@@ -80,9 +80,32 @@ ReadOptions TableOptions::reading_of(std::size_t input, const CheckCallback& che
   return reading;
 }
 
-std::string TableOptions::name_of_table(std::size_t input, std::string_view ending) const {
+std::vector<const Table*> TableOptions::needed_tables() const {
+  std::vector<const Table*> needed = written_tables;
+  if (printed_table != nullptr) needed.push_back(printed_table);
+  return needed;
+}
+
+bool TableOptions::needs(unsigned trait) const {
+  return std::ranges::any_of(needed_tables(),
+                             [&](const Table* table) { return table->has(trait); });
+}
+
+std::string TableOptions::option_of(const Table& table) const {
+  const bool is_written = std::ranges::count(written_tables, &table) > 0;
+  return (is_written ? "--write " : "--table ") + std::string(table.name);
+}
+
+std::string TableOptions::name_of_table(std::size_t input, const Table& table) const {
   const std::string model = models.empty() ? "" : formatted(".model{}", models[input]);
-  return table_name(inputs[input], model + std::string(ending));
+  return table_name(inputs[input], model + std::string(table.ending));
+}
+
+std::vector<std::string> TableOptions::names_of_tables(std::size_t input) const {
+  std::vector<std::string> names;
+  if (refusals.contains(inputs[input])) return names;
+  for (const Table* const table : written_tables) names.push_back(name_of_table(input, *table));
+  return names;
 }
 
 std::string TableOptions::name_of_input(std::size_t input) const {
@@ -93,6 +116,30 @@ std::string TableOptions::message_of_input(const std::exception& error, std::siz
   const std::string message = message_of(error), name = inputs[input].string();
   const bool has_name = name == "-" || message.find(name) != std::string::npos;
   return (has_name ? message : formatted("{}: {}", name, message)) + model_text(*this, input);
+}
+
+void add_tables(CLI::App& app, std::span<const Table> tables, const std::string& description,
+                TableOptions& options) {
+  options.tables = tables;
+  std::string names;
+  for (const Table& table : tables) names += (names.empty() ? "" : ",") + std::string(table.name);
+  const auto table_in = [tables](const std::string& name) -> std::optional<const Table*> {
+    for (const Table& table : tables)
+      if (table.name == name) return &table;
+    return std::nullopt;
+  };
+  const auto tables_in = [tables, table_in](const std::string& list) {
+    const std::vector<std::string> chosen = split(list, ',');
+    std::vector<const Table*> found;
+    for (const Table& table : tables)
+      if (std::ranges::count(chosen, table.name) > 0) found.push_back(&table);
+    const auto is_known = [&](const std::string& name) { return table_in(name).has_value(); };
+    return std::ranges::all_of(chosen, is_known) ? std::optional(found) : std::nullopt;
+  };
+  add_value(app, "--write", "LIST", description, options.written_tables,
+            Format<std::vector<const Table*>>{tables_in, "some of " + names});
+  add_value(app, "--table", "NAME", "print one of these tables in place of the report",
+            options.printed_table, Format<const Table*>{table_in, "one of " + names});
 }
 
 void add_last_options(CLI::App& app, TableOptions& options, const std::string& csv_description) {
@@ -138,6 +185,7 @@ void refuse_other_input(const CLI::App& app, const TableOptions& options,
 void check_inputs(TableOptions& options,
                   const std::function<void(const std::filesystem::path&)>& check) {
   for (const std::filesystem::path& path : options.inputs) {
+    if (is_missing(path)) continue;
     try {
       check(path);
     } catch (const UsageError& error) {

@@ -2,14 +2,13 @@
 /// The options that `eses-blocks measure` and `interface` share: both take many files, with each
 /// of their models, and write tables.
 
-#include <algorithm>
-#include <array>
 #include <cstddef>
 #include <exception>
 #include <filesystem>
 #include <functional>
 #include <map>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -19,8 +18,20 @@
 #include "eses/read_atoms.hpp"
 #include "eses/surface.hpp"
 #include "input/radii_set.hpp"
+#include "output/measure_tables.hpp"
 
 namespace eses::detail::cli {
+
+/// A table of `--write` or `--table`. That of the file NAME.pdb is written to NAME and `ending`.
+struct Table {
+  std::string_view name, ending;
+  /// Requirements and contents, as bits that each command defines.
+  unsigned traits = 0;
+  /// Appends the table of the atoms of a file; null if the command has no such function.
+  void (*append)(const MeasuredAtoms& atoms, BufferedText& text) = nullptr;
+
+  bool has(unsigned trait) const { return (traits & trait) != 0; }
+};
 
 struct TableOptions {
   InputChoice choice;                         ///< as it was given
@@ -34,6 +45,9 @@ struct TableOptions {
   /// With `all_models`, the number of the model of each input; 0 if it is not known.
   std::vector<int> models = {};
   double probe_radius = SurfaceOptions().probe_radius;
+  std::span<const Table> tables = {};            ///< of the command
+  std::vector<const Table*> written_tables;      ///< in the order of `tables`
+  const Table* printed_table = nullptr;          ///< printed in place of the report; may be null
   std::filesystem::path output_directory = ".";  ///< of the tables
   std::filesystem::path csv;                     ///< file of --csv; empty if there is none
   bool prints_csv = false;  ///< whether the table of --csv is printed in place of the report
@@ -54,8 +68,20 @@ struct TableOptions {
   /// Returns the options for reading an input.
   ReadOptions reading_of(std::size_t input, const CheckCallback& check) const;
 
+  /// The tables to write or to print.
+  std::vector<const Table*> needed_tables() const;
+
+  /// Whether a table to write or to print has a trait.
+  bool needs(unsigned trait) const;
+
+  /// Returns the option that chooses a table, with its value, for messages.
+  std::string option_of(const Table& table) const;
+
   /// Returns the name of a table of an input. Each model has a table, if each is measured.
-  std::string name_of_table(std::size_t input, std::string_view ending) const;
+  std::string name_of_table(std::size_t input, const Table& table) const;
+
+  /// Returns the names of the tables of an input; none if it cannot be measured with the options.
+  std::vector<std::string> names_of_tables(std::size_t input) const;
 
   /// Returns the name of an input, with ` (model N)` if each model is measured, for messages.
   std::string name_of_input(std::size_t input) const;
@@ -64,54 +90,10 @@ struct TableOptions {
   std::string message_of_input(const std::exception& error, std::size_t input) const;
 };
 
-/// The same options, with the tables of a command. A table has a name and an ending: that of
-/// NAME.pdb is written to NAME + ending.
-template <class Table>
-struct OptionsOfTables : TableOptions {
-  std::vector<const Table*> written_tables;  ///< in the order of the command's tables
-  const Table* printed_table = nullptr;      ///< printed in place of the report; null if none is
-
-  /// The tables to write or to print.
-  std::vector<const Table*> needed_tables() const {
-    std::vector<const Table*> needed = written_tables;
-    if (printed_table != nullptr) needed.push_back(printed_table);
-    return needed;
-  }
-
-  /// Returns the names of the tables of an input; none if it cannot be measured with the options.
-  std::vector<std::string> names_of_tables(std::size_t input) const {
-    std::vector<std::string> names;
-    if (refusals.contains(inputs[input])) return names;
-    for (const Table* const table : written_tables)
-      names.push_back(name_of_table(input, table->ending));
-    return names;
-  }
-};
-
 /// Adds --write and --table, which choose some of the tables and one of them. `tables` must outlive
-/// the parsing.
-template <class Table, std::size_t count>
-void add_tables(CLI::App& app, const std::array<Table, count>& tables,
-                const std::string& description, OptionsOfTables<Table>& options) {
-  std::string names;
-  for (const Table& table : tables) names += (names.empty() ? "" : ",") + std::string(table.name);
-  const auto table_in = [&tables](const std::string& name) -> std::optional<const Table*> {
-    const auto* const found = std::ranges::find(tables, name, &Table::name);
-    return found == tables.end() ? std::nullopt : std::optional(found);
-  };
-  const auto tables_in = [&tables, table_in](const std::string& list) {
-    const std::vector<std::string> chosen = split(list, ',');
-    std::vector<const Table*> found;
-    for (const Table& table : tables)
-      if (std::ranges::count(chosen, table.name) > 0) found.push_back(&table);
-    const auto is_known = [&](const std::string& name) { return table_in(name).has_value(); };
-    return std::ranges::all_of(chosen, is_known) ? std::optional(found) : std::nullopt;
-  };
-  add_value(app, "--write", "LIST", description, options.written_tables,
-            Format<std::vector<const Table*>>{tables_in, "some of " + names});
-  add_value(app, "--table", "NAME", "print one of these tables in place of the report",
-            options.printed_table, Format<const Table*>{table_in, "one of " + names});
-}
+/// the options.
+void add_tables(CLI::App& app, std::span<const Table> tables, const std::string& description,
+                TableOptions& options);
 
 /// Adds the last options: --output-dir, --csv and --resume, those of structures and --threads, and
 /// those of messages.
@@ -125,7 +107,7 @@ void complete_table_options(const CLI::App& app, TableOptions& options);
 void refuse_other_input(const CLI::App& app, const TableOptions& options,
                         const std::filesystem::path& path);
 
-/// Calls `check` with each input. A UsageError goes on to the caller if the command line names the
+/// Calls `check` with each input that exists. A UsageError goes on to the caller if the command line names the
 /// file. Otherwise its message is kept in `refusals`, so that the other files are measured.
 void check_inputs(TableOptions& options,
                   const std::function<void(const std::filesystem::path&)>& check);

@@ -62,7 +62,7 @@ std::pair<InputFile, bool> parse_xyzr_arguments(bool has_names, const Arguments&
   const bool is_unknown = input.format == AtomFormat::automatic &&
                           format_of(input.path, input.format) == AtomFormat::xyzr;
   if (is_unknown) input.format = AtomFormat::pdb;
-  if (has_names) refuse_xyzr(input, "pdb_to_xyzrn", "names");
+  if (has_names && !is_missing(input.path)) refuse_xyzr(input, "pdb_to_xyzrn", "names");
   return {input, has_charges};
 }
 
