@@ -60,26 +60,6 @@ std::optional<std::string> label_text(const std::map<FileIndex, AtomLabel>& labe
   return found == labels.end() ? std::nullopt : std::optional(label_text(found->second));
 }
 
-/// Returns the warning about the atoms of find_stray_atoms; nothing if there are none.
-std::optional<DiagnosticText> far_atoms_text(const AtomFile& atoms, const Surface& surface,
-                                             const std::filesystem::path& input) {
-  const std::vector<AtomIndex> strays = find_stray_atoms(surface);
-  if (strays.empty()) return std::nullopt;
-  DiagnosticText text = program_warning(far_atoms_name, "");
-  text.count = strays.size();
-  for (const AtomIndex atom :
-       std::span(strays).first(std::min(strays.size(), Diagnostic::max_examples)))
-    text.examples.push_back({.atom = atom,
-                             .line = atoms.lines[atom],
-                             .label = surface.labels().empty()
-                                          ? std::nullopt
-                                          : std::optional(label_text(surface.labels()[atom]))});
-  text.message = formatted("{}: {} far from all others: {}", input_name(input),
-                           text.count == 1 ? "1 atom is" : formatted("{} atoms are", text.count),
-                           lines_text(text, ""));
-  return text;
-}
-
 }  // namespace
 
 static void to_json(Json& json, const DiagnosticText::Example& example) {
@@ -103,10 +83,39 @@ DiagnosticText program_warning(std::string_view name, std::string message) {
 }
 
 DiagnosticText describe(const FarAtomsWarning& far, const std::map<FileIndex, AtomLabel>& labels) {
-  DiagnosticText text = program_warning(far_atoms_name, far.message);
+  DiagnosticText text = program_warning("far_atoms", far.message);
   text.count = far.count;
   for (const auto& [atom, line] : far.examples)
     text.examples.push_back({atom, line, label_text(labels, FileIndex{atom})});
+  return text;
+}
+
+DiagnosticText describe(FarAtomsWarning far, const Surface& surface, const FileIndices& in_file) {
+  std::map<FileIndex, AtomLabel> labels;
+  for (auto& [atom, line] : far.examples) {
+    const FileIndex index = in_file[atom];
+    if (!surface.labels().empty()) labels[index] = surface.labels()[atom];
+    atom = static_cast<AtomIndex>(as_number(index));
+  }
+  return describe(far, labels);
+}
+
+std::optional<DiagnosticText> far_atoms_of(const Surface& surface, const FileIndices& in_file,
+                                           std::span<const std::uint64_t> lines,
+                                           const std::filesystem::path& input) {
+  const std::optional<FarAtoms> far = find_far_atoms(surface, GridOptions());
+  if (!far || far->atoms.empty()) return std::nullopt;
+  // More atoms are copies of a molecule, and no mistake. The first far atom needs no others.
+  constexpr std::size_t atoms_per_far_atom = 10;
+  if ((far->atoms.size() - 1) * atoms_per_far_atom > surface.atoms().size()) return std::nullopt;
+  FarAtomsWarning warning{.message = {}, .count = far->atoms.size(), .examples = {}};
+  for (const AtomIndex atom :
+       std::span(far->atoms).first(std::min(far->atoms.size(), Diagnostic::max_examples)))
+    warning.examples.emplace_back(atom, lines[as_number(in_file[atom])]);
+  DiagnosticText text = describe(std::move(warning), surface, in_file);
+  text.message = formatted("{}: {} far from all others: {}", input_name(input),
+                           text.count == 1 ? "1 atom is" : formatted("{} atoms are", text.count),
+                           lines_text(text, ""));
   return text;
 }
 
@@ -145,10 +154,7 @@ std::vector<DiagnosticText> describe(const AtomFile& atoms, const Surface& surfa
   all.add(surface.diagnostics(), atoms.lines);
   if (!surface.labels().empty())
     for (const auto& [atom, line] : all.lines) all.labels[atom] = surface.labels()[as_number(atom)];
-  std::vector<DiagnosticText> texts = describe(all, input);
-  if (std::optional<DiagnosticText> far = far_atoms_text(atoms, surface, input))
-    texts.push_back(*std::move(far));
-  return texts;
+  return describe(all, input);
 }
 
 std::vector<std::string> warnings_to_print(std::span<const DiagnosticText> diagnostics,

@@ -38,25 +38,33 @@ struct DiagnosticText {
   bool is_printed = false;  ///< whether the user has been told already
 };
 
-/// Name of the diagnostic of atoms far from all others.
-inline constexpr std::string_view far_atoms_name = "far_atoms";
-
 /// Returns the JSON report of a diagnostic.
 void to_json(Json& json, const DiagnosticText& diagnostic);
 
 /// Returns a warning of the program that is not about atoms.
 DiagnosticText program_warning(std::string_view name, std::string message);
 
-/// Returns the warning about atoms far from the others. `labels` has those of the examples, if the
-/// file is a PDB or mmCIF file.
+/// Returns the warning about atoms far from the others. The examples are indices in the file.
+/// `labels` has their labels, if the file is a PDB or mmCIF file.
 DiagnosticText describe(const FarAtomsWarning& far, const std::map<FileIndex, AtomLabel>& labels);
+
+/// Returns the warning about atoms of a surface far from the others. The examples are indices of
+/// the surface, whose atoms have the indices `in_file` in the file.
+DiagnosticText describe(FarAtomsWarning far, const Surface& surface, const FileIndices& in_file);
+
+/// Returns the warning about a few atoms far from all others, such as placeholders, which would
+/// make the usual grid large and empty; nothing if there are none. `lines` has the line of each
+/// atom of the file.
+std::optional<DiagnosticText> far_atoms_of(const Surface& surface, const FileIndices& in_file,
+                                           std::span<const std::uint64_t> lines,
+                                           const std::filesystem::path& input);
 
 /// Returns the texts of the diagnostics of a file.
 std::vector<DiagnosticText> describe(const FileDiagnostics& diagnostics,
                                      const std::filesystem::path& input);
 
-/// Returns the texts of the diagnostics of the atoms that were read, and of their surface, and that
-/// of atoms far from all others, such as placeholders. The labels are those of the surface.
+/// Returns the texts of the diagnostics of the atoms that were read, and of their surface. The
+/// labels are those of the surface.
 std::vector<DiagnosticText> describe(const AtomFile& atoms, const Surface& surface,
                                      const std::filesystem::path& input);
 

@@ -64,6 +64,8 @@ InterfaceFile read_interfaces(const InterfaceOptions& options, const InputRun& r
                      .interfaces = {}};
   const Surface surface(file.file, {.threads = run.threads, .check = run.check});
   file.diagnostics = describe(file.file, surface, path);
+  if (auto far = far_atoms_of(surface, {}, file.file.lines, path))
+    file.diagnostics.push_back(*std::move(far));
   warnings = warnings_to_print(file.diagnostics, options.strict, options.quiet);
   for (const ComplexParts& division : divisions_of(options, reading, file))
     add_interfaces(options, surface, division, run, file);
@@ -97,13 +99,12 @@ std::string printed_text(const InterfaceOptions& options, std::size_t input,
   if (!options.has_many()) return interface_table(options, table, file);
   // The heading has been printed.
   return rows_text(options, table.traits, file, csv_field(file.path.string()) + ",",
-                        options.all_models ? formatted(",{}", file.model) : "");
+                   options.all_models ? formatted(",{}", file.model) : "");
 }
 
 /// Returns the names of the columns of the table of --csv.
 std::vector<std::string> csv_columns() {
-  return split(formatted("file,{},model,error", heading_of_rows(rows_of_interfaces)),
-               ',');
+  return split(formatted("file,{},model,error", heading_of_rows(rows_of_interfaces)), ',');
 }
 
 /// Measures an input and writes its tables.
@@ -116,8 +117,8 @@ void measure_input(const InterfaceOptions& options, const InputRun& run, Outcome
       outcome.notes.push_back(reason);
   const std::string model = file.file.structure ? csv_field(file.file.structure->model) : "";
   outcome.text = printed_text(options, run.input, file);
-  outcome.rows = rows_text(options, rows_of_interfaces, file,
-                                csv_field(file.path.string()) + ",", formatted(",{},", model));
+  outcome.rows = rows_text(options, rows_of_interfaces, file, csv_field(file.path.string()) + ",",
+                           formatted(",{},", model));
 }
 
 /// Returns the heading of a table of several files or models; empty for reports.

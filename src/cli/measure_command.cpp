@@ -39,11 +39,10 @@ void write_tables(const MeasureCommandOptions& options, std::size_t input, const
   if (options.written_tables.empty()) return;
   std::vector<TableContent> contents;
   for (const Table* const table : options.written_tables)
-    contents.push_back(
-        {options.name_of_table(input, *table), [&, table](OutputFile& output) {
-           append_table(*table, file, reported,
-                        [&](std::string_view part) { output.append(part); });
-         }});
+    contents.push_back({options.name_of_table(input, *table), [&, table](OutputFile& output) {
+                          append_table(*table, file, reported,
+                                       [&](std::string_view part) { output.append(part); });
+                        }});
   files.write(contents);
 }
 

@@ -254,7 +254,6 @@ void check(const CLI::App& app, MeasureCommandOptions& options) {
   if (options.printed_table != nullptr && options.has_many())
     throw UsageError(formatted("--table prints the table of a single file or model; use --write {}",
                                options.printed_table->name));
-  const bool has_place_of_atoms = options.at && !options.at->point && !options.at->box;
   check_inputs(options, [&](const std::filesystem::path& path) {
     refuse_other_input(app, options, path);
     const InputFile input{path, options.format};
@@ -262,7 +261,7 @@ void check(const CLI::App& app, MeasureCommandOptions& options) {
       if (table->has(needs_names)) refuse_xyzr(input, options.option_of(*table), "names");
     if (options.parts.is_chosen()) refuse_xyzr(input, "--parts", "chains");
     if (!options.reports.empty()) refuse_xyzr(input, "--report", "names");
-    if (has_place_of_atoms) refuse_xyzr(input, "--at", "names");
+    if (options.at && options.at->names_atoms()) refuse_xyzr(input, "--at", "names");
   });
 }
 

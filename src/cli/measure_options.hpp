@@ -41,6 +41,8 @@ struct PlaceChoice {
   PartSelector part;
   std::optional<Vec3> point;
   std::optional<std::array<Vec3, 2>> box;
+
+  bool names_atoms() const { return !point && !box; }
 };
 
 struct MeasureCommandOptions : TableOptions {

@@ -468,8 +468,7 @@ std::vector<std::string> table_notes(const MeasureCommandOptions& options, const
     if (std::string reason = no_relative_area_reason(reported.table()); !reason.empty())
       reasons.push_back(std::move(reason));
   for (const Table* const table : options.needed_tables()) {
-    if (table->has(has_cavities) && !has_cavity)
-      reasons.push_back(no_cavity_reason(options, file));
+    if (table->has(has_cavities) && !has_cavity) reasons.push_back(no_cavity_reason(options, file));
     if (!table->has(has_pockets) || !found.pockets.empty()) continue;
     reasons.push_back(
         file.place ? no_pocket_reason(search, *file.place)

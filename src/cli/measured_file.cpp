@@ -1,7 +1,6 @@
 #include "cli/measured_file.hpp"
 
 #include <array>
-#include <map>
 #include <set>
 #include <span>
 #include <type_traits>
@@ -54,8 +53,27 @@ void keep_only(std::span<const AtomIndex> kept, const SurfaceOptions& indexing,
                          values_at(file.surface.labels(), kept), indexing);
 }
 
-/// Removes the atoms that belong to no part from the surface.
-void remove_other_atoms(const SurfaceOptions& indexing, MeasuredFile& file) {
+/// The atoms of a file that options name.
+struct NamedAtoms {
+  ComplexParts parts;                      ///< of --parts
+  std::vector<bool> at;                    ///< by atom, of --at; empty unless it names atoms
+  std::vector<std::vector<bool>> reports;  ///< by atom, of each --report
+};
+
+/// Finds the atoms that options name. Throws Error if there are none of a name.
+NamedAtoms find_named_atoms(const MeasureCommandOptions& options, const DividedFile& file) {
+  NamedAtoms named;
+  if (options.parts.is_chosen()) named.parts = divide(options.parts, file, "--parts");
+  if (options.at && options.at->names_atoms()) named.at = atoms_in(options.at->part, file, "--at");
+  for (const PartSelector& selector : options.reports)
+    named.reports.push_back(atoms_in(selector, file, "--report"));
+  return named;
+}
+
+/// Takes the parts of a complex, and removes the atoms that belong to none from the surface.
+void take_parts(ComplexParts parts, const SurfaceOptions& indexing, MeasuredFile& file) {
+  file.part_names = std::move(parts.names);
+  file.part_of_atom = std::move(parts.part_of_atom);
   const std::vector<AtomIndex> kept =
       atoms_of(file, [](std::uint32_t part) { return part != no_part; });
   file.other_atoms = file.part_of_atom.size() - kept.size();
@@ -64,14 +82,13 @@ void remove_other_atoms(const SurfaceOptions& indexing, MeasuredFile& file) {
   keep_only(kept, indexing, file);
 }
 
-/// Finds the place of --at, and removes the atoms of its ligand from the surface.
-void take_place(const PlaceChoice& choice, double probe_radius, const DividedFile& divided,
+/// Sets the place of --at, and removes the atoms of its ligand from the surface. `is_in` has the
+/// atoms that it names.
+void take_place(const PlaceChoice& choice, double probe_radius, const std::vector<bool>& is_in,
                 const SurfaceOptions& indexing, MeasuredFile& file) {
   MeasuredPlace& found = file.place.emplace();
   found.place.box = choice.box;
   if (choice.point) found.place.balls = {{*choice.point, probe_radius}};
-  if (choice.box || choice.point) return;
-  const std::vector<bool> is_in = atoms_in(choice.part, divided, "--at");
   std::vector<AtomIndex> others;
   for (AtomIndex i = 0; i < is_in.size(); ++i) {
     if (!is_in[i])
@@ -81,38 +98,39 @@ void take_place(const PlaceChoice& choice, double probe_radius, const DividedFil
     else
       found.place.balls.push_back(file.surface.atoms()[i]);
   }
+  if (is_in.empty() || found.place.balls.empty()) return;
   found.left_out = found.place.balls.size();
-  if (found.left_out == 0) return;
   if (others.empty())
     throw Error(formatted("{}: there are no atoms besides {}, which --at names",
-                          input_name(divided.path), printable(choice.text)));
+                          input_name(file.path), printable(choice.text)));
   keep_only(others, indexing, file);
 }
 
-/// Refuses or names atoms that make the grid of the pockets large and empty.
-void take_far_atoms(const MeasureCommandOptions& options, std::span<const std::uint64_t> lines,
-                    MeasuredFile& file) {
-  const std::span<const Atom> atoms = file.surface.atoms();
-  std::vector<std::uint64_t> lines_of_atoms;
-  for (AtomIndex i = 0; i < atoms.size(); ++i)
-    lines_of_atoms.push_back(lines[as_number(FileIndices(file.file_indices)[i])]);
-  const GridOptions grid = pocket_grid(options.pocket_options.spacing);
-  std::optional<FarAtomsWarning> far =
-      require_dense_grid(atoms, options.pocket_options.large_probe_radius, grid,
-                         input_name(file.path), lines_of_atoms, options.allow_far_atoms);
-  if (!far) return;
-  std::erase_if(file.diagnostics,
-                [](const DiagnosticText& other) { return other.name == far_atoms_name; });
-  std::map<FileIndex, AtomLabel> labels;
-  for (auto& [atom, line] : far->examples) {
-    const FileIndex in_file = FileIndices(file.file_indices)[atom];
-    if (!file.surface.labels().empty()) labels[in_file] = file.surface.labels()[atom];
-    atom = static_cast<AtomIndex>(as_number(in_file));
+/// Adds the warning about atoms that make the grid of the pockets or, otherwise, the usual grid
+/// large and empty. Throws Error if that of the pockets is too large. `lines` has the line of each
+/// atom of the file.
+void add_far_atoms(const MeasureCommandOptions& options, std::span<const std::uint64_t> lines,
+                   MeasuredFile& file) {
+  const FileIndices in_file(file.file_indices);
+  if (options.need_pockets()) {
+    const std::span<const Atom> atoms = file.surface.atoms();
+    std::vector<std::uint64_t> lines_of_atoms;
+    for (AtomIndex i = 0; i < atoms.size(); ++i)
+      lines_of_atoms.push_back(lines[as_number(in_file[i])]);
+    if (const std::optional<FarAtomsWarning> far =
+            require_dense_grid(atoms, options.pocket_options.large_probe_radius,
+                               pocket_grid(options.pocket_options.spacing), input_name(file.path),
+                               lines_of_atoms, options.allow_far_atoms)) {
+      DiagnosticText& warning =
+          file.diagnostics.emplace_back(describe(*far, file.surface, in_file));
+      // The search takes long, so the user should know before it.
+      warning.is_printed = options.inputs.size() == 1 && !options.strict && !options.quiet;
+      if (warning.is_printed) print_message("warning", warning.message);
+      return;
+    }
   }
-  DiagnosticText& diagnostic = file.diagnostics.emplace_back(describe(*far, labels));
-  // The search takes long, so the user should know before it.
-  diagnostic.is_printed = options.inputs.size() == 1 && !options.strict && !options.quiet;
-  if (diagnostic.is_printed) print_message("warning", far->message);
+  if (auto far = far_atoms_of(file.surface, in_file, lines, file.path))
+    file.diagnostics.push_back(*std::move(far));
 }
 
 /// Finds the pockets, at a place if there is one.
@@ -186,13 +204,13 @@ ReportedAtoms reported_atoms(const PartSelector& selector, const std::vector<boo
   return report;
 }
 
-void add_reports(const MeasureCommandOptions& options, const DividedFile& divided,
+/// Adds the areas of the atoms of each --report.
+void add_reports(const MeasureCommandOptions& options, const NamedAtoms& named,
                  MeasuredFile& file) {
   if (options.reports.empty()) return;
-  const std::vector<bool> are_polar = find_polar_atoms(file.surface.atoms(), divided.labels);
-  for (const PartSelector& selector : options.reports)
-    file.reports.push_back(
-        reported_atoms(selector, atoms_in(selector, divided, "--report"), are_polar, file));
+  const std::vector<bool> are_polar = find_polar_atoms(file.surface.atoms(), file.surface.labels());
+  for (std::size_t k = 0; k < options.reports.size(); ++k)
+    file.reports.push_back(reported_atoms(options.reports[k], named.reports[k], are_polar, file));
 }
 
 /// Measures the atoms of a file together, and those of each part alone.
@@ -277,27 +295,23 @@ MeasuredFile measure_file(const MeasureCommandOptions& options, std::size_t inpu
                         options.parts.is_chosen() || options.cavities || options.pockets ||
                         options.at || !options.reports.empty();
   AtomFile file = read_input(path, reading, {}, &options.radii);
+  const NamedAtoms named =
+      find_named_atoms(options, {path, reading, options.radii, file.labels, file.lines});
   const SurfaceOptions indexing{
       .max_filled_void = options.max_filled_void, .threads = threads, .check = check};
   MeasuredFile result{.path = path,
                       .model = options.all_models ? reading.structure.model : 0,
                       .surface = Surface(std::move(file.atoms), std::move(file.labels), indexing)};
   result.diagnostics = describe(file, result.surface, path);
-  const auto divided = [&] {
-    return DividedFile{path, reading, options.radii, result.surface.labels(), file.lines};
-  };
-  if (options.parts.is_chosen()) {
-    ComplexParts parts = divide(options.parts, divided(), "--parts");
-    result.part_names = std::move(parts.names);
-    result.part_of_atom = std::move(parts.part_of_atom);
-    remove_other_atoms(indexing, result);
-  }
-  if (options.at) take_place(*options.at, options.probe_radius, divided(), indexing, result);
-  if (options.need_pockets()) take_far_atoms(options, file.lines, result);
+  if (!options.need_pockets()) add_far_atoms(options, file.lines, result);
+  if (options.parts.is_chosen()) take_parts(named.parts, indexing, result);
+  if (options.at) take_place(*options.at, options.probe_radius, named.at, indexing, result);
+  // Atoms that are left out do not stretch the grid of the pockets.
+  if (options.need_pockets()) add_far_atoms(options, file.lines, result);
   measure_atoms(options, threads, check, result);
   result.structure = std::move(file.structure);
   if (options.probe_radius == reference_probe_radius) result.reference = options.reference;
-  add_reports(options, divided(), result);
+  add_reports(options, named, result);
   return result;
 }
 

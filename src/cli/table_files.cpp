@@ -94,7 +94,8 @@ std::string written_text(const std::filesystem::path& directory,
   return formatted("written: {}\n", fmt::join(paths, ", "));
 }
 
-TableFiles::TableFiles(const TableOptions& options) : TableFiles(options, names_of_tables(options)) {}
+TableFiles::TableFiles(const TableOptions& options)
+    : TableFiles(options, names_of_tables(options)) {}
 
 // `tables` has the names of the tables of all inputs.
 TableFiles::TableFiles(const TableOptions& options, std::span<const std::string> tables)
@@ -105,8 +106,8 @@ TableFiles::TableFiles(const TableOptions& options, std::span<const std::string>
     directory_.emplace(options.output_directory);
     run_.hold_locks();
     directory_->remove_abandoned([&](std::string_view name) {
-      return std::ranges::any_of(
-          options.tables, [&](const Table& table) { return name.ends_with(table.ending); });
+      return std::ranges::any_of(options.tables,
+                                 [&](const Table& table) { return name.ends_with(table.ending); });
     });
   }
   if (!options.csv.empty()) {

@@ -107,8 +107,9 @@ void complete_table_options(const CLI::App& app, TableOptions& options);
 void refuse_other_input(const CLI::App& app, const TableOptions& options,
                         const std::filesystem::path& path);
 
-/// Calls `check` with each input that exists. A UsageError goes on to the caller if the command line names the
-/// file. Otherwise its message is kept in `refusals`, so that the other files are measured.
+/// Calls `check` with each input that exists. A UsageError goes on to the caller if the command
+/// line names the file. Otherwise its message is kept in `refusals`, so that the other files are
+/// measured.
 void check_inputs(TableOptions& options,
                   const std::function<void(const std::filesystem::path&)>& check);
 
