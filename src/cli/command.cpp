@@ -15,7 +15,7 @@
 
 #include "cli/interruption.hpp"
 #include "cli/messages.hpp"
-#include "cli/options.hpp"
+#include "cli/surface_options.hpp"
 #include "distributed/processes.hpp"
 #include "eses/error.hpp"
 #include "system/formatted.hpp"

@@ -7,8 +7,7 @@
 
 #include "cli/json.hpp"
 #include "cli/messages.hpp"
-#include "cli/shared_report.hpp"
-#include "input/atom_names.hpp"
+#include "input/residue_runs.hpp"
 #include "input/text_source.hpp"
 #include "output/measure_tables.hpp"
 #include "output/text_buffer.hpp"
@@ -130,8 +129,7 @@ std::string no_interface_reason(const InterfaceOptions& options, const Interface
 std::string interface_report(const InterfaceOptions& options, const InterfaceFile& file) {
   std::string text;
   if (!options.quiet) {
-    text = heading_text(file.path, file.file.atoms.size(), options.probe_radius,
-                        file.file.structure, file.diagnostics);
+    text = heading_text(file.input, file.file.atoms.size(), options.probe_radius);
     text += formatted("{} (square angstrom; interface area: half of what both sides lose)\n",
                       counted(file.interfaces.size(), "interface"));
     if (file.interfaces.empty()) text += no_interface_reason(options, file) + "\n";
@@ -238,8 +236,7 @@ std::string atoms_text(const Table& table, const InterfaceFile& file) {
                       {},
                       {},
                       {}};
-  if (file.file.structure && file.file.structure->chain_names == ChainNames::label)
-    atoms.chains = file.file.structure->chains;
+  atoms.chains = file.input.label_chains();
   std::string all;
   BufferedText text([&](std::string_view part) { all += part; });
   table.append(atoms, text);
@@ -254,10 +251,7 @@ Json side_json(const std::string& name, const std::vector<BuriedResidue>& residu
 }
 
 std::string interface_json(const InterfaceOptions& options, const InterfaceFile& file) {
-  Json object{{"file", file.path.string()},
-              {"atoms", file.file.atoms.size()},
-              {"probe_radius", options.probe_radius}};
-  if (options.all_models) object["model"] = file.model;
+  Json object = first_members(file.input, file.file.atoms.size(), options.probe_radius);
   object["interfaces"] = Json::array();
   for (const NamedInterface& interface : file.interfaces) {
     const std::vector<BuriedResidue> residues = residues_of(options, file, interface);
@@ -272,8 +266,7 @@ std::string interface_json(const InterfaceOptions& options, const InterfaceFile&
                                     {"ses", interface.areas.ses},
                                     {"atoms", atoms_that_lose(interface)}});
   }
-  if (file.file.structure) object["structure"] = *file.file.structure;
-  object["diagnostics"] = file.diagnostics;
+  add_last_members(object, file.input);
   return text_of(object) + "\n";
 }
 

@@ -1,18 +1,35 @@
 #pragma once
-/// The texts of `eses-blocks interface`.
+/// The options and results of `eses-blocks interface`, and their texts.
 
 #include <cstdint>
-#include <filesystem>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
-#include "cli/diagnostics.hpp"
-#include "cli/interface_options.hpp"
+#include "cli/complex_parts.hpp"
+#include "cli/shared_report.hpp"
+#include "cli/table_options.hpp"
 #include "eses/interface.hpp"
 #include "eses/read_atoms.hpp"
 
 namespace eses::detail::cli {
+
+/// The rows of a table of CSV; see Table::traits. The other tables are the atoms of the file with
+/// buried areas as B-factors.
+enum InterfaceRows : unsigned {
+  no_rows = 0,
+  rows_of_interfaces = 1,
+  rows_of_residues = 2,
+  rows_of_atoms = 4,
+};
+
+struct InterfaceOptions : TableOptions {
+  PartChoice groups{.by_chain = true};
+  std::optional<PartSelector> ligand;  ///< residues that are each compared with all other atoms
+  double min_area = 0;           ///< least SAS interface area of an interface, square angstrom
+  double min_residue_area = 15;  ///< least SAS area that an interface residue loses
+};
 
 /// An interface with the names of its sides.
 struct NamedInterface {
@@ -23,10 +40,8 @@ struct NamedInterface {
 
 /// The interfaces of a file.
 struct InterfaceFile {
-  std::filesystem::path path;
-  int model = 0;  ///< number of the model; 0 unless each model is measured
-  AtomFile file;  ///< with labels
-  std::vector<DiagnosticText> diagnostics;
+  ReportedInput input;
+  AtomFile file;                           ///< with labels
   std::vector<bool> are_polar;             ///< by atom
   std::vector<NamedInterface> interfaces;  ///< without those below InterfaceOptions::min_area
 };

@@ -6,7 +6,6 @@
 #include <string_view>
 
 #include "cli/arguments.hpp"
-#include "cli/input_files.hpp"
 #include "cli/measure_records.hpp"
 #include "cli/messages.hpp"
 #include "cli/option_values.hpp"

@@ -1,5 +1,3 @@
-#include "cli/msms_options.hpp"
-
 #include <algorithm>
 #include <iterator>
 #include <limits>
@@ -9,6 +7,7 @@
 #include <utility>
 
 #include "cli/arguments.hpp"
+#include "cli/msms.hpp"
 #include "eses/surface.hpp"
 #include "input/advice.hpp"
 #include "system/formatted.hpp"

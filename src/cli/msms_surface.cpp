@@ -1,5 +1,3 @@
-#include "cli/msms_surface.hpp"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -7,6 +5,7 @@
 #include <numeric>
 #include <stdexcept>
 
+#include "cli/msms.hpp"
 #include "eses/compute.hpp"
 #include "eses/error.hpp"
 #include "eses/surface.hpp"

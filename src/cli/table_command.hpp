@@ -1,16 +1,85 @@
 #pragma once
-/// The course of `eses-blocks measure` and `interface`: input files in parallel, results in order.
+/// The course of `eses-blocks measure` and `interface`: input files in parallel, results in order,
+/// tables of each input, and a table of all.
 
+#include <atomic>
 #include <cstddef>
+#include <filesystem>
 #include <functional>
+#include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
-#include "cli/table_files.hpp"
+#include "cli/interruption.hpp"
 #include "cli/table_options.hpp"
 #include "eses/check.hpp"
+#include "output/file.hpp"
+#include "output/output_directory.hpp"
+#include "output/result_log.hpp"
 
 namespace eses::detail::cli {
+
+/// Returns the line of a report about files in a directory; empty if there are none.
+std::string written_text(const std::filesystem::path& directory,
+                         std::span<const std::string> names);
+
+/// A table of an input, and a function that appends its text to a file.
+struct TableContent {
+  std::string name;
+  std::function<void(OutputFile& file)> append;
+};
+
+/// An input whose result is kept with --resume.
+struct ResumedInput {
+  std::optional<InputKey> key;        ///< nothing if results are not kept
+  std::optional<InputResult> result;  ///< of an earlier run
+};
+
+/// The files of a run of a command. A signal removes those that are not complete, except the log of
+/// results of --resume.
+class TableFiles {
+ public:
+  /// Creates the directories and the file of --csv, and removes tables that killed runs have left.
+  /// Throws Error if a file would replace one that is read, another output file, or something else
+  /// than a regular file.
+  explicit TableFiles(const TableOptions& options);
+
+  /// Throws Interrupted after a signal. Several threads may call it.
+  void check() { run_.check(); }
+
+  /// Writes the tables of an input, all or none. Several threads may call it.
+  void write(std::span<const TableContent> contents) const;
+
+  /// The file of --csv; null if there is none.
+  OutputFile* csv() { return csv_ ? &*csv_ : nullptr; }
+
+  /// Looks for the result of an input with the tables `names`. Several threads may call it.
+  ResumedInput resume(const std::filesystem::path& input, int model,
+                      std::span<const std::string> names);
+
+  /// Keeps the result of an input whose tables have been written. Several threads may call it.
+  void keep(const ResumedInput& input, std::span<const std::string> names,
+            const InputResult& result);
+
+  /// Completes the file of --csv. Removes the log of results, unless files could not be measured
+  /// and the same command can try them again, or a single input was measured with --resume. Prints
+  /// notes about that, unless `is_quiet`.
+  void finish(bool has_errors, bool is_quiet);
+
+ private:
+  TableFiles(const TableOptions& options, std::span<const std::string> tables);
+  std::uint32_t checksum_of(std::span<const std::string> names) const;
+
+  InterruptibleRun run_;
+  std::filesystem::path directory_of_tables_;
+  std::string log_path_;        // of the log to write or to remove; empty if there is none
+  std::string created_folder_;  // of the file of --csv; empty if it existed
+  std::optional<ResultLog> log_;
+  std::atomic<std::size_t> resumed_count_ = 0;
+  std::optional<OutputDirectory> directory_, directory_of_csv_;
+  std::optional<OutputFile> csv_;
+};
 
 /// The result of an input.
 struct Outcome {

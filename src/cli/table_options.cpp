@@ -2,7 +2,13 @@
 
 #include <sys/stat.h>
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
+#include <array>
+#include <cstddef>
+#include <functional>
+#include <sstream>
+#include <system_error>
 #include <utility>
 
 #include "cli/command.hpp"
@@ -13,7 +19,9 @@
 #include "input/other_formats.hpp"
 #include "input/radii_set.hpp"
 #include "input/read_input.hpp"
+#include "input/text_fields.hpp"
 #include "input/text_source.hpp"
+#include "output/area_formats.hpp"
 #include "output/identity.hpp"
 #include "output/result_log.hpp"
 #include "run/request.hpp"
@@ -22,6 +30,95 @@
 
 namespace eses::detail::cli {
 namespace {
+
+namespace fs = std::filesystem;
+
+bool is_structure_file(const fs::path& path) {
+  return input_suffix(path) == ".xyzr" ||
+         format_of(path, AtomFormat::automatic) != AtomFormat::xyzr;
+}
+
+/// Returns whether a file has areas of `--write pdb` or `cif`, by its name and its first line.
+bool is_area_file(const fs::path& path) {
+  const std::string name = lower_case(path.filename().string());
+  const bool is_pdb = name.ends_with(".areas.pdb") || name.ends_with(".areas.pdb.gz");
+  if (!is_pdb && !name.ends_with(".areas.cif") && !name.ends_with(".areas.cif.gz")) return false;
+  const std::string heading =
+      is_pdb ? std::string(pdb_heading_start) : formatted("{}\n", cif_heading);
+  std::string start;
+  try {
+    TextSource source(path);
+    std::array<char, 128> part{};
+    while (start.size() < heading.size()) {
+      const std::size_t count = source.read(part);
+      if (count == 0) return false;
+      start.append(part.data(), count);
+    }
+  } catch (const Error&) {  // is reported when the file is measured
+    return false;
+  }
+  return start.starts_with(heading);
+}
+
+template <class Iterator>
+std::vector<fs::path> files_in(const fs::path& folder, bool is_quiet) {
+  std::vector<fs::path> files;
+  std::error_code error;
+  for (Iterator entry(folder, error); !error && entry != Iterator(); entry.increment(error)) {
+    std::error_code ignored;
+    if (entry->is_regular_file(ignored) && is_structure_file(entry->path()))
+      files.push_back(entry->path());
+  }
+  if (error)
+    throw Error(formatted("cannot read {}: {}", one_line(folder.string()), error.message()));
+  std::ranges::sort(files);
+  const auto areas = std::stable_partition(files.begin(), files.end(), std::not_fn(is_area_file));
+  const std::string left_out =
+      areas == files.end()
+          ? ""
+          : formatted("{} of areas that --write has written, such as {}",
+                      counted(files.end() - areas, "file"), one_line(areas->string()));
+  files.erase(areas, files.end());
+  if (files.empty())
+    throw Error(formatted("no PDB, mmCIF, PQR or xyzr files in the folder {}{}{}",
+                          one_line(folder.string()), left_out.empty() ? "" : " besides ",
+                          left_out));
+  if (!left_out.empty() && !is_quiet)
+    print_message("note", formatted("left out {}; name a file to measure it", left_out));
+  return files;
+}
+
+std::vector<fs::path> expand_folders(const std::vector<fs::path>& paths, bool recursively,
+                                     bool is_quiet) {
+  std::vector<fs::path> files;
+  for (const fs::path& path : paths) {
+    std::error_code ignored;
+    if (path == "-" || !fs::is_directory(path, ignored)) {
+      files.push_back(path);
+      continue;
+    }
+    const std::vector<fs::path> found =
+        recursively ? files_in<fs::recursive_directory_iterator>(path, is_quiet)
+                    : files_in<fs::directory_iterator>(path, is_quiet);
+    files.insert(files.end(), found.begin(), found.end());
+  }
+  return files;
+}
+
+std::vector<fs::path> read_list(const fs::path& file) {
+  TextSource source = TextSource::open_input(file);
+  std::string text;
+  std::array<char, 4096> part{};
+  while (const std::size_t count = source.read(part)) text.append(part.data(), count);
+  std::vector<fs::path> files;
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);) {
+    if (line.ends_with('\r')) line.pop_back();
+    if (!line.empty()) files.emplace_back(line);
+  }
+  if (files.empty()) throw Error(formatted("{}: the list has no files", source.name()));
+  return files;
+}
 
 /// Returns the name of the table of an input: the name of its file without the suffix of its
 /// format, and an ending.
@@ -68,8 +165,8 @@ void require_models(const InputFile& input) {
 
 /// Returns ` (model N)` if each model is measured; empty otherwise, or if its number is not known.
 std::string model_text(const TableOptions& options, std::size_t input) {
-  const bool is_known = !options.models.empty() && options.models[input] > 0;
-  return is_known ? formatted(" (model {})", options.models[input]) : "";
+  const int model = options.measured_model(input).value_or(0);
+  return model > 0 ? formatted(" (model {})", model) : "";
 }
 
 }  // namespace
@@ -97,8 +194,9 @@ std::string TableOptions::option_of(const Table& table) const {
 }
 
 std::string TableOptions::name_of_table(std::size_t input, const Table& table) const {
-  const std::string model = models.empty() ? "" : formatted(".model{}", models[input]);
-  return table_name(inputs[input], model + std::string(table.ending));
+  const std::optional<int> model = measured_model(input);
+  return table_name(inputs[input],
+                    (model ? formatted(".model{}", *model) : "") + std::string(table.ending));
 }
 
 std::vector<std::string> TableOptions::names_of_tables(std::size_t input) const {
@@ -116,6 +214,36 @@ std::string TableOptions::message_of_input(const std::exception& error, std::siz
   const std::string message = message_of(error), name = inputs[input].string();
   const bool has_name = name == "-" || message.find(name) != std::string::npos;
   return (has_name ? message : formatted("{}: {}", name, message)) + model_text(*this, input);
+}
+
+std::vector<fs::path> InputChoice::files(bool is_quiet) const {
+  if (paths.empty() && list.empty()) throw UsageError("FILE is required");
+  std::vector<fs::path> all = paths;
+  if (!list.empty())
+    for (const fs::path& file : read_list(list)) all.push_back(file);
+  all = expand_folders(all, looks_in_folders, is_quiet);
+  if (all.size() > 1 && std::ranges::find(all, "-") != all.end())
+    throw UsageError("standard input (-) cannot be combined with other files");
+  return all;
+}
+
+void add_input_files(CLI::App& app, const std::string& description, InputChoice& choice) {
+  app.add_option("FILE")
+      ->option_text("...")
+      ->description(description)
+      ->expected(1, -1)  // no maximum
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
+      ->allow_extra_args()
+      ->each([&choice](const std::string& file) {
+        if (file.empty()) refuse("FILE", file, "a file");
+        choice.paths.emplace_back(file);
+      });
+}
+
+void add_input_lists(CLI::App& app, InputChoice& choice) {
+  add_flag(app, "-r,--recursive", "also the files in folders of folders", choice.looks_in_folders);
+  add_value(app, "--files-from", "FILE", "input files, one in a line; - for standard input",
+            choice.list, any_text("a file"));
 }
 
 void add_tables(CLI::App& app, std::span<const Table> tables, const std::string& description,

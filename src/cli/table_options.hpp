@@ -14,13 +14,26 @@
 #include <vector>
 
 #include "cli/arguments.hpp"
-#include "cli/input_files.hpp"
 #include "eses/read_atoms.hpp"
 #include "eses/surface.hpp"
 #include "input/radii_set.hpp"
 #include "output/measure_tables.hpp"
 
 namespace eses::detail::cli {
+
+/// Where the names of the input files come from.
+struct InputChoice {
+  std::vector<std::filesystem::path> paths;  ///< files and folders; `-` is standard input
+  std::filesystem::path list;                ///< file of --files-from; empty if it is not given
+  bool looks_in_folders = false;             ///< whether folders of folders are searched, too
+
+  /// Returns the files, with those in the lines of the list, and with each folder replaced by the
+  /// files in it whose names have a suffix of PDB, mmCIF, PQR or xyzr, in the order of their names.
+  /// Files of areas that `--write` has written are left out of folders, with a note unless
+  /// `is_quiet`. Throws UsageError if there are none, or if standard input is one of several, and
+  /// Error if a list or folder cannot be read or is empty.
+  std::vector<std::filesystem::path> files(bool is_quiet) const;
+};
 
 /// A table of `--write` or `--table`. That of the file NAME.pdb is written to NAME and `ending`.
 struct Table {
@@ -62,8 +75,13 @@ struct TableOptions {
   /// Whether the results of several inputs or models are printed.
   bool has_many() const { return inputs.size() > 1 || all_models; }
 
-  /// Returns the number of the model of an input; 0 for the first one.
-  int model_of(std::size_t input) const { return models.empty() ? structure.model : models[input]; }
+  /// Returns the number of the model of an input if each is measured; 0 if it is not known.
+  std::optional<int> measured_model(std::size_t input) const {
+    return models.empty() ? std::nullopt : std::optional(models[input]);
+  }
+
+  /// Returns the number of the model to read; 0 for the first one.
+  int model_of(std::size_t input) const { return measured_model(input).value_or(structure.model); }
 
   /// Returns the options for reading an input.
   ReadOptions reading_of(std::size_t input, const CheckCallback& check) const;
@@ -89,6 +107,12 @@ struct TableOptions {
   /// Returns the message of an error, with the name of the input and its model.
   std::string message_of_input(const std::exception& error, std::size_t input) const;
 };
+
+/// Adds the argument FILE...
+void add_input_files(CLI::App& app, const std::string& description, InputChoice& choice);
+
+/// Adds --recursive and --files-from.
+void add_input_lists(CLI::App& app, InputChoice& choice);
 
 /// Adds --write and --table, which choose some of the tables and one of them. `tables` must outlive
 /// the options.

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "catch.hpp"
-#include "cli/report.hpp"
+#include "cli/surface_report.hpp"
 #include "run/engine.hpp"
 #include "support/sandbox.hpp"
 

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "cli/diagnostics.hpp"
-#include "cli/options.hpp"
+#include "cli/shared_report.hpp"
+#include "cli/surface_options.hpp"
 #include "output/output_files.hpp"
 #include "run/engine.hpp"
 #include "run/planned_run.hpp"

@@ -1,20 +1,44 @@
 #pragma once
-/// The surface of `eses-blocks msms`: triangles, components, and the areas of components and atoms.
+/// The options of `eses-blocks msms`, which are those of MSMS
+/// (https://ccsb.scripps.edu/msms/documentation/), and its surface: triangles, components, and the
+/// areas of components and atoms.
 
 #include <array>
 #include <cstdint>
+#include <filesystem>
 #include <map>
 #include <span>
 #include <utility>
 #include <vector>
 
-#include "cli/msms_options.hpp"
+#include "cli/command.hpp"
 #include "eses/atoms.hpp"
 #include "eses/grid.hpp"
 #include "eses/measure.hpp"
 #include "mesh/shells.hpp"
 
 namespace eses::detail::cli {
+
+struct MsmsOptions {
+  std::filesystem::path input;      ///< `-` is standard input
+  std::filesystem::path surface;    ///< path of the triangles without suffix; empty for none
+  std::filesystem::path areas;      ///< path of the areas of the atoms; empty for none
+  double probe_radius = 1.5;        ///< angstrom
+  double density = 1;               ///< vertices in a square angstrom
+  double high_density = 3;          ///< without effect
+  bool has_triangles = true;        ///< whether triangles are written, and their areas printed
+  bool has_areas = true;            ///< whether analytical areas are printed and written
+  bool has_header = true;           ///< whether the files of the triangles have a header
+  bool has_hydrogens = true;        ///< whether spheres with the radius of hydrogen are used
+  bool allow_far_atoms = false;     ///< see Parameters::allow_far_atoms
+  bool has_all_components = false;  ///< whether all components are written, or only the first one
+  /// Atoms that the chosen component touches, from 0 in the order of the file; empty if the
+  /// component is not chosen by atoms.
+  std::vector<std::uint64_t> cavity_atoms;
+};
+
+/// Parses the arguments of the command. Throws UsageError and Notice.
+MsmsOptions parse_msms_arguments(const Arguments& arguments);
 
 /// Areas in square angstrom.
 struct MsmsAreas {

@@ -20,14 +20,6 @@ struct GridChoice {
   bool has_spacing = false;  ///< whether the spacing is given
 };
 
-/// Values of the outputs that a run may have; `choose_values` moves the chosen ones to its request.
-struct OutputChoice {
-  MeshOptions mesh;         ///< without a file if there is none
-  MeshPotential potential;  ///< of `mesh`
-  DielectricMaps dielectric;
-  IonAccessMap ion_access;
-};
-
 /// The values of all options: the request of a run, the choice of its grid, and what is printed.
 struct Options {
   Request request;

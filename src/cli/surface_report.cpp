@@ -1,4 +1,4 @@
-#include "cli/report.hpp"
+#include "cli/surface_report.hpp"
 
 #include <fmt/ranges.h>
 
@@ -11,7 +11,6 @@
 
 #include "cli/json.hpp"
 #include "cli/messages.hpp"
-#include "cli/shared_report.hpp"
 #include "eses/version.hpp"
 #include "output/file_path.hpp"
 #include "output/mesh_format.hpp"
