@@ -30,9 +30,21 @@ function __eses_blocks_options
         END { show() }'
 end
 
+# Prints the option whose value is completed, and the text before the value: for --write=a they are --write
+# and --write=, otherwise the last word before the cursor and nothing.
+function __eses_blocks_option
+    set -l joined (string match -r -- '^(--[\w-]+)=' (commandline -ct))
+    if set -q joined[2]
+        printf '%s\n' $joined[2] $joined[1]
+    else
+        set -l words (commandline -opc)
+        printf '%s\n' $words[-1] ''
+    end
+end
+
 # Prints a list with commas, whose last name is one of the arguments. The names before it are not offered again.
 function __eses_blocks_list
-    set -l before (commandline -ct | string match -r '.*,')
+    set -l before (commandline -ct | string replace -r -- '^--[\w-]+=' '' | string match -r '.*,')
     for name in $argv
         string match -q -- "*,$name,*" ",$before"; or echo "$before$name"
     end
@@ -40,9 +52,17 @@ end
 
 # Prints the values of the option before the cursor.
 function __eses_blocks_values
+    set -l option (__eses_blocks_option)
+    set -l names (__eses_blocks_names $option[1])
+    or return 1
+    printf '%s\n' $option[2]$names
+end
+
+# Prints the names that an option takes. Returns 1 if there are none.
+function __eses_blocks_names
     set -l words (commandline -opc)
     set -l tables atoms residues chains derivatives cavities pieces pockets rsa seq res pdb cif
-    switch "$words[-1]"
+    switch "$argv[1]"
         case --format
             printf '%s\n' auto xyzr pqr pdb mmcif
         case --color
@@ -93,10 +113,10 @@ end
 # Prints the names that are values of the option of a tool before the cursor, such as {sticks,surface}.
 function __eses_tool_values
     set -l words (commandline -opc)
-    set -l option $words[-1]
-    string match -q -- '-*' $option; or return 1
-    set -l found (COLUMNS=1000 $words[1] --help-all 2>/dev/null | string match -r -- "^  (?:-\w \S+, )?$option \{([^}]*)\}")
-    set -q found[2]; and string split , $found[2]
+    set -l option (__eses_blocks_option)
+    string match -q -- '-*' $option[1]; or return 1
+    set -l found (COLUMNS=1000 $words[1] --help-all 2>/dev/null | string match -r -- "^  (?:-\w \S+, )?$option[1] \{([^}]*)\}")
+    set -q found[2]; and printf '%s\n' $option[2](string split , $found[2])
 end
 
 complete -c eses-blocks -n 'test -z "$(__eses_blocks_command)"; and test (count (commandline -opc)) = 1' -a "$commands"

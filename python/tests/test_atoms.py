@@ -252,7 +252,7 @@ def test_names_of_files_need_not_be_utf8(tmp_path):
 def test_unknown_radii_are_refused(tmp_path):
     (tmp_path / "one.pdb").write_text(PDB.splitlines()[1])
     for name in ("bondy", "A" * 300, "no/such/file"):
-        with pytest.raises(ValueError, match="radii: expected protor, bondi, msms, naccess, oons or occupancy, or a file"):
+        with pytest.raises(ValueError, match=r"radii: expected protor, bondi, msms, naccess, oons, one of them with \+shannon, occupancy, or a file"):
             eses.read_atoms(tmp_path / "one.pdb", radii=name)
 
 

@@ -110,33 +110,21 @@ void refuse_missing_values(CLI::App& app, const Arguments& arguments) {
   }
 }
 
-/// An option of another command or program, and what has its place here.
-struct ForeignOption {
-  std::string_view name, advice;
+/// Options of another command or program, separated by blanks, and what has their place here.
+struct ForeignOptions {
+  std::string_view names, advice;
 };
-constexpr std::string_view of_measure = "it is an option of 'eses-blocks measure'";
-constexpr std::string_view of_interface = "it is an option of 'eses-blocks interface'";
-constexpr std::string_view of_surface = "it is an option of 'eses-blocks FILE', without a command";
 constexpr std::array foreign_options{
-    ForeignOption{"--cavities", of_measure},
-    ForeignOption{"--pockets", of_measure},
-    ForeignOption{"--at", of_measure},
-    ForeignOption{"--parts", of_measure},
-    ForeignOption{"--report", of_measure},
-    ForeignOption{"--table", of_measure},
-    ForeignOption{"--csv", of_measure},
-    ForeignOption{"--large-probe", of_measure},
-    ForeignOption{"--groups", of_interface},
-    ForeignOption{"--ligand", of_interface},
-    ForeignOption{"--mesh", of_surface},
-    ForeignOption{"--color", of_surface},
-    ForeignOption{"--rsa",
-                  "relative areas of residues are printed by 'eses-blocks measure FILE --table "
-                  "residues' or, as NACCESS does, '--table rsa'"},
-    ForeignOption{
-        "--depth",
-        "areas by chain, residue or atom are printed by 'eses-blocks measure FILE --table "
-        "chains', 'residues' or 'atoms'"},
+    ForeignOptions{"--cavities --pockets --at --parts --report --table --csv --large-probe",
+                   "it is an option of 'eses-blocks measure'"},
+    ForeignOptions{"--groups --ligand", "it is an option of 'eses-blocks interface'"},
+    ForeignOptions{"--mesh --color", "it is an option of 'eses-blocks FILE', without a command"},
+    ForeignOptions{"--rsa",
+                   "relative areas of residues are printed by 'eses-blocks measure FILE --table "
+                   "residues' or, as NACCESS does, '--table rsa'"},
+    ForeignOptions{"--depth",
+                   "areas by chain, residue or atom are printed by 'eses-blocks measure FILE "
+                   "--table chains', 'residues' or 'atoms'"},
 };
 
 /// Returns what to do instead of giving an unknown option.
@@ -144,8 +132,8 @@ std::string advice_for_option(const CLI::App& app, const std::string& extra) {
   std::error_code ignored;
   if (std::filesystem::exists(extra, ignored)) return "; put a file of this name after --";
   const std::string name = extra.substr(0, extra.find('='));
-  const auto* const foreign = std::ranges::find(foreign_options, name, &ForeignOption::name);
-  if (foreign != foreign_options.end()) return formatted("; {}", foreign->advice);
+  for (const ForeignOptions& foreign : foreign_options)
+    if (has_word(foreign.names, name)) return formatted("; {}", foreign.advice);
   std::vector<std::string> names;
   for (const CLI::Option* option : app.get_options())
     for (const std::string& known : option->get_lnames()) names.push_back("--" + known);

@@ -17,7 +17,7 @@
 #include "eses/version.hpp"
 #include "system/formatted.hpp"
 
-// --- JSON ---------------------------------------------------------------------------------------
+// --- JSON ----------------------------------------------------------------------------------------
 
 namespace eses::detail {
 
@@ -172,7 +172,7 @@ std::string diff_json(const DiffOptions& options, const Differences& found) {
   return text_of(document, ",\n ") + "\n";
 }
 
-// --- text: items --------------------------------------------------------------------------------
+// --- text: items ---------------------------------------------------------------------------------
 
 constexpr Sides<std::string_view> side_names{"A", "B"};
 
@@ -237,7 +237,7 @@ std::string deviation_text(const Deviation<Key>& deviation, std::string_view qua
                                               counted(deviation.above.count, noun)));
 }
 
-// --- text: files --------------------------------------------------------------------------------
+// --- text: files ---------------------------------------------------------------------------------
 
 std::string details(const BoxDifference& box) {
   const auto points = [&box](std::size_t side) {

@@ -28,7 +28,7 @@
 namespace eses::detail::cli {
 namespace {
 
-// --- options ------------------------------------------------------------------------------------
+// --- options -------------------------------------------------------------------------------------
 
 constexpr char interface_examples[] =
     R"(  eses-blocks interface 1brs.pdb                    all pairs of chains that touch
@@ -144,10 +144,8 @@ InterfaceOptions parse_arguments(const Arguments& arguments) {
   if (prints_atoms && options.has_many())
     throw UsageError("--table pdb and cif print the atoms of a single file or model; use --write");
   refuse_third_side(options);
-  check_inputs(options, [&](const std::filesystem::path& path) {
-    refuse_other_input(app, options, path);
-    refuse_xyzr({path, options.format}, "interface", "chains");
-  });
+  check_inputs(app, options,
+               [](const InputFile& input) { refuse_xyzr(input, "interface", "chains"); });
   refuse_repeated_chains(options.groups, "--groups");
   if (!options.groups.by_chain && options.groups.parts.size() != 2)
     throw UsageError("--groups needs two sides, such as --groups A+B C");
@@ -157,7 +155,7 @@ InterfaceOptions parse_arguments(const Arguments& arguments) {
   return options;
 }
 
-// --- inputs -------------------------------------------------------------------------------------
+// --- inputs --------------------------------------------------------------------------------------
 
 /// Returns the divisions of the atoms to measure.
 std::vector<ComplexParts> divisions_of(const InterfaceOptions& options, const ReadOptions& reading,
@@ -194,7 +192,7 @@ InterfaceFile read_interfaces(const InterfaceOptions& options, const InputRun& r
                      .are_polar = {},
                      .interfaces = {}};
   const Surface surface(file.file, {.threads = run.threads, .check = run.check});
-  file.input.structure = file.file.structure;
+  file.input.structure = std::move(file.file.structure);
   file.input.diagnostics = describe(file.file, surface, path);
   if (auto far = far_atoms_of(surface, {}, file.file.lines, path))
     file.input.diagnostics.push_back(*std::move(far));
@@ -207,33 +205,6 @@ InterfaceFile read_interfaces(const InterfaceOptions& options, const InputRun& r
   return file;
 }
 
-/// Writes the tables of an input.
-void write_tables(const InterfaceOptions& options, std::size_t input, const InterfaceFile& found,
-                  const TableFiles& files) {
-  std::vector<TableContent> contents;
-  for (const Table* const table : options.written_tables)
-    contents.push_back({options.name_of_table(input, *table), [&, table](OutputFile& file) {
-                          file.append(interface_table(options, *table, found));
-                        }});
-  if (!contents.empty()) files.write(contents);
-}
-
-/// Returns what is printed about an input.
-std::string printed_text(const InterfaceOptions& options, std::size_t input,
-                         const InterfaceFile& file) {
-  if (options.printed_table == nullptr) {
-    const std::string text = interface_text(options, file);
-    return options.json || options.quiet
-               ? text
-               : text + written_text(options.output_directory, options.names_of_tables(input));
-  }
-  const Table& table = *options.printed_table;
-  if (!options.has_many()) return interface_table(options, table, file);
-  // The heading has been printed.
-  return rows_text(options, table.traits, file, csv_field(file.input.path.string()) + ",",
-                   file.input.model ? formatted(",{}", *file.input.model) : "");
-}
-
 /// Returns the names of the columns of the table of --csv.
 std::vector<std::string> csv_columns() {
   return split(formatted("file,{},model,error", heading_of_rows(rows_of_interfaces)), ',');
@@ -242,15 +213,26 @@ std::vector<std::string> csv_columns() {
 /// Measures an input and writes its tables.
 void measure_input(const InterfaceOptions& options, const InputRun& run, Outcome& outcome) {
   const InterfaceFile file = read_interfaces(options, run, outcome.warnings);
-  write_tables(options, run.input, file, run.files);
-  const bool has_report = options.printed_table == nullptr && !options.prints_csv;
+  const std::optional<std::string> printed =
+      run.files.write(run.input, [&](const Table& table, BufferedText& text) {
+        append_interface_table(options, table, file, text);
+      });
+  const bool has_report = !printed && !options.prints_csv;
   if (!has_report && !options.quiet)
     if (const std::string reason = empty_table_reason(options, file); !reason.empty())
       outcome.notes.push_back(reason);
+  const std::string path = csv_field(file.input.path.string());
+  if (!printed)
+    outcome.text = options.json ? interface_json(options, file)
+                                : interface_text(options, file) +
+                                      (options.quiet ? "" : options.written_text(run.input));
+  else if (!options.has_many())
+    outcome.text = *printed;
+  else  // The heading has been printed.
+    outcome.text = rows_text(options, options.printed_table->traits, file, path + ",",
+                             file.input.model ? formatted(",{}", *file.input.model) : "");
   const std::string model = file.input.structure ? csv_field(file.input.structure->model) : "";
-  outcome.text = printed_text(options, run.input, file);
-  outcome.rows = rows_text(options, rows_of_interfaces, file,
-                           csv_field(file.input.path.string()) + ",", formatted(",{},", model));
+  outcome.rows = rows_text(options, rows_of_interfaces, file, path + ",", formatted(",{},", model));
 }
 
 /// Returns the heading of a table of several files or models; empty for reports.

@@ -126,28 +126,6 @@ std::string no_interface_reason(const InterfaceOptions& options, const Interface
                         : "the two sides do not touch each other";
 }
 
-std::string interface_report(const InterfaceOptions& options, const InterfaceFile& file) {
-  std::string text;
-  if (!options.quiet) {
-    text = heading_text(file.input, file.file.atoms.size(), options.probe_radius);
-    text += formatted("{} (square angstrom; interface area: half of what both sides lose)\n",
-                      counted(file.interfaces.size(), "interface"));
-    if (file.interfaces.empty()) text += no_interface_reason(options, file) + "\n";
-  }
-  for (const NamedInterface& interface : file.interfaces) {
-    const Interface& areas = interface.areas;
-    text += formatted("{} and {}: SAS interface area {:.4f} ({:.4f} polar, {:.4f} apolar)\n",
-                      shown_name(interface.first), shown_name(interface.second),
-                      areas.sas.interface_area(), area_of(file, interface, true),
-                      area_of(file, interface, false));
-    text += lost_line("SAS", areas.sas, interface) + lost_line("SES", areas.ses, interface);
-    const std::vector<BuriedResidue> residues = residues_of(options, file, interface);
-    text += side_text(interface.first, residues_of_part(residues, areas.first)) +
-            side_text(interface.second, residues_of_part(residues, areas.second));
-  }
-  return text;
-}
-
 /// Returns a record of the table of interfaces.
 Json interface_record(const InterfaceOptions& options, const InterfaceFile& file,
                       const NamedInterface& interface) {
@@ -221,53 +199,22 @@ std::vector<Json> records_of(const InterfaceOptions& options, unsigned rows,
   return records;
 }
 
-/// Returns the atoms with the SAS areas that they lose in all interfaces as B-factors.
-std::string atoms_text(const Table& table, const InterfaceFile& file) {
+/// Appends the atoms with the SAS areas that they lose in all interfaces as B-factors.
+void append_atoms(const Table& table, const InterfaceFile& file, BufferedText& text) {
   eses::AtomAreas lost;
   lost.sas.resize(file.file.atoms.size());
   for (const NamedInterface& interface : file.interfaces)
     for (const BuriedAtom& buried : interface.areas.atoms) lost.sas[buried.atom] += buried.sas;
   const Gradients gradients;
-  MeasuredAtoms atoms{file.file.atoms,
-                      file.file.labels,
-                      FileIndices(std::span<const FileIndex>()),
-                      lost,
-                      gradients,
-                      {},
-                      {},
-                      {}};
+  MeasuredAtoms atoms{file.file.atoms, file.file.labels, {}, lost, gradients, {}, {}, {}};
   atoms.chains = file.input.label_chains();
-  std::string all;
-  BufferedText text([&](std::string_view part) { all += part; });
   table.append(atoms, text);
-  text.flush();
-  return all;
 }
 
 Json side_json(const std::string& name, const std::vector<BuriedResidue>& residues) {
   Json side{{"name", name}, {"residues", Json::array()}};
   for (const BuriedResidue& residue : residues) side["residues"].push_back(residue_record(residue));
   return side;
-}
-
-std::string interface_json(const InterfaceOptions& options, const InterfaceFile& file) {
-  Json object = first_members(file.input, file.file.atoms.size(), options.probe_radius);
-  object["interfaces"] = Json::array();
-  for (const NamedInterface& interface : file.interfaces) {
-    const std::vector<BuriedResidue> residues = residues_of(options, file, interface);
-    const auto side = [&](const std::string& name, std::uint32_t part) {
-      return side_json(name, residues_of_part(residues, part));
-    };
-    object["interfaces"].push_back({{"first", side(interface.first, interface.areas.first)},
-                                    {"second", side(interface.second, interface.areas.second)},
-                                    {"sas", interface.areas.sas},
-                                    {"sas_polar", area_of(file, interface, true)},
-                                    {"sas_apolar", area_of(file, interface, false)},
-                                    {"ses", interface.areas.ses},
-                                    {"atoms", atoms_that_lose(interface)}});
-  }
-  add_last_members(object, file.input);
-  return text_of(object) + "\n";
 }
 
 }  // namespace
@@ -297,14 +244,54 @@ std::string rows_text(const InterfaceOptions& options, unsigned rows, const Inte
   return text;
 }
 
-std::string interface_table(const InterfaceOptions& options, const Table& table,
-                            const InterfaceFile& file) {
-  if (table.append != nullptr) return atoms_text(table, file);
-  return heading_of_rows(table.traits) + "\n" + rows_text(options, table.traits, file);
+void append_interface_table(const InterfaceOptions& options, const Table& table,
+                            const InterfaceFile& file, BufferedText& text) {
+  if (table.append != nullptr)
+    append_atoms(table, file, text);
+  else
+    text.append("{}\n{}", heading_of_rows(table.traits), rows_text(options, table.traits, file));
 }
 
 std::string interface_text(const InterfaceOptions& options, const InterfaceFile& file) {
-  return options.json ? interface_json(options, file) : interface_report(options, file);
+  std::string text;
+  if (!options.quiet) {
+    text = heading_text(file.input, file.file.atoms.size(), options.probe_radius);
+    text += formatted("{} (square angstrom; interface area: half of what both sides lose)\n",
+                      counted(file.interfaces.size(), "interface"));
+    if (file.interfaces.empty()) text += no_interface_reason(options, file) + "\n";
+  }
+  for (const NamedInterface& interface : file.interfaces) {
+    const Interface& areas = interface.areas;
+    text += formatted("{} and {}: SAS interface area {:.4f} ({:.4f} polar, {:.4f} apolar)\n",
+                      shown_name(interface.first), shown_name(interface.second),
+                      areas.sas.interface_area(), area_of(file, interface, true),
+                      area_of(file, interface, false));
+    text += lost_line("SAS", areas.sas, interface) + lost_line("SES", areas.ses, interface);
+    const std::vector<BuriedResidue> residues = residues_of(options, file, interface);
+    text += side_text(interface.first, residues_of_part(residues, areas.first)) +
+            side_text(interface.second, residues_of_part(residues, areas.second));
+  }
+  return text;
+}
+
+std::string interface_json(const InterfaceOptions& options, const InterfaceFile& file) {
+  Json object = first_members(file.input, file.file.atoms.size(), options.probe_radius);
+  object["interfaces"] = Json::array();
+  for (const NamedInterface& interface : file.interfaces) {
+    const std::vector<BuriedResidue> residues = residues_of(options, file, interface);
+    const auto side = [&](const std::string& name, std::uint32_t part) {
+      return side_json(name, residues_of_part(residues, part));
+    };
+    object["interfaces"].push_back({{"first", side(interface.first, interface.areas.first)},
+                                    {"second", side(interface.second, interface.areas.second)},
+                                    {"sas", interface.areas.sas},
+                                    {"sas_polar", area_of(file, interface, true)},
+                                    {"sas_apolar", area_of(file, interface, false)},
+                                    {"ses", interface.areas.ses},
+                                    {"atoms", atoms_that_lose(interface)}});
+  }
+  add_last_members(object, file.input);
+  return text_of(object) + "\n";
 }
 
 }  // namespace eses::detail::cli

@@ -56,12 +56,15 @@ std::string heading_of_rows(unsigned rows);
 std::string rows_text(const InterfaceOptions& options, unsigned rows, const InterfaceFile& file,
                       std::string_view start = "", std::string_view end = "");
 
-/// Returns a whole table of a file: CSV with its heading, or the atoms with the SAS areas that they
+/// Appends a whole table of a file: CSV with its heading, or the atoms with the SAS areas that they
 /// lose in all interfaces as B-factors. Throws Error if a name is too wide for its columns.
-std::string interface_table(const InterfaceOptions& options, const Table& table,
-                            const InterfaceFile& file);
+void append_interface_table(const InterfaceOptions& options, const Table& table,
+                            const InterfaceFile& file, BufferedText& text);
 
-/// Returns the report about a file, or with --json its JSON object.
+/// Returns the report about a file.
 std::string interface_text(const InterfaceOptions& options, const InterfaceFile& file);
+
+/// Returns the results as one JSON object in a line.
+std::string interface_json(const InterfaceOptions& options, const InterfaceFile& file);
 
 }  // namespace eses::detail::cli

@@ -259,8 +259,8 @@ void measure_atoms(const MeasureCommandOptions& options, int threads, const Chec
 
 /// Reads and measures an input. Throws Error if it cannot be read, or if it lacks a chain of a
 /// part.
-MeasuredFile measure_file(const MeasureCommandOptions& options, std::size_t input, int threads,
-                          const CheckCallback& check) {
+MeasuredFile measure_file(const MeasureCommandOptions& options, const InputRun& run) {
+  const auto& [input, threads, check, files] = run;
   const std::filesystem::path& path = options.inputs[input];
   ReadOptions reading = options.reading_of(input, check);
   reading.with_labels = options.has_report() || !options.needed_tables().empty() ||
@@ -286,7 +286,7 @@ MeasuredFile measure_file(const MeasureCommandOptions& options, std::size_t inpu
   return result;
 }
 
-// --- output -------------------------------------------------------------------------------------
+// --- output --------------------------------------------------------------------------------------
 
 /// Returns a file with its reported atoms alone, and their areas in the whole file. Its cavities,
 /// pockets and derivatives are those of all atoms.
@@ -299,58 +299,28 @@ MeasuredFile only_reported(MeasuredFile file) {
   return file;
 }
 
-/// Appends a table. `reported` has the atoms of the tables of areas.
-void append_table(const Table& table, const MeasuredFile& file, const MeasuredFile& reported,
-                  const std::function<void(std::string_view)>& append) {
-  BufferedText text(append);
-  table.append((table.has(has_areas) ? reported : file).table(), text);
-  text.flush();
-}
-
-/// Returns the file of the reported atoms, if there are some and a table of areas needs it.
-std::optional<MeasuredFile> reported_atoms_of(const MeasureCommandOptions& options,
-                                              const MeasuredFile& file) {
-  if (file.reports.empty() || !options.needs(has_areas)) return std::nullopt;
-  return only_reported(file);
-}
-
-/// Writes the tables of a file, all or none.
-void write_tables(const MeasureCommandOptions& options, std::size_t input, const MeasuredFile& file,
-                  const MeasuredFile& reported, const TableFiles& files) {
-  if (options.written_tables.empty()) return;
-  std::vector<TableContent> contents;
-  for (const Table* const table : options.written_tables)
-    contents.push_back({options.name_of_table(input, *table), [&, table](OutputFile& output) {
-                          append_table(*table, file, reported,
-                                       [&](std::string_view part) { output.append(part); });
-                        }});
-  files.write(contents);
-}
-
-/// Returns what is printed about a file.
-std::string measured_text(const MeasureCommandOptions& options, const MeasuredFile& file,
-                          const MeasuredFile& reported) {
-  if (options.printed_table != nullptr) {
-    std::string all;
-    append_table(*options.printed_table, file, reported,
-                 [&](std::string_view part) { all += part; });
-    return all;
-  }
-  if (options.json) return measure_json(options, file);
-  if (options.inputs.size() > 1) return measure_line(options, file);
-  const std::string text = measure_text(options, file);
-  return options.quiet ? text
-                       : text + written_text(options.output_directory, options.names_of_tables(0));
-}
-
+/// Measures an input and writes its tables.
 void measure_input(const MeasureCommandOptions& options, const InputRun& run, Outcome& outcome) {
-  const MeasuredFile file = measure_file(options, run.input, run.threads, run.check);
+  const MeasuredFile file = measure_file(options, run);
   outcome.warnings = warnings_to_print(file.input.diagnostics, options.strict, options.quiet);
   run.check();
-  const std::optional<MeasuredFile> chosen = reported_atoms_of(options, file);
+  // With --report, the tables of areas have the reported atoms only.
+  std::optional<MeasuredFile> chosen;
+  if (!file.reports.empty() && options.needs(has_areas)) chosen = only_reported(file);
   const MeasuredFile& reported = chosen ? *chosen : file;
-  write_tables(options, run.input, file, reported, run.files);
-  outcome.text = measured_text(options, file, reported);
+  const std::optional<std::string> printed =
+      run.files.write(run.input, [&](const Table& table, BufferedText& text) {
+        table.append((table.has(has_areas) ? reported : file).table(), text);
+      });
+  if (printed)
+    outcome.text = *printed;
+  else if (options.json)
+    outcome.text = measure_json(options, file);
+  else if (options.inputs.size() > 1)
+    outcome.text = measure_line(options, file);
+  else
+    outcome.text =
+        measure_text(options, file) + (options.quiet ? "" : options.written_text(run.input));
   outcome.rows = measure_csv_line(options, file);
   if (!options.quiet) outcome.notes = table_notes(options, file, reported);
 }

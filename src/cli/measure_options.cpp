@@ -6,7 +6,7 @@
 #include <string_view>
 
 #include "cli/arguments.hpp"
-#include "cli/measure_records.hpp"
+#include "cli/measure_report.hpp"
 #include "cli/messages.hpp"
 #include "cli/option_values.hpp"
 #include "cli/shared_options.hpp"
@@ -253,9 +253,7 @@ void check(const CLI::App& app, MeasureCommandOptions& options) {
   if (options.printed_table != nullptr && options.has_many())
     throw UsageError(formatted("--table prints the table of a single file or model; use --write {}",
                                options.printed_table->name));
-  check_inputs(options, [&](const std::filesystem::path& path) {
-    refuse_other_input(app, options, path);
-    const InputFile input{path, options.format};
+  check_inputs(app, options, [&](const InputFile& input) {
     for (const Table* const table : options.needed_tables())
       if (table->has(needs_names)) refuse_xyzr(input, options.option_of(*table), "names");
     if (options.parts.is_chosen()) refuse_xyzr(input, "--parts", "chains");

@@ -32,7 +32,7 @@ static void to_json(detail::Json& json, const PatchAreas& areas) {
 namespace eses::detail::cli {
 namespace {
 
-// --- items --------------------------------------------------------------------------------------
+// --- items ---------------------------------------------------------------------------------------
 
 std::vector<std::size_t> numbers_of(std::vector<std::size_t> indices) {
   for (std::size_t& index : indices) ++index;
@@ -108,7 +108,7 @@ Json pocket_json(const MeasuredAtoms& atoms, const Pocket& pocket) {
   return item;
 }
 
-// --- JSON ---------------------------------------------------------------------------------------
+// --- JSON ----------------------------------------------------------------------------------------
 
 /// Returns the array of `make(item)` for the items of a list.
 template <class Items, class Make>

@@ -36,8 +36,7 @@ bool shows_color() {
          std::string_view(terminal) != "dumb" && isatty(STDERR_FILENO) == 1;
 }
 
-// --- the progress bar
-// -----------------------------------------------------------------------------
+// --- the progress bar ----------------------------------------------------------------------------
 
 using std::chrono::milliseconds;
 

@@ -112,7 +112,7 @@ std::vector<std::uint32_t> chosen_components(const MsmsOptions& options, const I
   return components;
 }
 
-// ---------------------------------------------------------------------------------- the messages
+// --- the messages --------------------------------------------------------------------------------
 
 std::string input_text(const MsmsOptions& options, const Input& input) {
   const auto [least, greatest] =
@@ -184,7 +184,7 @@ void warn_about_others(const MsmsOptions& options, const MsmsSurface& surface) {
                             outer - 1, outer));
 }
 
-// ------------------------------------------------------------------------------------- the files
+// --- the files -----------------------------------------------------------------------------------
 
 std::filesystem::path directory_of(const std::filesystem::path& path) {
   return path.has_parent_path() ? path.parent_path() : ".";

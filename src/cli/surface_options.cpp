@@ -339,8 +339,7 @@ void add_options(CLI::App& app, Options& options, OutputChoice& choice) {
   add_messages(app, options);
 }
 
-// --- values that depend on each other
-// -------------------------------------------------------------
+// --- values that depend on each other ------------------------------------------------------------
 
 // Returns the first of these options and arguments that is given; null if none is.
 const char* given(const CLI::App& app, const std::vector<const char*>& names) {
@@ -486,12 +485,11 @@ void choose_values(const CLI::App& app, OutputChoice choice, Options& options) {
   }
   choose_maps(options.request.output_directory, choice, options.request.outputs);
   choose_mesh(app, choice, options.request.outputs);
-  if (!has_directory) refuse_files(options.request.outputs);
   check_input(app, options.request.outputs, options.input());
+  if (!has_directory) refuse_files(options.request.outputs);
 }
 
-// --- arguments
-// ------------------------------------------------------------------------------------
+// --- arguments -----------------------------------------------------------------------------------
 
 /// Throws UsageError if the environment variable names an unknown instruction set.
 void require_known_instruction_set() {

@@ -311,14 +311,11 @@ Json parameters_json(const Options& options, const PlannedRun& run) {
 
 // The physical quantities of maps that are not chosen are null.
 Json maps_json(const Outputs& outputs) {
-  Json json{
-      {"solute_dielectric", nullptr}, {"solvent_dielectric", nullptr}, {"ion_radius", nullptr}};
-  if (outputs.dielectric) {
-    json["solute_dielectric"] = outputs.dielectric->solute;
-    json["solvent_dielectric"] = outputs.dielectric->solvent;
-  }
-  if (outputs.ion_access) json["ion_radius"] = outputs.ion_access->ion_radius;
-  return json;
+  const auto& maps = outputs.dielectric;
+  const auto& ions = outputs.ion_access;
+  return {{"solute_dielectric", maps ? Json(maps->solute) : Json()},
+          {"solvent_dielectric", maps ? Json(maps->solvent) : Json()},
+          {"ion_radius", ions ? Json(ions->ion_radius) : Json()}};
 }
 
 /// Returns the free space; null if it is unknown or if there is no such file system.

@@ -27,8 +27,7 @@
 namespace eses::detail::cli {
 namespace {
 
-// --- paths
-// ----------------------------------------------------------------------------------------
+// --- paths ---------------------------------------------------------------------------------------
 
 /// Returns a path that is the same for all paths of a file that need not exist, by the links of its
 /// directory.
@@ -96,8 +95,7 @@ OutputPaths paths_of(const TableOptions& options, std::span<const std::string> t
   return paths;
 }
 
-// --- results
-// --------------------------------------------------------------------------------------
+// --- results -------------------------------------------------------------------------------------
 
 /// Number of results that may wait for the result of an earlier input. It bounds their memory.
 constexpr std::size_t max_waiting = 1000;
@@ -234,20 +232,12 @@ Outcome outcome_of(const TableOptions& options, const TableCommand& command, con
 
 }  // namespace
 
-std::string written_text(const std::filesystem::path& directory,
-                         std::span<const std::string> names) {
-  if (names.empty()) return "";
-  std::vector<std::string> paths;
-  for (const std::string& name : names) paths.push_back(one_line((directory / name).string()));
-  return formatted("written: {}\n", fmt::join(paths, ", "));
-}
-
 TableFiles::TableFiles(const TableOptions& options)
     : TableFiles(options, names_of_tables(options)) {}
 
 // `tables` has the names of the tables of all inputs.
 TableFiles::TableFiles(const TableOptions& options, std::span<const std::string> tables)
-    : run_(paths_of(options, tables)), directory_of_tables_(options.output_directory) {
+    : options_(options), run_(paths_of(options, tables)) {
   const bool has_many = options.inputs.size() > 1;  // the result of a single one is not kept
   if (!options.identity || has_many) log_path_ = log_path(options, !tables.empty());
   if (!tables.empty()) {
@@ -268,19 +258,29 @@ TableFiles::TableFiles(const TableOptions& options, std::span<const std::string>
   if (options.identity && has_many) log_.emplace(log_path_, *options.identity);
 }
 
-void TableFiles::write(std::span<const TableContent> contents) const {
+std::optional<std::string> TableFiles::write(std::size_t input, const AppendTable& append) const {
+  const auto append_to = [&](const TextSink& sink, const Table& table) {
+    BufferedText text(sink);
+    append(table, text);
+    text.flush();
+  };
   std::vector<std::unique_ptr<OutputFile>> files;
-  for (const auto& [name, append] : contents) {
-    OutputFile& file = *files.emplace_back(std::make_unique<OutputFile>(*directory_, name));
-    append(file);
+  for (const Table* const table : options_.written_tables) {
+    OutputFile& file = *files.emplace_back(
+        std::make_unique<OutputFile>(*directory_, options_.name_of_table(input, *table)));
+    append_to([&](std::string_view part) { file.append(part); }, *table);
   }
-  commit_all(files);
+  if (!files.empty()) commit_all(files);
+  if (options_.printed_table == nullptr) return std::nullopt;
+  std::string printed;
+  append_to([&](std::string_view part) { printed += part; }, *options_.printed_table);
+  return printed;
 }
 
 std::uint32_t TableFiles::checksum_of(std::span<const std::string> names) const {
   std::uint32_t sum = 0;
   for (const std::string& name : names) {
-    const std::optional<InputKey> table = key_of_input(directory_of_tables_ / name, 0);
+    const std::optional<InputKey> table = key_of_input(options_.output_directory / name, 0);
     sum = checksum(table ? formatted("{} {};", table->bytes, table->checksum) : "missing;", sum);
   }
   return sum;

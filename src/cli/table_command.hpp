@@ -20,15 +20,8 @@
 
 namespace eses::detail::cli {
 
-/// Returns the line of a report about files in a directory; empty if there are none.
-std::string written_text(const std::filesystem::path& directory,
-                         std::span<const std::string> names);
-
-/// A table of an input, and a function that appends its text to a file.
-struct TableContent {
-  std::string name;
-  std::function<void(OutputFile& file)> append;
-};
+/// Appends a table of an input.
+using AppendTable = std::function<void(const Table& table, BufferedText& text)>;
 
 /// An input whose result is kept with --resume.
 struct ResumedInput {
@@ -40,16 +33,17 @@ struct ResumedInput {
 /// results of --resume.
 class TableFiles {
  public:
-  /// Creates the directories and the file of --csv, and removes tables that killed runs have left.
-  /// Throws Error if a file would replace one that is read, another output file, or something else
-  /// than a regular file.
+  /// Keeps a reference to `options`. Creates the directories and the file of --csv, and removes
+  /// tables that killed runs have left. Throws Error if a file would replace one that is read,
+  /// another output file, or something else than a regular file.
   explicit TableFiles(const TableOptions& options);
 
   /// Throws Interrupted after a signal. Several threads may call it.
   void check() { run_.check(); }
 
-  /// Writes the tables of an input, all or none. Several threads may call it.
-  void write(std::span<const TableContent> contents) const;
+  /// Writes the tables of an input, all or none. Returns the table that is printed in place of the
+  /// report, if there is one. Several threads may call it.
+  std::optional<std::string> write(std::size_t input, const AppendTable& append) const;
 
   /// The file of --csv; null if there is none.
   OutputFile* csv() { return csv_ ? &*csv_ : nullptr; }
@@ -71,8 +65,8 @@ class TableFiles {
   TableFiles(const TableOptions& options, std::span<const std::string> tables);
   std::uint32_t checksum_of(std::span<const std::string> names) const;
 
+  const TableOptions& options_;
   InterruptibleRun run_;
-  std::filesystem::path directory_of_tables_;
   std::string log_path_;        // of the log to write or to remove; empty if there is none
   std::string created_folder_;  // of the file of --csv; empty if it existed
   std::optional<ResultLog> log_;

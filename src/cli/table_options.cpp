@@ -1,5 +1,6 @@
 #include "cli/table_options.hpp"
 
+#include <fmt/ranges.h>
 #include <sys/stat.h>
 
 #include <CLI/CLI.hpp>
@@ -24,7 +25,6 @@
 #include "output/area_formats.hpp"
 #include "output/identity.hpp"
 #include "output/result_log.hpp"
-#include "run/request.hpp"
 #include "system/formatted.hpp"
 #include "system/gzip.hpp"
 
@@ -206,6 +206,13 @@ std::vector<std::string> TableOptions::names_of_tables(std::size_t input) const 
   return names;
 }
 
+std::string TableOptions::written_text(std::size_t input) const {
+  std::vector<std::string> paths;
+  for (const std::string& name : names_of_tables(input))
+    paths.push_back(one_line((output_directory / name).string()));
+  return paths.empty() ? "" : formatted("written: {}\n", fmt::join(paths, ", "));
+}
+
 std::string TableOptions::name_of_input(std::size_t input) const {
   return input_name(inputs[input]) + model_text(*this, input);
 }
@@ -303,19 +310,15 @@ void complete_table_options(const CLI::App& app, TableOptions& options) {
     throw UsageError("--resume needs --csv FILE or --write: results are kept beside these files");
 }
 
-void refuse_other_input(const CLI::App& app, const TableOptions& options,
-                        const std::filesystem::path& path) {
-  const InputFile input{path, options.format};
-  refuse_structure_options(app, input);
-  if (options.all_models) require_models(input);
-}
-
-void check_inputs(TableOptions& options,
-                  const std::function<void(const std::filesystem::path&)>& check) {
-  for (const std::filesystem::path& path : options.inputs) {
+void check_inputs(const CLI::App& app, TableOptions& options,
+                  const std::function<void(const InputFile& input)>& check) {
+  for (const fs::path& path : options.inputs) {
     if (is_missing(path)) continue;
+    const InputFile input{path, options.format};
     try {
-      check(path);
+      refuse_structure_options(app, input);
+      if (options.all_models) require_models(input);
+      check(input);
     } catch (const UsageError& error) {
       if (std::ranges::find(options.choice.paths, path) != options.choice.paths.end()) throw;
       options.refusals.emplace(path, error.what());

@@ -18,6 +18,7 @@
 #include "eses/surface.hpp"
 #include "input/radii_set.hpp"
 #include "output/measure_tables.hpp"
+#include "run/request.hpp"
 
 namespace eses::detail::cli {
 
@@ -101,6 +102,9 @@ struct TableOptions {
   /// Returns the names of the tables of an input; none if it cannot be measured with the options.
   std::vector<std::string> names_of_tables(std::size_t input) const;
 
+  /// Returns the line of a report about the written tables of an input; empty if there are none.
+  std::string written_text(std::size_t input) const;
+
   /// Returns the name of an input, with ` (model N)` if each model is measured, for messages.
   std::string name_of_input(std::size_t input) const;
 
@@ -127,15 +131,11 @@ void add_last_options(CLI::App& app, TableOptions& options, const std::string& c
 /// exclude each other, and the errors of InputChoice::files and find_radii_set.
 void complete_table_options(const CLI::App& app, TableOptions& options);
 
-/// Throws UsageError if the options of PDB and mmCIF files are given with another file.
-void refuse_other_input(const CLI::App& app, const TableOptions& options,
-                        const std::filesystem::path& path);
-
-/// Calls `check` with each input that exists. A UsageError goes on to the caller if the command
-/// line names the file. Otherwise its message is kept in `refusals`, so that the other files are
-/// measured.
-void check_inputs(TableOptions& options,
-                  const std::function<void(const std::filesystem::path&)>& check);
+/// Compares the options with the format of each input that exists, and calls `check` with it. A
+/// UsageError goes on to the caller if the command line names the file. Otherwise its message is
+/// kept in `refusals`, so that the other files are measured.
+void check_inputs(const CLI::App& app, TableOptions& options,
+                  const std::function<void(const InputFile& input)>& check);
 
 /// With `--model all`, replaces each input by its models. Files that cannot be read stay, so that
 /// they are reported with the others.

@@ -63,6 +63,10 @@ constexpr std::array other_formats{
                 "it has no coordinates; with GROMACS use `gmx editconf -f FILE.gro -o FILE.pdb`, "
                 "with Amber `ambpdb -p FILE -c FILE.inpcrd -pqr > FILE.pqr`"},
     OtherFormat{"mmJSON", ".json", "convert it with `gemmi convert FILE FILE.cif`"},
+    OtherFormat{"PDBML", ".xml", "get the entry as .cif or .cif.gz, which are read directly"},
+    OtherFormat{"residue area (NACCESS or FreeSASA)", ".rsa",
+                "it has areas and no coordinates; pass the PDB or mmCIF file from which it was "
+                "made, and print such a table with `eses-blocks measure FILE.pdb --table rsa`"},
     OtherFormat{"MMTF", ".mmtf",
                 "convert it with `pymol -cq FILE -d 'save FILE.cif'`, or get the entry as .cif"},
     OtherFormat{"BinaryCIF", ".bcif",
@@ -106,9 +110,8 @@ constexpr std::array magics{
     Magic{0, {"CDF\2", 4}, ".nc"},         Magic{0, {"\x89HDF\r\n", 6}, ".h5"},
 };
 
-// Maximum distance from the start of a MessagePack map at which these formats have their first
-// keys.
-constexpr std::size_t message_pack_head = 512;  // bytes
+// Maximum distance from the start of a text at which XML and MessagePack have their first keys.
+constexpr std::size_t head_bytes = 512;
 
 /// Returns a suffix of the format that the start of a text has; empty if it is none of these.
 std::string_view suffix_by_content(std::string_view text) {
@@ -118,7 +121,9 @@ std::string_view suffix_by_content(std::string_view text) {
   const std::string_view line = first_line(text);
   if (line.starts_with("@<TRIPOS>")) return ".mol2";
   if (line.starts_with("{")) return ".json";
-  const std::string_view head = text.substr(0, message_pack_head);
+  const std::string_view head = text.substr(0, head_bytes);
+  if (line.starts_with("REM ") && head.find("\nREM RES ") != head.npos) return ".rsa";
+  if (line.starts_with("<") && head.find("PDBx:datablock") != head.npos) return ".xml";
   const bool is_map = !text.empty() && static_cast<unsigned char>(text.front()) >= 0x80;
   if (is_map && head.find("mmtfVersion") != head.npos) return ".mmtf";
   if (is_map && (head.find("dataBlocks") != head.npos || head.find("encoder") != head.npos))

@@ -316,8 +316,9 @@ RadiiSet find_radii_set(const std::string& name_or_file) {
     const std::string_view meant =
         word == with_ions.substr(1) ? known.at(names.size()) : closest_name(word, known);
     throw Error(
-        formatted("radii: expected {} or {}, or a file in FreeSASA's configuration format: {}{}",
-                  fmt::join(all_but_last, ", "), names.back(), error.what(),
+        formatted("radii: expected {}, one of them with {}, {}, or a file in FreeSASA's "
+                  "configuration format: {}{}",
+                  fmt::join(all_but_last, ", "), with_ions, names.back(), error.what(),
                   meant.empty() ? "" : formatted("; did you mean {}?", meant)));
   }
 }

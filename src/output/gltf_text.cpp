@@ -4,10 +4,10 @@
 #include <cmath>
 #include <cstring>
 
-#include "eses/error.hpp"
 #include "output/text_buffer.hpp"
 #include "system/bytes_text.hpp"
 #include "system/formatted.hpp"
+#include "system/hints.hpp"
 
 namespace eses::detail::mesh {
 namespace {
@@ -114,9 +114,11 @@ std::string gltf_header(const MeshCounts& counts, bool has_colors, Vec3 center,
 void require_gltf_size(const MeshCounts& counts, bool has_colors) {
   const std::uint64_t bytes = header_bytes + data_bytes(counts, has_colors);
   if (bytes > std::numeric_limits<std::uint32_t>::max())
-    throw Error(formatted(
-        "the mesh needs {}, but a .glb file has at most 4 GiB; use .ply, or a larger spacing",
-        bytes_text(bytes)));
+    throw HintedError(
+        formatted("the mesh needs {}, but a .glb file has at most 4 GiB; use .ply, or a larger "
+                  "spacing",
+                  bytes_text(bytes)),
+        {"spacing"});
 }
 
 char* put_gltf_vertex(char* out, Vec3 position, Vec3 normal, Vec3 center) {

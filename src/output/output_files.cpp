@@ -139,7 +139,7 @@ void require_different(std::span<const FilePath> paths) {
 // Throws Error with what a user can do. The command line adds the hints at the end of the message.
 [[noreturn]] void refuse(const DiskSpace& space, const FileSizes& sizes, const Outputs& outputs) {
   std::string advice = "use a larger spacing";
-  std::vector<std::string> hints;
+  std::vector<std::string> hints{"spacing"};
   if (outputs.dielectric && !outputs.gzip) {
     advice += " or compress the files";
     hints.emplace_back("gzip");

@@ -186,12 +186,19 @@ std::string fixed_choices(const Parameters& p) {
 [[noreturn]] void refuse_memory(const GridRegion& region, const Parameters& p, double smallest,
                                 std::uint64_t available) {
   std::string advice = "use a larger spacing";
-  if (p.block_size > 0) advice += " or a smaller block size";
-  if (p.threads > 1) advice += " or fewer threads";
+  std::vector<std::string> hints{"spacing"};
+  if (p.block_size > 0) {
+    advice += " or a smaller block size";
+    hints.emplace_back("block_size");
+  }
+  if (p.threads > 1) {
+    advice += " or fewer threads";
+    hints.emplace_back("threads");
+  }
   throw GridTooLarge(formatted("{:.3g} grid points{} need up to {} of memory, but {} are available",
                                static_cast<double>(region.point_count()), fixed_choices(p),
                                bytes_text(whole_bytes(smallest)), bytes_text(available)),
-                     advice);
+                     advice, std::move(hints));
 }
 
 // Returns the typical size in bytes of a vertex and its two triangles in a chunk.

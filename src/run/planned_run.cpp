@@ -174,14 +174,18 @@ Slab make_slab(std::span<const Atom> atoms, std::span<const GroupNumbers> groups
   return slab;
 }
 
+// Throws Error if there are more parts than planes, before anything is written.
+void require_enough_planes(const std::optional<Share>& part, const Plan& plan) {
+  if (part && part->count > plan.planes().count())
+    throw HintedError(formatted("{} parts are too many for {} grid planes along z; use fewer parts",
+                                part->count, plan.planes().count()),
+                      {"part"});
+}
+
 // Returns the planes of this process. The planes of parts do not depend on the chunks that happen
 // to be complete.
 PlaneRange planes_of_share(std::span<const Atom> atoms, const Request& request, const Share& share,
                            const Plan& plan, std::span<const PlaneRange> finished) {
-  if (request.part && share.count > plan.planes().count())
-    throw HintedError(formatted("{} parts are too many for {} grid planes along z; use fewer parts",
-                                share.count, plan.planes().count()),
-                      {"part"});
   const std::span<const PlaneRange> free = request.part ? std::span<const PlaneRange>() : finished;
   const std::vector<PlaneRange> slabs = cut_into_slabs(atoms, plan, free, share.count);
   return range_around(remaining(slabs[static_cast<std::size_t>(share.index)], finished));
@@ -314,8 +318,11 @@ PlannedRun plan_run(Request request, const Processes& processes) {
   const auto* const file = std::get_if<InputFile>(&request.atoms);
 
   InputAtoms all = take_input(request, share, processes);
-  const Plan plan =
-      processes.all_or_throw([&] { return plan_grid(sphere_bounds(all.atoms()), parameters); });
+  const Plan plan = processes.all_or_throw([&] {
+    const Plan of_atoms = plan_grid(sphere_bounds(all.atoms()), parameters);
+    require_enough_planes(request.part, of_atoms);
+    return of_atoms;
+  });
   OpenCheckpoint opened = open_checkpoint(all, request, plan, processes);
   Slab slab =
       processes.all_or_throw([&] { return take_slab(all, request, share, plan, opened.finished); });

@@ -37,11 +37,12 @@ class HintedArgument : public std::invalid_argument, public Hints {
 };
 
 /// A grid needs more memory than there is.
-class GridTooLarge : public MemoryLimitError {
+class GridTooLarge : public MemoryLimitError, public Hints {
  public:
   /// `need` states the required and the available memory, `advice` the options to change.
-  GridTooLarge(const std::string& need, const std::string& advice)
-      : MemoryLimitError(need + "; " + advice), need_(need) {}
+  GridTooLarge(const std::string& need, const std::string& advice,
+               std::vector<std::string> hints = {})
+      : MemoryLimitError(need + "; " + advice), Hints(std::move(hints)), need_(need) {}
   const std::string& need() const { return need_; }
 
  private:

@@ -52,6 +52,9 @@ TEST_CASE("a dry run refuses what the run would refuse", "[cli]") {
     CHECK(outcome.out.empty());
     CHECK(outcome.err.rfind("eses-blocks: error: ", 0) == 0);
   }
+  CHECK(contains(sandbox.run({"pair.xyzr", "1.4", "0.0005", "--dry-run"}).err,
+                 "use a larger spacing or leave out grid_info.txt (--spacing, --write "
+                 "edges,areas)"));
 }
 
 TEST_CASE("a memory limit is kept, or refused with the smallest sufficient one", "[cli]") {

@@ -367,7 +367,8 @@ TEST_CASE("radii: a name or a file is accepted, and other text refused", "[struc
   StructureOptions options;
   options.radii = "bondy";
   CHECK(contains(pdb_error(text, options),
-                 "radii: expected protor, bondi, msms, naccess, oons or occupancy, or a file"));
+                 "radii: expected protor, bondi, msms, naccess, oons, one of them with +shannon, "
+                 "occupancy, or a file"));
   CHECK(pdb_error(text, options).ends_with("; did you mean bondi?"));
   options.radii = "OOSN";
   CHECK(pdb_error(text, options).ends_with("; did you mean oons?"));
@@ -375,7 +376,8 @@ TEST_CASE("radii: a name or a file is accepted, and other text refused", "[struc
   CHECK_FALSE(contains(pdb_error(text, options), "did you mean"));
   options.radii = std::string(300, 'A');  // longer than the name of a file can be
   CHECK(contains(pdb_error(text, options),
-                 "radii: expected protor, bondi, msms, naccess, oons or occupancy, or a file"));
+                 "radii: expected protor, bondi, msms, naccess, oons, one of them with +shannon, "
+                 "occupancy, or a file"));
   const TemporaryDirectory directory;
   const fs::path file = directory.path() / "my.config";
   std::ofstream(file) << "types:\nT 3.5 apolar\natoms:\nANY CA T\n";

@@ -202,7 +202,7 @@ TEST_CASE("formats that are not read are refused with a command that converts th
   CHECK(contains(by_suffix("a.h5"), "HDF5"));
   CHECK(contains(by_suffix("a.h5md"), "mdconvert"));
   for (const std::string name : {"a.xyz", "a.pdbqt", "a.dcd", "a.trr", "a.psf", "a.mmtf", "a.bcif",
-                                 "a.mol", "a.crd", "a.mae"})
+                                 "a.mol", "a.crd", "a.mae", "a.rsa", "a.xml.gz"})
     CHECK(contains(by_suffix(name), "files are not read"));
   for (const std::string name : {"a", "a.xyzr", "a.pqr", "a.pdb", "a.cif", "a.txt", "-"})
     CHECK(by_suffix(name).empty());
@@ -236,6 +236,10 @@ TEST_CASE("formats that are not read are refused with a command that converts th
   CHECK(contains(by_content("CDF\1\0\0"), "Amber NetCDF"));
   CHECK(contains(by_content("CDF\2\0\0"), "Amber NetCDF"));
   CHECK(contains(by_content("\x89HDF\r\n\x1a\n"), "HDF5"));
+  CHECK(contains(by_content("<?xml version=\"1.0\"?>\n<PDBx:datablock datablockName=\"1CRN\">\n"),
+                 "PDBML"));
+  CHECK(contains(by_content("REM  FreeSASA 2.1.2\nREM  Chains: A\nREM RES _ NUM      All-atoms\n"),
+                 "residue area (NACCESS or FreeSASA) files are not read; it has areas"));
   CHECK(contains(by_content("\xde\x01\xabmmtfVersion\xa3"), "MMTF"));
   CHECK(contains(by_content("\x83\xa7"
                             "encoder\xa3"),

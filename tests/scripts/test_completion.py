@@ -287,6 +287,11 @@ class Fish(TestCase):
         self.assertEqual(self.complete(f"{PROGRAM.name} --write grid,a"), {"grid,all", "grid,areas", "grid,atoms"})
         self.assertEqual(self.complete(f"{PROGRAM.name} measure --surface sas,v"), {"sas,vdw"})
         self.assertEqual(self.complete(f"{PROGRAM.name} msms -surface "), {"tses", "ases"})
+        self.assertEqual(self.complete(f"{PROGRAM.name} measure --write=res,atoms,r"),
+                         {"--write=res,atoms,residues", "--write=res,atoms,rsa"})
+        self.assertEqual(self.complete(f"{PROGRAM.name} measure --table=r"),
+                         {"--table=residues", "--table=rsa", "--table=res"})
+        self.assertEqual(self.complete("eses-view a.ply --atoms=st"), {"--atoms=sticks"})
         self.assertEqual(self.complete("eses-view a.ply --atoms "), {"none", "sticks", "balls", "spheres"})
 
 
