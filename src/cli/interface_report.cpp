@@ -54,15 +54,6 @@ std::vector<BuriedResidue> residues_of(const InterfaceOptions& options, const In
   return found;
 }
 
-/// Returns the residues of a part.
-std::vector<BuriedResidue> residues_of_part(const std::vector<BuriedResidue>& residues,
-                                            std::uint32_t part) {
-  std::vector<BuriedResidue> found;
-  for (const BuriedResidue& residue : residues)
-    if (residue.part == part) found.push_back(residue);
-  return found;
-}
-
 /// Returns the SAS interface area of polar or apolar atoms.
 double area_of(const InterfaceFile& file, const NamedInterface& interface, bool is_polar) {
   double lost = 0;
@@ -77,13 +68,20 @@ std::size_t atoms_that_lose(const NamedInterface& interface) {
       interface.areas.atoms, [](const BuriedAtom& buried) { return buried.sas > 0; }));
 }
 
+/// Returns the number of residues of a part.
+std::ptrdiff_t count_of(const std::vector<BuriedResidue>& residues, std::uint32_t part) {
+  return std::ranges::count(residues, part, &BuriedResidue::part);
+}
+
 /// Returns the residues of a side in lines that fit a terminal.
-std::string side_text(std::string_view name, const std::vector<BuriedResidue>& residues) {
+std::string side_text(std::string_view name, const std::vector<BuriedResidue>& residues,
+                      std::uint32_t part) {
   constexpr std::size_t max_columns = 96;
   std::string text,
-      line = formatted("  {}: {}", shown_name(name), counted(residues.size(), "residue"));
+      line = formatted("  {}: {}", shown_name(name), counted(count_of(residues, part), "residue"));
   std::string_view separator = ": ";
   for (const BuriedResidue& residue : residues) {
+    if (residue.part != part) continue;
     const std::string item =
         formatted("{} {:.1f}", one_line(residue_name(residue.label)), residue.sas);
     line += separator;
@@ -131,9 +129,6 @@ Json interface_record(const InterfaceOptions& options, const InterfaceFile& file
                       const NamedInterface& interface) {
   const BuriedArea &sas = interface.areas.sas, &ses = interface.areas.ses;
   const std::vector<BuriedResidue> residues = residues_of(options, file, interface);
-  const auto count = [&](std::uint32_t part) {
-    return std::ranges::count(residues, part, &BuriedResidue::part);
-  };
   return {{"first", interface.first},
           {"second", interface.second},
           {"sas_interface_area", sas.interface_area()},
@@ -144,8 +139,8 @@ Json interface_record(const InterfaceOptions& options, const InterfaceFile& file
           {"ses_interface_area", ses.interface_area()},
           {"ses_lost_by_first", ses.first},
           {"ses_lost_by_second", ses.second},
-          {"residues_of_first", count(interface.areas.first)},
-          {"residues_of_second", count(interface.areas.second)},
+          {"residues_of_first", count_of(residues, interface.areas.first)},
+          {"residues_of_second", count_of(residues, interface.areas.second)},
           {"atoms", atoms_that_lose(interface)},
           {"sas_of_first_alone", sas.first_alone},
           {"sas_of_second_alone", sas.second_alone}};
@@ -211,9 +206,11 @@ void append_atoms(const Table& table, const InterfaceFile& file, BufferedText& t
   table.append(atoms, text);
 }
 
-Json side_json(const std::string& name, const std::vector<BuriedResidue>& residues) {
+Json side_json(const std::string& name, const std::vector<BuriedResidue>& residues,
+               std::uint32_t part) {
   Json side{{"name", name}, {"residues", Json::array()}};
-  for (const BuriedResidue& residue : residues) side["residues"].push_back(residue_record(residue));
+  for (const BuriedResidue& residue : residues)
+    if (residue.part == part) side["residues"].push_back(residue_record(residue));
   return side;
 }
 
@@ -268,8 +265,8 @@ std::string interface_text(const InterfaceOptions& options, const InterfaceFile&
                       area_of(file, interface, false));
     text += lost_line("SAS", areas.sas, interface) + lost_line("SES", areas.ses, interface);
     const std::vector<BuriedResidue> residues = residues_of(options, file, interface);
-    text += side_text(interface.first, residues_of_part(residues, areas.first)) +
-            side_text(interface.second, residues_of_part(residues, areas.second));
+    text += side_text(interface.first, residues, areas.first) +
+            side_text(interface.second, residues, areas.second);
   }
   return text;
 }
@@ -279,16 +276,14 @@ std::string interface_json(const InterfaceOptions& options, const InterfaceFile&
   object["interfaces"] = Json::array();
   for (const NamedInterface& interface : file.interfaces) {
     const std::vector<BuriedResidue> residues = residues_of(options, file, interface);
-    const auto side = [&](const std::string& name, std::uint32_t part) {
-      return side_json(name, residues_of_part(residues, part));
-    };
-    object["interfaces"].push_back({{"first", side(interface.first, interface.areas.first)},
-                                    {"second", side(interface.second, interface.areas.second)},
-                                    {"sas", interface.areas.sas},
-                                    {"sas_polar", area_of(file, interface, true)},
-                                    {"sas_apolar", area_of(file, interface, false)},
-                                    {"ses", interface.areas.ses},
-                                    {"atoms", atoms_that_lose(interface)}});
+    object["interfaces"].push_back(
+        {{"first", side_json(interface.first, residues, interface.areas.first)},
+         {"second", side_json(interface.second, residues, interface.areas.second)},
+         {"sas", interface.areas.sas},
+         {"sas_polar", area_of(file, interface, true)},
+         {"sas_apolar", area_of(file, interface, false)},
+         {"ses", interface.areas.ses},
+         {"atoms", atoms_that_lose(interface)}});
   }
   add_last_members(object, file.input);
   return text_of(object) + "\n";

@@ -1,6 +1,6 @@
 #pragma once
-/// Values of the options of the surface command. Each function returns nothing if a text has
-/// another format.
+/// Texts of options as values: numbers, positions, boxes, parts of a grid and lists of files. Each
+/// function that parses a text returns nothing if it has another format.
 
 #include <array>
 #include <cstddef>

@@ -221,26 +221,20 @@ Outcome measured(const TableOptions& options, const TableCommand& command, const
 /// Returns the outcome that an earlier run has kept, or measures the input.
 Outcome outcome_of(const TableOptions& options, const TableCommand& command, const InputRun& run,
                    TableFiles& files) {
-  const std::vector<std::string> names = options.names_of_tables(run.input);
-  const ResumedInput resumed =
-      files.resume(options.inputs[run.input], options.model_of(run.input), names);
+  const ResumedInput resumed = files.resume(run.input);
   if (resumed.result) return {resumed.result->printed, resumed.result->rows};
   Outcome outcome = measured(options, command, run);
-  if (outcome.errors.empty()) files.keep(resumed, names, {outcome.text, outcome.rows});
+  if (outcome.errors.empty()) files.keep(run.input, resumed, {outcome.text, outcome.rows});
   return outcome;
 }
 
 }  // namespace
 
 TableFiles::TableFiles(const TableOptions& options)
-    : TableFiles(options, names_of_tables(options)) {}
-
-// `tables` has the names of the tables of all inputs.
-TableFiles::TableFiles(const TableOptions& options, std::span<const std::string> tables)
-    : options_(options), run_(paths_of(options, tables)) {
+    : options_(options), tables_(names_of_tables(options)), run_(paths_of(options, tables_)) {
   const bool has_many = options.inputs.size() > 1;  // the result of a single one is not kept
-  if (!options.identity || has_many) log_path_ = log_path(options, !tables.empty());
-  if (!tables.empty()) {
+  if (!options.identity || has_many) log_path_ = log_path(options, !tables_.empty());
+  if (!tables_.empty()) {
     directory_.emplace(options.output_directory);
     run_.hold_locks();
     directory_->remove_abandoned([&](std::string_view name) {
@@ -277,50 +271,49 @@ std::optional<std::string> TableFiles::write(std::size_t input, const AppendTabl
   return printed;
 }
 
-std::uint32_t TableFiles::checksum_of(std::span<const std::string> names) const {
+std::uint32_t TableFiles::checksum_of_tables(std::size_t input) const {
   std::uint32_t sum = 0;
-  for (const std::string& name : names) {
+  for (const std::string& name : options_.names_of_tables(input)) {
     const std::optional<InputKey> table = key_of_input(options_.output_directory / name, 0);
     sum = checksum(table ? formatted("{} {};", table->bytes, table->checksum) : "missing;", sum);
   }
   return sum;
 }
 
-ResumedInput TableFiles::resume(const std::filesystem::path& input, int model,
-                                std::span<const std::string> names) {
+ResumedInput TableFiles::resume(std::size_t input) {
   if (!log_) return {};
-  ResumedInput resumed{.key = key_of_input(input, model), .result = {}};
+  ResumedInput resumed{.key = key_of_input(options_.inputs[input], options_.model_of(input)),
+                       .result = {}};
   if (!resumed.key) return resumed;
-  resumed.key->tables = checksum_of(names);
+  resumed.key->tables = checksum_of_tables(input);
   resumed.result = log_->find(*resumed.key);
   if (resumed.result) ++resumed_count_;
   return resumed;
 }
 
-void TableFiles::keep(const ResumedInput& input, std::span<const std::string> names,
-                      const InputResult& result) {
-  if (!input.key) return;
-  InputKey key = *input.key;
-  key.tables = checksum_of(names);
+void TableFiles::keep(std::size_t input, const ResumedInput& resumed, const InputResult& result) {
+  if (!resumed.key) return;
+  InputKey key = *resumed.key;
+  key.tables = checksum_of_tables(input);
   log_->add(key, result);
 }
 
-void TableFiles::finish(bool has_errors, bool is_quiet) {
+void TableFiles::finish(bool has_errors) {
+  const auto note = [this](const std::string& text) {
+    if (!options_.quiet) print_message("note", text);
+  };
   if (csv_) {
     csv_->close();
     csv_->commit();
   }
-  if (!created_folder_.empty() && !is_quiet)
-    print_message("note", formatted("created the directory {} of --csv", created_folder_));
-  if (log_ && resumed_count_ > 0 && !is_quiet)
-    print_message("note",
-                  formatted("{} of an earlier run kept", counted(resumed_count_.load(), "result")));
-  if (log_ && has_errors) {
-    if (!is_quiet)
-      print_message("note", "run the same command again to measure only the files that failed");
-  } else if (!log_path_.empty()) {
+  if (!created_folder_.empty())
+    note(formatted("created the directory {} of --csv", created_folder_));
+  if (log_ && resumed_count_ > 0)
+    note(formatted("{} of an earlier run kept", counted(resumed_count_.load(), "result")));
+  if (log_ && has_errors)
+    note("run the same command again to measure only the files that failed");
+  else if (!log_path_.empty())
     remove_result_log(log_path_);
-  }
 }
 
 int run_table_command(const TableOptions& options, const TableCommand& command) {
@@ -347,7 +340,7 @@ int run_table_command(const TableOptions& options, const TableCommand& command) 
                       outcome_of(options, command, {input, atom_threads, check, files}, files));
       },
       &reporter.monitor());
-  files.finish(reporter.has_errors(), options.quiet);
+  files.finish(reporter.has_errors());
   return reporter.has_errors() ? exit_failure : exit_done;
 }
 

@@ -4,10 +4,8 @@
 
 #include <atomic>
 #include <cstddef>
-#include <filesystem>
 #include <functional>
 #include <optional>
-#include <span>
 #include <string>
 #include <vector>
 
@@ -48,24 +46,23 @@ class TableFiles {
   /// The file of --csv; null if there is none.
   OutputFile* csv() { return csv_ ? &*csv_ : nullptr; }
 
-  /// Looks for the result of an input with the tables `names`. Several threads may call it.
-  ResumedInput resume(const std::filesystem::path& input, int model,
-                      std::span<const std::string> names);
+  /// Looks for the result of an input. Several threads may call it.
+  ResumedInput resume(std::size_t input);
 
-  /// Keeps the result of an input whose tables have been written. Several threads may call it.
-  void keep(const ResumedInput& input, std::span<const std::string> names,
-            const InputResult& result);
+  /// Keeps the result of an input whose tables have been written. `resumed` is that of resume().
+  /// Several threads may call it.
+  void keep(std::size_t input, const ResumedInput& resumed, const InputResult& result);
 
   /// Completes the file of --csv. Removes the log of results, unless files could not be measured
   /// and the same command can try them again, or a single input was measured with --resume. Prints
-  /// notes about that, unless `is_quiet`.
-  void finish(bool has_errors, bool is_quiet);
+  /// notes about that, except with --quiet.
+  void finish(bool has_errors);
 
  private:
-  TableFiles(const TableOptions& options, std::span<const std::string> tables);
-  std::uint32_t checksum_of(std::span<const std::string> names) const;
+  std::uint32_t checksum_of_tables(std::size_t input) const;
 
   const TableOptions& options_;
+  const std::vector<std::string> tables_;  // names of the tables of all inputs
   InterruptibleRun run_;
   std::string log_path_;        // of the log to write or to remove; empty if there is none
   std::string created_folder_;  // of the file of --csv; empty if it existed

@@ -64,9 +64,9 @@ constexpr std::array other_formats{
                 "with Amber `ambpdb -p FILE -c FILE.inpcrd -pqr > FILE.pqr`"},
     OtherFormat{"mmJSON", ".json", "convert it with `gemmi convert FILE FILE.cif`"},
     OtherFormat{"PDBML", ".xml", "get the entry as .cif or .cif.gz, which are read directly"},
-    OtherFormat{"residue area (NACCESS or FreeSASA)", ".rsa",
-                "it has areas and no coordinates; pass the PDB or mmCIF file from which it was "
-                "made, and print such a table with `eses-blocks measure FILE.pdb --table rsa`"},
+    OtherFormat{"NACCESS or FreeSASA area", ".rsa",
+                "it has no coordinates; pass the PDB or mmCIF file from which it was made, as in "
+                "`eses-blocks measure FILE.pdb --table rsa`"},
     OtherFormat{"MMTF", ".mmtf",
                 "convert it with `pymol -cq FILE -d 'save FILE.cif'`, or get the entry as .cif"},
     OtherFormat{"BinaryCIF", ".bcif",

@@ -239,7 +239,7 @@ TEST_CASE("formats that are not read are refused with a command that converts th
   CHECK(contains(by_content("<?xml version=\"1.0\"?>\n<PDBx:datablock datablockName=\"1CRN\">\n"),
                  "PDBML"));
   CHECK(contains(by_content("REM  FreeSASA 2.1.2\nREM  Chains: A\nREM RES _ NUM      All-atoms\n"),
-                 "residue area (NACCESS or FreeSASA) files are not read; it has areas"));
+                 "NACCESS or FreeSASA area files are not read; it has no coordinates"));
   CHECK(contains(by_content("\xde\x01\xabmmtfVersion\xa3"), "MMTF"));
   CHECK(contains(by_content("\x83\xa7"
                             "encoder\xa3"),
