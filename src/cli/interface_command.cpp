@@ -1,10 +1,10 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
-#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <limits>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -132,7 +132,7 @@ void refuse_third_side(const InterfaceOptions& options) {
           sides[0].text, sides[1].text, path.string()));
 }
 
-InterfaceOptions parse_arguments(const Arguments& arguments) {
+InterfaceOptions parse_interface_arguments(const Arguments& arguments) {
   CLI::App app("Areas that the parts of a complex bury of each other, in closed form.",
                "eses-blocks interface");
   InterfaceOptions options;
@@ -246,7 +246,7 @@ std::string heading_of(const InterfaceOptions& options) {
 
 int perform_interface(const Arguments& arguments) {
   end_on_signals();
-  InterfaceOptions options = parse_arguments(arguments);
+  InterfaceOptions options = parse_interface_arguments(arguments);
   require_standard_output();
   expand_models(options);
   return run_table_command(options, {.heading = heading_of(options),

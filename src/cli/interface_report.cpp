@@ -3,12 +3,10 @@
 #include <algorithm>
 #include <cstddef>
 #include <set>
-#include <span>
 
 #include "cli/json.hpp"
 #include "cli/messages.hpp"
 #include "input/residue_runs.hpp"
-#include "input/text_source.hpp"
 #include "output/measure_tables.hpp"
 #include "output/text_buffer.hpp"
 #include "system/formatted.hpp"

@@ -1,11 +1,9 @@
 #include <array>
 #include <cstddef>
-#include <functional>
 #include <optional>
 #include <set>
 #include <span>
 #include <string>
-#include <string_view>
 #include <type_traits>
 #include <utility>
 #include <vector>

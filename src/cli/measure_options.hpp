@@ -10,7 +10,6 @@
 #include "cli/complex_parts.hpp"
 #include "cli/table_options.hpp"
 #include "eses/pockets.hpp"
-#include "eses/surface.hpp"
 
 namespace eses::detail::cli {
 

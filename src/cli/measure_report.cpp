@@ -13,7 +13,6 @@
 #include "eses/radii.hpp"
 #include "input/atom_names.hpp"
 #include "input/text_fields.hpp"
-#include "input/text_source.hpp"
 #include "system/formatted.hpp"
 
 namespace eses::detail::cli {

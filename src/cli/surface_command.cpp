@@ -293,7 +293,7 @@ int perform_part(const Options& options, const Processes& processes) {
 
 int perform_surface(const Arguments& arguments, const Processes& processes) {
   end_on_signals();
-  const Options given = parse_arguments(arguments);
+  const Options given = parse_surface_arguments(arguments);
   refuse_same_files(given, processes);
   if (given.request.parameters.exact && processes.count() > 1)
     throw UsageError(

@@ -555,7 +555,7 @@ std::optional<Grid> chosen_grid(const Options& options) {
   return grid;
 }
 
-Options parse_arguments(const Arguments& arguments) {
+Options parse_surface_arguments(const Arguments& arguments) {
   CLI::App app(
       "Solvent excluded surface of a molecule on a grid, computed block by block.\n"
       "Four files of ESES, often tens of MB, go to the current directory; -o DIR chooses\n"

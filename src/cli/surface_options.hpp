@@ -47,6 +47,6 @@ bool asks_to_be_independent(std::span<const std::string> arguments);
 std::optional<Grid> chosen_grid(const Options& options);
 
 /// Parses the arguments of the program. Throws UsageError and Notice.
-Options parse_arguments(const Arguments& arguments);
+Options parse_surface_arguments(const Arguments& arguments);
 
 }  // namespace eses::detail::cli
