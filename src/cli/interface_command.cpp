@@ -22,7 +22,7 @@
 #include "eses/read_atoms.hpp"
 #include "input/read_input.hpp"
 #include "output/area_formats.hpp"
-#include "output/area_table_writer.hpp"
+#include "output/area_tables.hpp"
 #include "system/formatted.hpp"
 
 namespace eses::detail::cli {

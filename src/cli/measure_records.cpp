@@ -15,7 +15,7 @@
 #include "cli/measure_report.hpp"
 #include "cli/messages.hpp"
 #include "cli/shared_report.hpp"
-#include "output/area_table_writer.hpp"
+#include "output/area_tables.hpp"
 #include "system/formatted.hpp"
 
 // The results of a file as JSON, as a line of several files, and as rows of tables. Indices are

@@ -14,7 +14,7 @@
 #include "eses/pockets.hpp"
 #include "eses/read_atoms.hpp"
 #include "eses/surface.hpp"
-#include "output/measure_tables.hpp"
+#include "output/area_tables.hpp"
 
 namespace eses::detail::cli {
 

@@ -21,7 +21,7 @@
 #include "input/advice.hpp"
 #include "input/grid_reader.hpp"
 #include "output/file_path.hpp"
-#include "output/map_writer.hpp"
+#include "output/grid_map.hpp"
 #include "output/mesh_format.hpp"
 #include "output/output_files.hpp"
 #include "system/dispatch.hpp"

@@ -20,7 +20,7 @@
 #include "cli/json.hpp"
 #include "cli/messages.hpp"
 #include "eses/error.hpp"
-#include "output/area_table_writer.hpp"
+#include "output/area_tables.hpp"
 #include "output/file_path.hpp"
 #include "system/formatted.hpp"
 #include "system/gzip.hpp"

@@ -17,7 +17,7 @@
 #include "eses/read_atoms.hpp"
 #include "eses/surface.hpp"
 #include "input/radii_set.hpp"
-#include "output/measure_tables.hpp"
+#include "output/area_tables.hpp"
 #include "run/request.hpp"
 
 namespace eses::detail::cli {
