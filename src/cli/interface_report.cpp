@@ -6,7 +6,7 @@
 
 #include "cli/json.hpp"
 #include "cli/messages.hpp"
-#include "input/residue_runs.hpp"
+#include "input/atom_names.hpp"
 #include "output/area_tables.hpp"
 #include "output/text_buffer.hpp"
 #include "system/formatted.hpp"

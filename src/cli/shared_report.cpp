@@ -10,8 +10,6 @@
 
 #include "cli/command.hpp"
 #include "cli/messages.hpp"
-#include "eses/far_atoms.hpp"
-#include "eses/grid.hpp"
 #include "input/text_fields.hpp"
 #include "input/text_source.hpp"
 #include "output/area_tables.hpp"
@@ -253,14 +251,11 @@ DiagnosticText describe(FarAtomsWarning far, const Surface& surface, const FileI
 std::optional<DiagnosticText> far_atoms_of(const Surface& surface, const FileIndices& in_file,
                                            std::span<const std::uint64_t> lines,
                                            const std::filesystem::path& input) {
-  const std::optional<FarAtoms> far = find_far_atoms(surface, GridOptions());
-  if (!far || far->atoms.empty()) return std::nullopt;
-  // More atoms are copies of a molecule, and no mistake. The first far atom needs no others.
-  constexpr std::size_t atoms_per_far_atom = 10;
-  if ((far->atoms.size() - 1) * atoms_per_far_atom > surface.atoms().size()) return std::nullopt;
-  FarAtomsWarning warning{.message = {}, .count = far->atoms.size(), .examples = {}};
+  const std::vector<AtomIndex> strays = find_stray_atoms(surface);
+  if (strays.empty()) return std::nullopt;
+  FarAtomsWarning warning{.message = {}, .count = strays.size(), .examples = {}};
   for (const AtomIndex atom :
-       std::span(far->atoms).first(std::min(far->atoms.size(), Diagnostic::max_examples)))
+       std::span(strays).first(std::min(strays.size(), Diagnostic::max_examples)))
     warning.examples.emplace_back(atom, lines[as_number(in_file[atom])]);
   DiagnosticText text = describe(std::move(warning), surface, in_file);
   text.message = formatted("{}: {} far from all others: {}", input_name(input),

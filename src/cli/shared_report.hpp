@@ -66,9 +66,8 @@ DiagnosticText describe(const FarAtomsWarning& far, const std::map<FileIndex, At
 /// the surface, whose atoms have the indices `in_file` in the file.
 DiagnosticText describe(FarAtomsWarning far, const Surface& surface, const FileIndices& in_file);
 
-/// Returns the warning about a few atoms far from all others, such as placeholders, which would
-/// make the usual grid large and empty; nothing if there are none. `lines` has the line of each
-/// atom of the file.
+/// Returns the warning about the atoms of find_stray_atoms; nothing if there are none. `lines` has
+/// the line of each atom of the file.
 std::optional<DiagnosticText> far_atoms_of(const Surface& surface, const FileIndices& in_file,
                                            std::span<const std::uint64_t> lines,
                                            const std::filesystem::path& input);

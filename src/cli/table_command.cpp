@@ -20,6 +20,7 @@
 #include "cli/json.hpp"
 #include "cli/messages.hpp"
 #include "eses/error.hpp"
+#include "input/radii_set.hpp"
 #include "output/area_tables.hpp"
 #include "output/file_path.hpp"
 #include "system/formatted.hpp"
@@ -65,7 +66,7 @@ std::vector<std::string> names_of_tables(const TableOptions& options) {
 
 /// Returns the files that a command reads.
 std::vector<ReadFile> files_that_are_read(const TableOptions& options) {
-  std::vector<ReadFile> read{{options.structure.radii, "the file of --radii"},
+  std::vector<ReadFile> read{{radii_file(options.structure.radii), "the file of --radii"},
                              {options.choice.list, "the file of --files-from"}};
   for (const std::filesystem::path& input : options.inputs)
     read.push_back({input, "an input file"});
