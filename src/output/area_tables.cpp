@@ -74,8 +74,8 @@ std::string part_columns(const MeasuredAtoms& atoms) {
 
 std::string part_fields(const MeasuredAtoms& atoms, const AreaSums& sums) {
   if (atoms.areas_alone == nullptr) return "";
-  const std::string fields = formatted(",{},{}", csv_field(atoms.part_names[sums.part]),
-                                       difference_text(sums.sas_alone, sums.sas));
+  std::string fields = formatted(",{},{}", csv_field(atoms.part_names[sums.part]),
+                                 difference_text(sums.sas_alone, sums.sas));
   if (!has_ses(atoms)) return fields;
   return fields + "," + difference_text(sums.ses_alone, sums.ses.total());
 }

@@ -35,41 +35,40 @@ std::string accessors_text(const MeshCounts& counts, bool has_colors, const Vert
   constexpr int float_type = 5126, byte_type = 5121, index_type = 5125;
   constexpr std::size_t vector_bytes = 3 * sizeof(float);
   const auto vertex_accessor = [&](std::size_t offset, int type, std::string_view rest) {
-    return formatted("{{\"bufferView\":0,\"byteOffset\":{},\"componentType\":{},\"count\":{},{}}},",
+    return formatted(R"({{"bufferView":0,"byteOffset":{},"componentType":{},"count":{},{}}},)",
                      offset, type, counts.vertices, rest);
   };
   return vertex_accessor(0, float_type,
-                         formatted("\"type\":\"VEC3\",\"min\":{},\"max\":{}", array_text(box.low),
+                         formatted(R"("type":"VEC3","min":{},"max":{})", array_text(box.low),
                                    array_text(box.high))) +
-         vertex_accessor(vector_bytes, float_type, "\"type\":\"VEC3\"") +
-         (has_colors ? vertex_accessor(2 * vector_bytes, byte_type,
-                                       "\"type\":\"VEC4\",\"normalized\":true")
-                     : std::string()) +
-         formatted("{{\"bufferView\":1,\"componentType\":{},\"count\":{},\"type\":\"SCALAR\"}}",
+         vertex_accessor(vector_bytes, float_type, R"("type":"VEC3")") +
+         (has_colors
+              ? vertex_accessor(2 * vector_bytes, byte_type, R"("type":"VEC4","normalized":true)")
+              : std::string()) +
+         formatted(R"({{"bufferView":1,"componentType":{},"count":{},"type":"SCALAR"}})",
                    index_type, 3 * counts.triangles);
 }
 
 /// glTF permits no empty accessors, so that an empty mesh has no description.
 std::string json_text(const MeshCounts& counts, bool has_colors, Vec3 center,
                       const VertexBox& box) {
-  const std::string asset = "{\"asset\":{\"version\":\"2.0\",\"generator\":\"eses-blocks\"}";
+  const std::string asset = R"({"asset":{"version":"2.0","generator":"eses-blocks"})";
   if (counts.triangles == 0) return asset + "}";
   const std::uint64_t split = vertex_bytes(counts, has_colors);
   return asset +
-         formatted(
-             ",\"scene\":0,\"scenes\":[{{\"nodes\":[0]}}],"
-             "\"nodes\":[{{\"mesh\":0,\"translation\":{}}}],"
-             "\"meshes\":[{{\"primitives\":[{{\"attributes\":{{\"POSITION\":0,\"NORMAL\":1{}}},"
-             "\"indices\":{},\"material\":0}}]}}],"
-             "\"materials\":[{{\"pbrMetallicRoughness\":{{\"metallicFactor\":0}}}}],"
-             "\"buffers\":[{{\"byteLength\":{}}}],"
-             "\"bufferViews\":[{{\"buffer\":0,\"byteLength\":{},\"byteStride\":{},\"target\":34962}"
-             "},"
-             "{{\"buffer\":0,\"byteOffset\":{},\"byteLength\":{},\"target\":34963}}],"
-             "\"accessors\":[{}]}}",
-             array_text(center), has_colors ? ",\"COLOR_0\":2" : "", has_colors ? 3 : 2,
-             data_bytes(counts, has_colors), split, gltf_vertex_bytes(has_colors), split,
-             counts.triangles * gltf_triangle_bytes, accessors_text(counts, has_colors, box));
+         formatted(R"(,"scene":0,"scenes":[{{"nodes":[0]}}],)"
+                   R"("nodes":[{{"mesh":0,"translation":{}}}],)"
+                   R"("meshes":[{{"primitives":[{{"attributes":{{"POSITION":0,"NORMAL":1{}}},)"
+                   R"("indices":{},"material":0}}]}}],)"
+                   R"("materials":[{{"pbrMetallicRoughness":{{"metallicFactor":0}}}}],)"
+                   R"("buffers":[{{"byteLength":{}}}],)"
+                   R"("bufferViews":[{{"buffer":0,"byteLength":{},"byteStride":{},"target":34962})"
+                   "},"
+                   R"({{"buffer":0,"byteOffset":{},"byteLength":{},"target":34963}}],)"
+                   R"("accessors":[{}]}})",
+                   array_text(center), has_colors ? R"(,"COLOR_0":2)" : "", has_colors ? 3 : 2,
+                   data_bytes(counts, has_colors), split, gltf_vertex_bytes(has_colors), split,
+                   counts.triangles * gltf_triangle_bytes, accessors_text(counts, has_colors, box));
 }
 
 void append_word(std::string& text, std::uint64_t word) {

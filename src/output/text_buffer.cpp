@@ -101,7 +101,8 @@ char* write_scientific(char* out, double value) {
   const int exponent = decimal_exponent(magnitude);
   const double scaled =
       magnitude * exact_powers[static_cast<std::size_t>(digits_after_point - exponent)];
-  const auto digits = static_cast<std::int64_t>(scaled + 0.5);
+  const auto digits =
+      static_cast<std::int64_t>(scaled + 0.5);  // NOLINT(bugprone-incorrect-roundings)
   const bool is_near_tie = std::fabs(scaled - static_cast<double>(digits)) > 0.5 - tie_distance;
   if (is_near_tie || digits < leading_unit || digits >= 10 * leading_unit)
     return write_exactly(out, value);

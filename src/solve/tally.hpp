@@ -43,7 +43,7 @@ inline std::int64_t rounded_units(double value) {
 }
 
 inline void Tally::add_length(double fraction, int sign) {
-  totals.inside_lengths += sign * rounded_units((fraction - 0.5) / area_share_unit);
+  totals.inside_lengths += AreaShare{sign} * rounded_units((fraction - 0.5) / area_share_unit);
 }
 
 inline void Tally::add_edge(const SurfaceModel& surface, const BlockCrossing& crossing, Vec3 lower,

@@ -34,6 +34,7 @@ const gemmi::Assembly& find_assembly(const gemmi::Structure& structure, const st
         });
   if (found != assemblies.end()) return *found;
   std::vector<std::string> names;
+  names.reserve(assemblies.size());
   for (const gemmi::Assembly& assembly : assemblies) names.push_back(printable(assembly.name));
   throw Error(
       formatted("{}: there is no assembly {} (--assembly); {}", text.name, detail::quoted(id),
