@@ -10,7 +10,7 @@
 #include <variant>
 
 #include "eses/vec3.hpp"
-#include "grid/make_grid.hpp"
+#include "geometry/make_grid.hpp"
 
 namespace eses::detail::fuzz {
 namespace {

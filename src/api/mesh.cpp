@@ -9,7 +9,7 @@
 
 #include "api/arguments.hpp"
 #include "eses/compute.hpp"
-#include "grid/block_crossing.hpp"
+#include "geometry/block_crossing.hpp"
 #include "mesh/quality_filter.hpp"
 #include "mesh/triangulate.hpp"
 #include "mesh/vertex.hpp"

@@ -12,7 +12,7 @@
 #include "eses/measure.hpp"
 #include "eses/place.hpp"
 #include "geometry/box.hpp"
-#include "grid/make_grid.hpp"
+#include "geometry/make_grid.hpp"
 #include "run/pocket_sweep.hpp"
 #include "surface/atom_tree.hpp"
 #include "surface/find_cavities.hpp"

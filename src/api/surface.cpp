@@ -6,8 +6,8 @@
 #include <utility>
 
 #include "eses/grid.hpp"
-#include "grid/make_grid.hpp"
-#include "grid/tiling.hpp"
+#include "geometry/make_grid.hpp"
+#include "geometry/tiling.hpp"
 #include "run/plan.hpp"
 #include "surface/molecule.hpp"
 #include "system/formatted.hpp"

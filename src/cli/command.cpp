@@ -16,9 +16,9 @@
 #include "cli/interruption.hpp"
 #include "cli/messages.hpp"
 #include "cli/surface_options.hpp"
-#include "distributed/processes.hpp"
 #include "eses/error.hpp"
 #include "system/formatted.hpp"
+#include "system/processes.hpp"
 #include "system/resources.hpp"
 
 namespace eses::detail::cli {

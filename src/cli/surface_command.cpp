@@ -16,14 +16,14 @@
 #include "cli/messages.hpp"
 #include "cli/surface_options.hpp"
 #include "cli/surface_report.hpp"
-#include "distributed/processes.hpp"
 #include "eses/error.hpp"
-#include "grid/make_grid.hpp"
+#include "geometry/make_grid.hpp"
 #include "input/radii_set.hpp"
 #include "output/file_path.hpp"
 #include "output/output_files.hpp"
 #include "run/engine.hpp"
 #include "system/formatted.hpp"
+#include "system/processes.hpp"
 
 namespace eses::detail::cli {
 namespace {

@@ -8,7 +8,7 @@
 #include <system_error>
 
 #include "eses/error.hpp"
-#include "grid/make_grid.hpp"
+#include "geometry/make_grid.hpp"
 #include "input/text_fields.hpp"
 #include "system/formatted.hpp"
 #include "system/gzip.hpp"

@@ -10,7 +10,7 @@
 #include <string_view>
 
 #include "eses/error.hpp"
-#include "grid/make_grid.hpp"
+#include "geometry/make_grid.hpp"
 #include "input/eses_reader.hpp"
 #include "input/text_fields.hpp"
 #include "input/text_source.hpp"

@@ -7,7 +7,7 @@
 
 #include "eses/atoms.hpp"
 #include "eses/grid.hpp"
-#include "grid/block_crossing.hpp"
+#include "geometry/block_crossing.hpp"
 
 namespace eses::detail::mesh {
 

@@ -6,7 +6,7 @@
 #include <string>
 
 #include "eses/grid.hpp"
-#include "grid/block_crossing.hpp"
+#include "geometry/block_crossing.hpp"
 #include "input/atom_names.hpp"
 #include "output/text_buffer.hpp"
 

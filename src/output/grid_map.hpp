@@ -14,7 +14,7 @@
 
 #include "eses/grid.hpp"
 #include "eses/outputs.hpp"
-#include "grid/map_rows.hpp"
+#include "geometry/map_rows.hpp"
 #include "output/file.hpp"
 
 namespace eses::detail {

@@ -13,8 +13,7 @@
 #include <string>
 #include <vector>
 
-#include "distributed/processes.hpp"
-#include "grid/plane_range.hpp"
+#include "geometry/plane_range.hpp"
 #include "input/atom_names.hpp"
 #include "output/file.hpp"
 #include "output/output_directory.hpp"
@@ -22,6 +21,7 @@
 #include "run/plan.hpp"
 #include "run/request.hpp"
 #include "solve/region_totals.hpp"
+#include "system/processes.hpp"
 
 namespace eses::detail {
 

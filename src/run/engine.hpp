@@ -12,10 +12,10 @@
 #include <optional>
 #include <vector>
 
-#include "distributed/processes.hpp"
 #include "eses/measure.hpp"
-#include "grid/plane_range.hpp"
+#include "geometry/plane_range.hpp"
 #include "run/planned_run.hpp"
+#include "system/processes.hpp"
 
 namespace eses::detail {
 

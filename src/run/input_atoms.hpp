@@ -7,7 +7,6 @@
 #include <span>
 #include <vector>
 
-#include "distributed/processes.hpp"
 #include "eses/diagnostics.hpp"
 #include "eses/read_atoms.hpp"
 #include "input/atom_names.hpp"
@@ -15,6 +14,7 @@
 #include "run/far_atoms.hpp"
 #include "run/request.hpp"
 #include "surface/molecule.hpp"
+#include "system/processes.hpp"
 #include "system/resources.hpp"
 
 namespace eses::detail {

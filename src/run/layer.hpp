@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "grid/tiling.hpp"
+#include "geometry/tiling.hpp"
 #include "solve/block_solver.hpp"
 #include "solve/region_totals.hpp"
 

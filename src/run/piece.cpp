@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "grid/map_rows.hpp"
+#include "geometry/map_rows.hpp"
 
 namespace eses::detail {
 namespace {

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "eses/error.hpp"
-#include "grid/make_grid.hpp"
-#include "grid/region_box.hpp"
+#include "geometry/make_grid.hpp"
+#include "geometry/region_box.hpp"
 #include "output/area_tables.hpp"
 #include "output/eses_writer.hpp"
 #include "output/grid_map.hpp"

@@ -8,8 +8,8 @@
 
 #include "eses/grid.hpp"
 #include "geometry/box.hpp"
-#include "grid/plane_range.hpp"
-#include "grid/tiling.hpp"
+#include "geometry/plane_range.hpp"
+#include "geometry/tiling.hpp"
 #include "output/output_files.hpp"
 #include "run/memory.hpp"
 #include "run/request.hpp"

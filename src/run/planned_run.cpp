@@ -12,8 +12,8 @@
 
 #include "eses/error.hpp"
 #include "geometry/box.hpp"
-#include "grid/make_grid.hpp"
-#include "grid/region_box.hpp"
+#include "geometry/make_grid.hpp"
+#include "geometry/region_box.hpp"
 #include "system/bytes_text.hpp"
 #include "system/formatted.hpp"
 #include "system/hints.hpp"

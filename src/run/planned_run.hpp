@@ -10,8 +10,7 @@
 #include <span>
 #include <vector>
 
-#include "distributed/processes.hpp"
-#include "grid/plane_range.hpp"
+#include "geometry/plane_range.hpp"
 #include "input/atom_names.hpp"
 #include "output/output_files.hpp"
 #include "run/checkpoint.hpp"
@@ -22,6 +21,7 @@
 #include "surface/find_cavities.hpp"
 #include "surface/molecule.hpp"
 #include "surface/patch_schedule.hpp"
+#include "system/processes.hpp"
 
 namespace eses::detail {
 

@@ -7,7 +7,7 @@
 #include <tuple>
 
 #include "geometry/box.hpp"
-#include "grid/point_bits.hpp"
+#include "geometry/point_bits.hpp"
 #include "solve/region_totals.hpp"
 #include "surface/point_tree.hpp"
 #include "system/parallel.hpp"

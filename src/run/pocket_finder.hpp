@@ -15,7 +15,7 @@
 
 #include "eses/place.hpp"
 #include "eses/pockets.hpp"
-#include "grid/block_crossing.hpp"
+#include "geometry/block_crossing.hpp"
 #include "solve/area_shares.hpp"
 #include "system/disjoint_sets.hpp"
 

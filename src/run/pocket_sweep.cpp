@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "grid/make_grid.hpp"
+#include "geometry/make_grid.hpp"
 #include "run/layer.hpp"
 #include "run/planned_run.hpp"
 #include "run/pocket_finder.hpp"

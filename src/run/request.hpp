@@ -18,7 +18,7 @@
 #include "eses/summary.hpp"
 #include "eses/surface.hpp"
 #include "geometry/box.hpp"
-#include "grid/tiling.hpp"
+#include "geometry/tiling.hpp"
 #include "solve/block_solver.hpp"
 #include "surface/molecule.hpp"
 

@@ -12,7 +12,7 @@
 #include "eses/check.hpp"
 #include "eses/run_options.hpp"
 #include "eses/summary.hpp"
-#include "grid/tiling.hpp"
+#include "geometry/tiling.hpp"
 #include "run/sink.hpp"
 #include "surface/cavity_map.hpp"
 #include "surface/molecule.hpp"

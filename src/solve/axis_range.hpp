@@ -6,7 +6,7 @@
 #include <cmath>
 #include <span>
 
-#include "grid/point_bits.hpp"
+#include "geometry/point_bits.hpp"
 #include "solve/block_features.hpp"
 
 namespace eses::detail {

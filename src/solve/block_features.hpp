@@ -11,7 +11,7 @@
 #include "geometry/arc_sector.hpp"
 #include "geometry/box.hpp"
 #include "geometry/patch_boxes.hpp"
-#include "grid/tiling.hpp"
+#include "geometry/tiling.hpp"
 #include "surface/cavity_map.hpp"
 #include "surface/survey.hpp"
 

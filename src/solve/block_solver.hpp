@@ -6,8 +6,8 @@
 #include <optional>
 #include <vector>
 
-#include "grid/block_crossing.hpp"
-#include "grid/point_bits.hpp"
+#include "geometry/block_crossing.hpp"
+#include "geometry/point_bits.hpp"
 #include "solve/classify.hpp"
 #include "solve/filled_points.hpp"
 #include "solve/inside_fractions.hpp"

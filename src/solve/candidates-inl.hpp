@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "grid/block_crossing.hpp"
-#include "grid/point_bits.hpp"
+#include "geometry/block_crossing.hpp"
+#include "geometry/point_bits.hpp"
 #include "solve/block_features.hpp"
 #include "solve/intersect.hpp"
 #include "solve/tally.hpp"

@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "grid/point_bits.hpp"
+#include "geometry/point_bits.hpp"
 #include "solve/block_features.hpp"
 #include "system/padding.hpp"
 

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <span>
 
-#include "grid/block_crossing.hpp"
+#include "geometry/block_crossing.hpp"
 #include "solve/patch_index.hpp"
 
 namespace eses::detail {

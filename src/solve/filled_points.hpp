@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "geometry/box.hpp"
-#include "grid/point_bits.hpp"
+#include "geometry/point_bits.hpp"
 #include "solve/block_features.hpp"
 #include "surface/surface_model.hpp"
 

@@ -5,7 +5,7 @@
 #include <tuple>
 
 #include "geometry/line_torus.hpp"
-#include "grid/map_rows.hpp"
+#include "geometry/map_rows.hpp"
 #include "solve/accessibility.hpp"
 
 namespace eses::detail {

@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "grid/block_crossing.hpp"
+#include "geometry/block_crossing.hpp"
 #include "solve/intersect.hpp"
 
 namespace eses::detail {

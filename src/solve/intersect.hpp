@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "grid/point_bits.hpp"
+#include "geometry/point_bits.hpp"
 #include "solve/crossing.hpp"
 #include "solve/edge_batch.hpp"
 #include "solve/edge_table.hpp"

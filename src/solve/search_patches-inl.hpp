@@ -1,7 +1,7 @@
 /// The search for crossings patch by patch. Highway includes this file once for each instruction
 /// set.
 
-#include "grid/block_crossing.hpp"
+#include "geometry/block_crossing.hpp"
 #include "solve/candidates-inl.hpp"
 #include "solve/cone_filter-inl.hpp"
 #include "solve/crossing.hpp"

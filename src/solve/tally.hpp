@@ -6,7 +6,7 @@
 #include <cmath>
 #include <cstdint>
 
-#include "grid/block_crossing.hpp"
+#include "geometry/block_crossing.hpp"
 #include "solve/area_shares.hpp"
 #include "solve/region_totals.hpp"
 #include "surface/surface_model.hpp"

@@ -18,7 +18,7 @@
 
 #include "catch.hpp"
 #include "eses/eses.hpp"
-#include "grid/make_grid.hpp"
+#include "geometry/make_grid.hpp"
 #include "input/eses_reader.hpp"
 #include "run/plan.hpp"
 #include "run/planned_run.hpp"

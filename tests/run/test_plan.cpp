@@ -13,7 +13,7 @@
 #include "catch.hpp"
 #include "eses/error.hpp"
 #include "eses/measure.hpp"
-#include "grid/make_grid.hpp"
+#include "geometry/make_grid.hpp"
 #include "output/output_files.hpp"
 #include "run/plan.hpp"
 #include "support/atom_lists.hpp"

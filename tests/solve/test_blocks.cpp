@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "geometry/line_torus.hpp"
-#include "grid/make_grid.hpp"
+#include "geometry/make_grid.hpp"
 #include "solve/accessibility.hpp"
 #include "solve/classify.hpp"
 #include "solve/intersect.hpp"

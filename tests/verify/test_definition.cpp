@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "catch.hpp"
-#include "grid/make_grid.hpp"
+#include "geometry/make_grid.hpp"
 #include "support/atom_lists.hpp"
 #include "support/atom_sets.hpp"
 #include "support/brute_force.hpp"

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "catch.hpp"
-#include "grid/make_grid.hpp"
+#include "geometry/make_grid.hpp"
 #include "run/verifier.hpp"
 #include "solve/block_solver.hpp"
 #include "support/all_patches.hpp"

@@ -10,8 +10,8 @@
 
 #include "catch.hpp"
 #include "eses/error.hpp"
-#include "grid/make_grid.hpp"
-#include "grid/region_box.hpp"
+#include "geometry/make_grid.hpp"
+#include "geometry/region_box.hpp"
 #include "support/all_patches.hpp"
 #include "support/atom_sets.hpp"
 #include "support/eses_files.hpp"

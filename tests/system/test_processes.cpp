@@ -12,7 +12,6 @@
 #include <vector>
 
 #include "catch.hpp"
-#include "distributed/processes.hpp"
 #include "eses/error.hpp"
 #include "input/atom_reader.hpp"
 #include "output/output_files.hpp"
@@ -22,6 +21,7 @@
 #include "support/eses_files.hpp"
 #include "support/sandbox.hpp"
 #include "support/temporary_directory.hpp"
+#include "system/processes.hpp"
 
 namespace eses::detail::test {
 namespace {

@@ -9,8 +9,8 @@
 #include <thread>
 #include <utility>
 
-#include "distributed/processes.hpp"
 #include "system/formatted.hpp"
+#include "system/processes.hpp"
 
 namespace eses::detail {
 namespace {

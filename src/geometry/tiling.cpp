@@ -1,4 +1,4 @@
-#include "grid/tiling.hpp"
+#include "geometry/tiling.hpp"
 
 #include <algorithm>
 #include <stdexcept>

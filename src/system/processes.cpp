@@ -1,5 +1,5 @@
 // The parts of the communication that do not depend on MPI.
-#include "distributed/processes.hpp"
+#include "system/processes.hpp"
 
 #include <unistd.h>
 

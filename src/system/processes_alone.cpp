@@ -1,7 +1,7 @@
 // The communication in a build without MPI, with a single process.
 #include <cstdlib>
 
-#include "distributed/processes.hpp"
+#include "system/processes.hpp"
 
 namespace eses::detail {
 

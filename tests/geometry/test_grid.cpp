@@ -14,8 +14,8 @@
 
 #include "catch.hpp"
 #include "eses/eses.hpp"
-#include "grid/make_grid.hpp"
-#include "grid/tiling.hpp"
+#include "geometry/make_grid.hpp"
+#include "geometry/tiling.hpp"
 #include "run/plan.hpp"
 #include "support/run.hpp"
 #include "support/temporary_directory.hpp"

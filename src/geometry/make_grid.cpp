@@ -1,4 +1,4 @@
-#include "grid/make_grid.hpp"
+#include "geometry/make_grid.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "grid/plane_range.hpp"
+#include "geometry/plane_range.hpp"
 
 namespace eses::detail {
 
