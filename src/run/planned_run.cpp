@@ -209,12 +209,15 @@ std::shared_ptr<const CavityMap> with_slab_indices(std::shared_ptr<const CavityM
 // groups.
 Slab take_slab(InputAtoms& input, const Request& request, const Share& share, const Plan& plan,
                std::span<const PlaneRange> finished) {
-  if (share.count == 1)
+  if (share.count == 1) {
+    // g++ 12 destroys the molecule twice if a later member of a braced list throws.
+    auto cavities = prepare_patches(input.molecule, request, plan);
     return {range_around(remaining(plan.planes(), finished)),
             input.molecule,
             {},
             std::move(input.groups),
-            prepare_patches(input.molecule, request, plan)};
+            std::move(cavities)};
+  }
   const std::span<const Atom> atoms = input.atoms();
   Slab slab = make_slab(atoms, input.groups, request, plan,
                         planes_of_share(atoms, request, share, plan, finished));
