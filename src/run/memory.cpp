@@ -95,7 +95,7 @@ double max_batches(const BlockTiling& tiling, const Outputs& outputs) {
 // Returns the memory of the edges of a block, and of its crossings if they are not kept.
 double bytes_of_edges(const SurfaceSurvey& survey, const Grid& grid, const BlockTiling& tiling,
                       const BlockExtras& extras) {
-  constexpr double max_folds = 6;  // maximum area in a block, relative to its side across z
+  constexpr double max_folds = 8;  // maximum area in a block, relative to its side across z
   const GridIndex points = points_of_block(tiling);
   const auto side = [&](std::size_t axis) { return grid.spacing * as_double(points[axis]); };
   const double area = std::min(survey.max_slab_area(side(2)), max_folds * side(0) * side(1));

@@ -198,7 +198,8 @@ void collect_features(const Patches& patches, const Box& box, BlockFeatures& fea
     const ClusterPatches& cluster = *of_atom.cluster;
     const ListedPatches& listed = listed_patches(cluster, features);
     if (distance <= sas_radius * sas_radius) {
-      features.balls.push_back({atom.center, atom.radius, atom.radius + surface.probe_radius});
+      features.balls.push_back({atom.center, atom.radius, atom.radius + surface.probe_radius,
+                                of_atom.is_proved_buried()});
       if (of_atom.exposure() == AtomExposure::exposed)
         add_face(surface, i, of_atom, listed, box, features);
     }

@@ -35,6 +35,8 @@ struct BallFeature {
   Vec3 center;
   double radius = 0;  ///< van der Waals radius
   double sas_radius = 0;
+  /// Whether it is proved that no accessible probe touches the atom.
+  bool is_buried = false;
 };
 
 /// The cone of directions from a sphere's centre to a cap: { d : d . axis > cosine |d| }.

@@ -300,9 +300,11 @@ void stamp_balls(const BlockGrid& grid, std::span<const Atom> atoms,
 void classify(const BlockGrid& grid, const BlockFeatures& features, ClassifyScratch& scratch,
               PointBits& inside) {
   PointBits& undecided = scratch.undecided;
+  // No probe reaches into the van der Waals ball of a buried atom. Its points stay undecided to the
+  // end, and are inside.
   for (const BallFeature& ball : features.balls) {
     stamp_ball<Stamp::set>(grid, ball.center, ball.sas_radius, undecided);
-    stamp_ball<Stamp::set>(grid, ball.center, ball.radius, inside);
+    if (!ball.is_buried) stamp_ball<Stamp::set>(grid, ball.center, ball.radius, inside);
   }
   mask_undecided(inside, undecided);
   for (const PlacementFeature& placement : features.placements)

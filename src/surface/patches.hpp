@@ -75,6 +75,11 @@ struct AtomPatches {
   std::uint32_t member = 0;
 
   AtomExposure exposure() const { return cluster->exposure[member]; }
+  /// Returns whether the atom was buried before any contact circle was computed: other SAS balls
+  /// cover its SAS sphere with a margin.
+  bool is_proved_buried() const {
+    return exposure() == AtomExposure::buried && face_neighbours().empty();
+  }
   Box face_directions() const { return cluster->face_directions[member].box(); }
   std::span<const AtomIndex> face_neighbours() const {
     return part(cluster->face_neighbours, cluster->face_begin);
