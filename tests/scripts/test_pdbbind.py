@@ -150,7 +150,7 @@ class Results(PdbbindTest):
         # Radii that cannot be used are one error, not one for each structure.
         done = self.run_pdbbind("--radii", "unknown", code=2)
         self.assertEqual(done.stderr.count("\n"), 1, done.stderr)
-        self.assertIn("protor, bondi, msms, naccess, oons or occupancy", done.stderr)
+        self.assertIn("protor, bondi, msms, naccess, oons, one of them with +shannon, occupancy", done.stderr)
         done = self.run_pdbbind("--", "--radii", "msms", code=2)
         self.assertIn("--radii", done.stderr)
 
