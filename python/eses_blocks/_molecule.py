@@ -8,7 +8,7 @@ import io
 import os
 import re
 import warnings
-from typing import Any, Callable, Iterable, Optional, TypeVar, Union
+from typing import Any, Callable, Iterable, Optional, TypeVar
 
 import numpy as np
 import numpy.typing as npt

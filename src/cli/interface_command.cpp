@@ -187,8 +187,9 @@ InterfaceFile read_interfaces(const InterfaceOptions& options, const InputRun& r
                               std::vector<std::string>& warnings) {
   const ReadOptions reading = options.reading_of(run.input, run.check);
   const std::filesystem::path& path = options.inputs[run.input];
+  AtomFile atoms = read_input(path, reading, {}, &options.radii);
   InterfaceFile file{.input = {path, options.measured_model(run.input)},
-                     .file = read_input(path, reading, {}, &options.radii),
+                     .file = std::move(atoms),
                      .are_polar = {},
                      .interfaces = {}};
   const Surface surface(file.file, {.threads = run.threads, .check = run.check});

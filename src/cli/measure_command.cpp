@@ -269,8 +269,9 @@ MeasuredFile measure_file(const MeasureCommandOptions& options, const InputRun& 
       find_named_atoms(options, {path, reading, options.radii, file.labels, file.lines});
   const SurfaceOptions indexing{
       .max_filled_void = options.max_filled_void, .threads = threads, .check = check};
+  Surface surface(std::move(file.atoms), std::move(file.labels), indexing);
   MeasuredFile result{.input = {path, options.measured_model(input)},
-                      .surface = Surface(std::move(file.atoms), std::move(file.labels), indexing)};
+                      .surface = std::move(surface)};
   result.input.diagnostics = describe(file, result.surface, path);
   if (!options.need_pockets()) add_far_atoms(options, file.lines, result);
   if (options.parts.is_chosen()) take_parts(named.parts, indexing, result);

@@ -238,21 +238,21 @@ TableFiles::TableFiles(const TableOptions& options)
     : options_(options), tables_(names_of_tables(options)), run_(paths_of(options, tables_)) {
   const bool has_many = options.inputs.size() > 1;  // the result of a single one is not kept
   if (!options.identity || has_many) log_path_ = log_path(options, !tables_.empty());
-  if (!tables_.empty()) {
-    directory_.emplace(options.output_directory);
-    run_.hold_locks();
-    directory_->remove_abandoned([&](std::string_view name) {
-      return std::ranges::any_of(options.tables,
-                                 [&](const Table& table) { return name.ends_with(table.ending); });
-    });
-  }
+  std::string name_of_csv;
+  if (!tables_.empty()) directory_.emplace(options.output_directory);
   if (!options.csv.empty()) {
     const auto [parent, name] = end_of_links(options.csv);
     if (std::error_code error; !std::filesystem::exists(parent, error)) created_folder_ = parent;
     directory_of_csv_.emplace(parent, name);
-    run_.hold_locks();
-    csv_.emplace(*directory_of_csv_, name);
+    name_of_csv = name;
   }
+  run_.hold_locks();
+  if (directory_)
+    directory_->remove_abandoned([&](std::string_view name) {
+      return std::ranges::any_of(options.tables,
+                                 [&](const Table& table) { return name.ends_with(table.ending); });
+    });
+  if (directory_of_csv_) csv_.emplace(*directory_of_csv_, name_of_csv);
   if (options.identity && has_many) log_.emplace(log_path_, *options.identity);
 }
 

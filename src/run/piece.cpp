@@ -1,7 +1,6 @@
 #include "run/piece.hpp"
 
 #include <algorithm>
-#include <utility>
 
 #include "geometry/map_rows.hpp"
 

@@ -40,7 +40,7 @@ struct RowPiece {
   std::int64_t first_row = 0;                    ///< number of the first row in the region
   std::array<MapRows, map_quantities> map_rows;  ///< by MapQuantity
   mesh::MeshPiece mesh;
-  mesh::MeshFile::Texts mesh_texts;  ///< see MeshSink
+  mesh::MeshFile::Texts mesh_texts;  ///< see RunFiles
   PieceHead head;                    ///< see ChunkFile
   std::uint64_t offset_in_chunk = 0;
 };
