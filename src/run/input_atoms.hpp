@@ -1,5 +1,5 @@
 #pragma once
-/// The input of a run: all atoms, and what is known of them.
+/// The input of a run: all atoms, their names and diagnostics.
 
 #include <cstdint>
 #include <map>
@@ -58,7 +58,7 @@ struct LabelTotals {
   std::uint64_t atom_text_bytes = 0;
 };
 
-/// What a run knows of its input, besides the atoms of its slab.
+/// The names, diagnostics and other properties of the input, without the atoms.
 struct InputInfo {
   std::uint64_t atom_count = 0;
   LabelTotals labels;  ///< totals of the labels that were read

@@ -157,7 +157,7 @@ class Sweep {
   SweepSums run();
 
  private:
-  // What a thread does next: it builds patches, solves a block, or makes a piece.
+  // The next work of a thread: building patches, solving a block, or making a piece.
   using Task = std::variant<BuildStep, WorkItem>;
   // Scratch memory and sums of a thread.
   struct Worker {

@@ -106,7 +106,7 @@ class ChainBuilder {
   std::size_t last_ = 0;                                       // index of the last residue
 };
 
-/// What a file says about an atom besides its members in gemmi. It has 8 bytes.
+/// The place of an atom in its file, and the origin of its element. It has 8 bytes.
 struct AtomSource {
   std::uint32_t line = 0;  ///< in the file, from 1; a file in memory has fewer than 2^32
   /// Whether the element follows from the names, because the file has none or another one.
