@@ -93,11 +93,6 @@ HWY_INLINE std::size_t bit_count(std::uint64_t word) {
   return static_cast<std::size_t>(std::popcount(word));
 }
 
-// Returns the bits below the lowest one of a word.
-HWY_INLINE std::uint64_t bits_before(std::uint64_t word) {
-  return word == 0 ? 0 : (word & (~word + 1)) - 1;
-}
-
 // Gathers the edges with one end inside and one outside that may meet a box. Calls `meet()`, which
 // empties the batch, when it is full and at the end.
 template <class Meet>
@@ -123,8 +118,8 @@ HWY_INLINE void for_edges_near(const Candidates& candidates, const Box& box, Mee
   for (std::int64_t column = columns.begin; column < columns.end; ++column) {
     const std::uint64_t x_edge_bits = column_bits(x.edges, column);
     const std::uint64_t x_point_bits = column_bits(x.points, column);
-    const std::uint64_t before_edges = bits_before(x_edge_bits);
-    const std::uint64_t before_points = bits_before(x_point_bits);
+    const std::uint64_t before_edges = low_bits(std::countr_zero(x_edge_bits));
+    const std::uint64_t before_points = low_bits(std::countr_zero(x_point_bits));
     const auto x_edges = hn::Set(lanes, x_edge_bits), x_points = hn::Set(lanes, x_point_bits);
     for (std::int64_t k = z.edges.begin; k < z.edges.end; ++k) {
       const std::uint64_t is_in_z = k >= z.points.begin && k < z.points.end ? ~std::uint64_t{0} : 0;
