@@ -113,31 +113,31 @@ void take_place(const PlaceChoice& choice, double probe_radius, const std::vecto
   keep_only(others, indexing, file);
 }
 
-/// Adds the warning about atoms that make the grid of the pockets or, otherwise, the usual grid
-/// large and empty. Throws Error if that of the pockets is too large. `lines` has the line of each
-/// atom of the file.
-void add_far_atoms(const MeasureCommandOptions& options, std::span<const std::uint64_t> lines,
-                   MeasuredFile& file) {
-  const FileIndices in_file(file.file_indices);
-  if (options.need_pockets()) {
-    const std::span<const Atom> atoms = file.surface.atoms();
-    std::vector<std::uint64_t> lines_of_atoms;
-    for (AtomIndex i = 0; i < atoms.size(); ++i)
-      lines_of_atoms.push_back(lines[as_number(in_file[i])]);
-    if (const std::optional<FarAtomsWarning> far = require_dense_grid(
-            atoms, options.pocket_options.large_probe_radius,
-            pocket_grid(options.pocket_options.spacing), input_name(file.input.path),
-            lines_of_atoms, options.allow_far_atoms)) {
-      DiagnosticText& warning =
-          file.input.diagnostics.emplace_back(describe(*far, file.surface, in_file));
-      // The search takes long, so the user should know before it.
-      warning.is_printed = options.inputs.size() == 1 && !options.strict && !options.quiet;
-      if (warning.is_printed) print_message("warning", warning.message);
-      return;
-    }
-  }
-  if (auto far = far_atoms_of(file.surface, in_file, lines, file.input.path))
+/// Adds the warning about atoms that make the usual grid large and empty. `lines` has the line of
+/// each atom of the file.
+void add_far_atoms(std::span<const std::uint64_t> lines, MeasuredFile& file) {
+  if (auto far = far_atoms_of(file.surface, FileIndices(file.file_indices), lines, file.input.path))
     file.input.diagnostics.push_back(*std::move(far));
+}
+
+/// Adds the warning about atoms that make the grid of the pockets large and empty or, if there are
+/// none, about those of the usual grid. Throws Error if the grid of the pockets is too large.
+void add_far_atoms_of_pockets(const MeasureCommandOptions& options,
+                              std::span<const std::uint64_t> lines, MeasuredFile& file) {
+  const FileIndices in_file(file.file_indices);
+  const std::span<const Atom> atoms = file.surface.atoms();
+  std::vector<std::uint64_t> lines_of_atoms;
+  for (AtomIndex i = 0; i < atoms.size(); ++i)
+    lines_of_atoms.push_back(lines[as_number(in_file[i])]);
+  const std::optional<FarAtomsWarning> far = require_dense_grid(
+      atoms, options.pocket_options.large_probe_radius, pocket_grid(options.pocket_options.spacing),
+      input_name(file.input.path), lines_of_atoms, options.allow_far_atoms);
+  if (!far) return add_far_atoms(lines, file);
+  DiagnosticText& warning =
+      file.input.diagnostics.emplace_back(describe(*far, file.surface, in_file));
+  // The search takes long, so the user should know before it.
+  warning.is_printed = options.inputs.size() == 1 && !options.strict && !options.quiet;
+  if (warning.is_printed) print_message("warning", warning.message);
 }
 
 /// Finds the pockets, at a place if there is one.
@@ -265,7 +265,7 @@ MeasuredFile measure_file(const MeasureCommandOptions& options, const InputRun& 
                         options.parts.is_chosen() || options.cavities || options.pockets ||
                         options.at || !options.reports.empty();
   AtomFile file = read_input(path, reading, {}, &options.radii);
-  const NamedAtoms named =
+  NamedAtoms named =
       find_named_atoms(options, {path, reading, options.radii, file.labels, file.lines});
   const SurfaceOptions indexing{
       .max_filled_void = options.max_filled_void, .threads = threads, .check = check};
@@ -273,11 +273,11 @@ MeasuredFile measure_file(const MeasureCommandOptions& options, const InputRun& 
   MeasuredFile result{.input = {path, options.measured_model(input)},
                       .surface = std::move(surface)};
   result.input.diagnostics = describe(file, result.surface, path);
-  if (!options.need_pockets()) add_far_atoms(options, file.lines, result);
-  if (options.parts.is_chosen()) take_parts(named.parts, indexing, result);
+  if (!options.need_pockets()) add_far_atoms(file.lines, result);
+  if (options.parts.is_chosen()) take_parts(std::move(named.parts), indexing, result);
   if (options.at) take_place(*options.at, options.probe_radius, named.at, indexing, result);
   // Atoms that are left out do not stretch the grid of the pockets.
-  if (options.need_pockets()) add_far_atoms(options, file.lines, result);
+  if (options.need_pockets()) add_far_atoms_of_pockets(options, file.lines, result);
   measure_atoms(options, threads, check, result);
   result.input.structure = std::move(file.structure);
   if (options.probe_radius == reference_probe_radius) result.reference = options.reference;

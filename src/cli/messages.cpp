@@ -27,13 +27,16 @@ namespace {
   throw Error(message);
 }
 
-/// Whether standard error is a terminal that shows colours, and the user has not refused them
-/// (https://no-color.org).
+/// Whether standard error is a terminal that can move its cursor and show colours.
+bool is_full_terminal() {
+  const char* const terminal = std::getenv("TERM");
+  return isatty(STDERR_FILENO) == 1 && terminal != nullptr && std::string_view(terminal) != "dumb";
+}
+
+/// Whether messages have colours, which the user may refuse (https://no-color.org).
 bool shows_color() {
   const char* const refused = std::getenv("NO_COLOR");
-  const char* const terminal = std::getenv("TERM");
-  return (refused == nullptr || *refused == '\0') && terminal != nullptr &&
-         std::string_view(terminal) != "dumb" && isatty(STDERR_FILENO) == 1;
+  return (refused == nullptr || *refused == '\0') && is_full_terminal();
 }
 
 // --- the progress bar ----------------------------------------------------------------------------
@@ -87,11 +90,6 @@ std::string progress_line(double fraction, const std::string& counts, std::size_
   return percent + bar_text(fraction, std::min(width - needed, widest_bar)) + counts;
 }
 
-bool can_draw() {
-  const char* const terminal = std::getenv("TERM");
-  return isatty(STDERR_FILENO) == 1 && terminal && std::string_view(terminal) != "dumb";
-}
-
 }  // namespace
 
 void print(std::string_view text) {
@@ -136,7 +134,7 @@ std::string one_line(std::string_view text) {
   return line;
 }
 
-ProgressBar::ProgressBar(bool is_wanted) : is_shown_(is_wanted && can_draw()) {}
+ProgressBar::ProgressBar(bool is_wanted) : is_shown_(is_wanted && is_full_terminal()) {}
 
 ProgressBar::~ProgressBar() { clear(); }
 

@@ -238,13 +238,13 @@ TableFiles::TableFiles(const TableOptions& options)
     : options_(options), tables_(names_of_tables(options)), run_(paths_of(options, tables_)) {
   const bool has_many = options.inputs.size() > 1;  // the result of a single one is not kept
   if (!options.identity || has_many) log_path_ = log_path(options, !tables_.empty());
-  std::string name_of_csv;
   if (!tables_.empty()) directory_.emplace(options.output_directory);
+  FilePath csv;
   if (!options.csv.empty()) {
-    const auto [parent, name] = end_of_links(options.csv);
-    if (std::error_code error; !std::filesystem::exists(parent, error)) created_folder_ = parent;
-    directory_of_csv_.emplace(parent, name);
-    name_of_csv = name;
+    csv = end_of_links(options.csv);
+    if (std::error_code error; !std::filesystem::exists(csv.directory, error))
+      created_folder_ = csv.directory;
+    directory_of_csv_.emplace(csv.directory, csv.name);
   }
   run_.hold_locks();
   if (directory_)
@@ -252,7 +252,7 @@ TableFiles::TableFiles(const TableOptions& options)
       return std::ranges::any_of(options.tables,
                                  [&](const Table& table) { return name.ends_with(table.ending); });
     });
-  if (directory_of_csv_) csv_.emplace(*directory_of_csv_, name_of_csv);
+  if (directory_of_csv_) csv_.emplace(*directory_of_csv_, csv.name);
   if (options.identity && has_many) log_.emplace(log_path_, *options.identity);
 }
 
